@@ -1,0 +1,1 @@
+"""Strict reading and atomic writing, shared by every package."""
