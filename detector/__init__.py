@@ -1,0 +1,1 @@
+"""From an image to boxes around speed bumps and potholes."""

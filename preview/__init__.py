@@ -1,0 +1,1 @@
+"""From boxes and ego motion to the road height ahead of each wheel, with its uncertainty."""

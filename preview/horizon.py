@@ -1,0 +1,118 @@
+"""The road ahead as a controller sees it: height over distance for each wheel, with doubt attached."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from files.errors import InputError
+
+
+class Profile(Protocol):
+    """Anything that tells the effective road height (m) at positions x (m), such as a `WheelProfile`."""
+
+    def height(self, x: np.ndarray) -> np.ndarray: ...
+
+
+@dataclass(frozen=True)
+class RoadPreview:
+    """Road ahead of each wheel, on one uniform grid of distances.
+
+    time_s: moment at which the grid is anchored to the wheels.
+    distance_m: (n,) ascending and uniform, ahead of each wheel's contact centre; below zero is behind.
+    height_m: (wheels, n) effective (tyre-enveloped) road height over the local road plane.
+    position_sigma_m: (wheels, n) standard deviation along the road of the features that make this height.
+    height_sigma_m: (wheels, n) standard deviation of the height itself.
+    existence: (wheels, n) probability 0..1 that the feature is real; 0 where nothing was seen.
+    age_s: age of the newest measurement inside.
+    Wrong shapes or values raise `InputError`.
+    """
+
+    time_s: float
+    distance_m: np.ndarray
+    height_m: np.ndarray
+    position_sigma_m: np.ndarray
+    height_sigma_m: np.ndarray
+    existence: np.ndarray
+    age_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        distance = np.asarray(self.distance_m, dtype=float)
+        if distance.ndim != 1 or len(distance) < 2:
+            raise InputError(f"distance_m must have shape (n,) with n >= 2, got {distance.shape}")
+        steps = np.diff(distance)
+        if not (np.isfinite(distance).all() and steps[0] > 0 and np.allclose(steps, steps[0], atol=1e-9)):
+            raise InputError("distance_m must ascend in equal steps, got unequal or descending ones")
+        object.__setattr__(self, "distance_m", distance)
+        wheels = np.asarray(self.height_m).shape[0] if np.ndim(self.height_m) == 2 else 0
+        for name in ("height_m", "position_sigma_m", "height_sigma_m", "existence"):
+            values = np.asarray(getattr(self, name), dtype=float)
+            if wheels == 0 or values.shape != (wheels, len(distance)):
+                raise InputError(f"{name} must have shape (wheels, {len(distance)}), got {values.shape}")
+            if not np.isfinite(values).all():
+                raise InputError(f"{name} must be finite, got NaN or infinity")
+            object.__setattr__(self, name, values)
+        if self.position_sigma_m.min() < 0 or self.height_sigma_m.min() < 0:
+            raise InputError("position_sigma_m and height_sigma_m must be >= 0, got a negative value")
+        if self.existence.min() < 0 or self.existence.max() > 1:
+            raise InputError(
+                f"existence must lie in 0..1, got {self.existence.min()}..{self.existence.max()}"
+            )
+
+    @property
+    def wheels(self) -> int:
+        """Number of wheels."""
+        return self.height_m.shape[0]
+
+    def height(self, wheel: int, distance: float | np.ndarray) -> np.ndarray:
+        """Return the height in metres at `distance` ahead of `wheel`, linear between grid points, flat beyond."""
+        return np.interp(distance, self.distance_m, self.height_m[wheel])
+
+    def advanced(self, distance: float, time_s: float) -> "RoadPreview":
+        """Return the same road anchored `distance` metres further on, at `time_s`; the age grows along."""
+        moved = self.distance_m + distance
+
+        def shifted(rows: np.ndarray) -> np.ndarray:
+            return np.stack([np.interp(moved, self.distance_m, row) for row in rows])
+
+        return replace(
+            self,
+            time_s=time_s,
+            height_m=shifted(self.height_m),
+            position_sigma_m=shifted(self.position_sigma_m),
+            height_sigma_m=shifted(self.height_sigma_m),
+            existence=shifted(self.existence),
+            age_s=self.age_s + time_s - self.time_s,
+        )
+
+
+def distance_grid(behind_m: float = 0.5, ahead_m: float = 10.0, step_m: float = 0.025) -> np.ndarray:
+    """Return the distances of a preview grid, from `-behind_m` to `ahead_m`, both included."""
+    return np.arange(-round(behind_m / step_m), round(ahead_m / step_m) + 1) * step_m
+
+
+def flat_preview(wheels: int, time_s: float = 0.0, distance_m: np.ndarray | None = None) -> RoadPreview:
+    """Return the preview of someone who has seen nothing: flat, existence 0."""
+    distance = distance_grid() if distance_m is None else distance_m
+    nothing = np.zeros((wheels, len(distance)))
+    return RoadPreview(time_s, distance, nothing, nothing, nothing, nothing)
+
+
+def oracle_preview(
+    profiles: Sequence[Profile],
+    wheel_x_m: Sequence[float] | np.ndarray,
+    time_s: float = 0.0,
+    distance_m: np.ndarray | None = None,
+) -> RoadPreview:
+    """Return the true effective profile ahead: sigmas 0, existence 1.
+
+    profiles: one a wheel, world heights as the tyre feels them.
+    wheel_x_m: world position of each wheel's contact centre at `time_s`.
+    """
+    if len(profiles) != len(wheel_x_m):
+        raise InputError(f"profiles must be one a wheel ({len(wheel_x_m)}), got {len(profiles)}")
+    distance = distance_grid() if distance_m is None else distance_m
+    height = np.stack([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
+    zero = np.zeros_like(height)
+    return RoadPreview(time_s, distance, height, zero, zero, np.ones_like(height))
