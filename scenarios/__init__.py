@@ -1,0 +1,1 @@
+"""Scenarios and the closed loop: the thin top of foreride."""

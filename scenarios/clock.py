@@ -1,0 +1,18 @@
+"""Simulated time in integer ticks of the plant step, so that rates never drift or depend on rounding."""
+
+TICKS_PER_SECOND = 1000
+"""The plant steps at 1 kHz."""
+
+
+def due(tick: int, rate_hz: int) -> bool:
+    """Whether a process of `rate_hz` (1 ... 1000 Hz) fires at `tick`.
+
+    Firing k falls on the first tick at or after k/rate, also for rates that do not divide 1000
+    (30 Hz fires at ticks 0, 34, 67, 100, ...).
+    """
+    return tick == 0 or (tick * rate_hz) // TICKS_PER_SECOND != ((tick - 1) * rate_hz) // TICKS_PER_SECOND
+
+
+def ticks(duration_s: float) -> int:
+    """Nearest whole number of ticks of a duration in seconds."""
+    return round(duration_s * TICKS_PER_SECOND)

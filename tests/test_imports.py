@@ -1,0 +1,83 @@
+"""The packages form a house with one-way doors: who may import whom."""
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+MAY_IMPORT: dict[str, set[str]] = {
+    "files": set(),
+    "road": set(),
+    "comfort": set(),
+    "detector": set(),
+    "vehicle": {"road"},
+    "preview": {"road", "detector"},
+    "controller": {"preview", "vehicle", "comfort"},
+    "scenarios": {"road", "comfort", "detector", "vehicle", "preview", "controller"},
+}
+TORCH_FILES = {
+    "assigner", "augment", "blocks", "checkpoint", "evaluate", "export", "heads", "losses", "models", "train",
+    "dataset", "ema", "loader", "schedule",
+}  # fmt: skip
+
+
+def imported_modules(path: Path) -> set[str]:
+    """Dotted names of all modules that a file imports, wherever in the file the import stands."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            names.add(node.module)
+    return names
+
+
+def files_of(package: str) -> list[Path]:
+    return sorted((ROOT / package).rglob("*.py"))
+
+
+@pytest.mark.parametrize("package", MAY_IMPORT)
+def test_imports_flow_one_way(package: str) -> None:
+    allowed = MAY_IMPORT[package] | {package, "files"}
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for path in files_of(package)
+        for name in imported_modules(path)
+        if name.split(".")[0] in MAY_IMPORT and name.split(".")[0] not in allowed
+    ]
+    assert files_of(package), f"package {package} has no files"
+    assert not wrong
+
+
+def test_preview_takes_only_the_detection_type_from_the_detector() -> None:
+    taken = {
+        name
+        for path in files_of("preview")
+        for name in imported_modules(path)
+        if name.split(".")[0] == "detector"
+    }
+    assert taken <= {"detector.detection"}
+
+
+def test_torch_only_where_the_detector_is_trained() -> None:
+    users = {
+        str(path.relative_to(ROOT))
+        for package in MAY_IMPORT
+        for path in files_of(package)
+        if any(name.split(".")[0] == "torch" for name in imported_modules(path))
+    }
+    assert users <= {f"detector/{name}.py" for name in TORCH_FILES}
+
+
+def test_everything_a_scenario_needs_imports_without_torch() -> None:
+    code = (
+        "import sys; sys.modules['torch'] = None\n"
+        "import scenarios.cli, scenarios.closed_loop, detector.runtime, road.render"
+    )
+    import subprocess
+
+    result = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
