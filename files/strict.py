@@ -1,0 +1,189 @@
+"""YAML text to frozen dataclasses, strictly: what is not understood is refused, and the refusal says where.
+
+Field types: bool, int, float, str, `Literal`, `T | None`, `tuple[T, ...]`, `tuple[A, B]`, `dict[str, T]`,
+dataclasses, and unions of dataclasses told apart by the key `kind`, which each member carries as
+`kind: ClassVar[str]`.
+"""
+
+import difflib
+import math
+import types
+import typing
+from collections.abc import Iterable
+from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin
+
+from files.errors import InputError
+from files.yaml12 import parse
+
+_LEAVES = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
+
+
+def read(cls: Any, path: Path | str) -> Any:
+    """The `cls` (a dataclass, or a union of dataclasses) that the YAML file at `path` describes.
+
+    Raises InputError, in one line, for a file that cannot be read, is no YAML or does not describe a `cls`.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
+    return structure(cls, parse(text, str(path)), str(path))
+
+
+def structure(cls: Any, mapping: Any, source: str) -> Any:
+    """The `cls` that a plain mapping describes; `source` names where the mapping came from.
+
+    Raises InputError naming source, dotted path, offending value and what is allowed.
+    """
+    try:
+        return _build(cls, mapping, "")
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def to_mapping(obj: Any) -> Any:
+    """Plain dicts, lists and scalars that `structure` turns back into an equal object."""
+    if is_dataclass(obj) and not isinstance(obj, type):
+        tag = {"kind": obj.kind} if _tag(type(obj)) else {}
+        return tag | {f.name: to_mapping(getattr(obj, f.name)) for f in fields(obj) if f.init}
+    if isinstance(obj, list | tuple):
+        return [to_mapping(item) for item in obj]
+    if isinstance(obj, dict):
+        return {key: to_mapping(value) for key, value in obj.items()}
+    return obj
+
+
+def _build(cls: Any, value: Any, path: str) -> Any:
+    """Dispatch on the type asked for; `path` is the dotted place of `value` in the document."""
+    origin, args = get_origin(cls), get_args(cls)
+    if origin in (Union, types.UnionType):
+        return _union(args, value, path)
+    if cls in _LEAVES:
+        return _leaf(cls, value, path)
+    if origin is Literal:
+        return _literal(args, value, path)
+    if origin is tuple:
+        return _tuple(args, value, path)
+    if origin is dict:
+        return _dict(args[1], value, path)
+    if is_dataclass(cls):
+        return _dataclass(cls, value, path)
+    raise TypeError(f"{path or 'the document'}: no rule to read a {cls!r} from YAML")
+
+
+def _leaf(cls: type, value: Any, path: str) -> Any:
+    fits = type(value) is cls or (cls is float and type(value) is int)
+    if not fits:
+        raise _refusal(path, f"must be {_LEAVES[cls]}, got {_shown(value)}")
+    if cls is float and not math.isfinite(value):
+        raise _refusal(path, f"must be a finite number, got {value}")
+    return cls(value)
+
+
+def _literal(allowed: tuple, value: Any, path: str) -> Any:
+    # 1 == True in Python, so the type is compared as well.
+    if not any(value == item and type(value) is type(item) for item in allowed):
+        raise _refusal(
+            path, f"must be one of {_listed(allowed)}, got {_shown(value)}{_nearest(value, allowed)}"
+        )
+    return value
+
+
+def _tuple(args: tuple, value: Any, path: str) -> tuple:
+    if not isinstance(value, list | tuple):
+        raise _refusal(path, f"must be a list, got {_shown(value)}")
+    if len(args) == 2 and args[1] is Ellipsis:
+        args = args[:1] * len(value)
+    if len(value) != len(args):
+        raise _refusal(path, f"must be a list of {len(args)} values, got {len(value)}")
+    return tuple(
+        _build(cls, item, f"{path}[{i}]") for i, (cls, item) in enumerate(zip(args, value, strict=True))
+    )
+
+
+def _dict(cls: Any, value: Any, path: str) -> dict[str, Any]:
+    _require_mapping(value, path)
+    return {key: _build(cls, item, _join(path, key)) for key, item in value.items()}
+
+
+def _union(members: tuple, value: Any, path: str) -> Any:
+    if value is None and type(None) in members:
+        return None
+    concrete = tuple(member for member in members if member is not type(None))
+    if len(concrete) == 1:
+        return _build(concrete[0], value, path)
+    kinds = {_tag(member): member for member in concrete}
+    _require_mapping(value, path)
+    if "kind" not in value:
+        raise _refusal(_join(path, "kind"), f"is missing; it must be one of {_listed(kinds)}")
+    kind = value["kind"]
+    if not isinstance(kind, str) or kind not in kinds:
+        allowed = f"must be one of {_listed(kinds)}, got {_shown(kind)}{_nearest(kind, kinds)}"
+        raise _refusal(_join(path, "kind"), allowed)
+    return _dataclass(kinds[kind], value, path)
+
+
+def _dataclass(cls: Any, value: Any, path: str) -> Any:
+    _require_mapping(value, path)
+    hints = _hints(cls)
+    rest = dict(value)
+    if (tag := _tag(cls)) and rest.pop("kind", tag) != tag:
+        raise _refusal(_join(path, "kind"), f"must be {tag}, got {_shown(value['kind'])}")
+    for key in rest:
+        if key not in hints:
+            hint = _nearest(key, hints) or f"; allowed are {_listed(hints)}"
+            raise _refusal(_join(path, str(key)), f"is not a known key{hint}")
+    for field in fields(cls):
+        if field.name in hints and field.name not in rest and not _has_default(field):
+            raise _refusal(_join(path, field.name), "is missing")
+    arguments = {key: _build(hints[key], item, _join(path, key)) for key, item in rest.items()}
+    try:
+        return cls(**arguments)
+    except InputError as error:
+        raise InputError(_join(path, str(error))) from None
+
+
+@cache
+def _hints(cls: Any) -> dict[str, Any]:
+    hints = typing.get_type_hints(cls)
+    return {f.name: hints[f.name] for f in fields(cls) if f.init}
+
+
+def _tag(cls: Any) -> str | None:
+    """The `kind` that tells this class from the other members of a union; None for an untagged class."""
+    tag = vars(cls).get("kind")
+    return tag if isinstance(tag, str) and "kind" not in {f.name for f in fields(cls)} else None
+
+
+def _has_default(field: Any) -> bool:
+    return field.default is not MISSING or field.default_factory is not MISSING
+
+
+def _require_mapping(value: Any, path: str) -> None:
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+        raise _refusal(path, f"must be a mapping of named values, got {_shown(value)}")
+
+
+def _join(path: str, key: str) -> str:
+    return f"{path}.{key}" if path else key
+
+
+def _refusal(path: str, message: str) -> InputError:
+    return InputError(f"{path or 'the document'} {message}")
+
+
+def _shown(value: Any) -> str:
+    text = "nothing" if value is None else repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _listed(names: Iterable[Any]) -> str:
+    return ", ".join(str(name) for name in names)
+
+
+def _nearest(name: Any, allowed: Iterable[Any]) -> str:
+    close = difflib.get_close_matches(str(name), [str(item) for item in allowed], n=1)
+    return f"; did you mean {close[0]}?" if close else ""

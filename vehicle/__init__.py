@@ -1,0 +1,1 @@
+"""Quarter and half car: parameters, equations, the MuJoCo plant, its sensors and its linear twin."""

@@ -1,0 +1,157 @@
+"""Vertical dynamics of quarter and half car, written once for NumPy and CasADi.
+
+State, as deviations from static equilibrium on a flat road (SI; pitch positive nose-down):
+
+    quarter  x = [z_s, v_s, z_u, v_u, c]
+    half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
+
+with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a trailing axis,
+x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs columns.
+"""
+
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vehicle.parameters import Car
+
+
+class Forces(NamedTuple):
+    """Vertical forces of each wheel, rows (wheels, ...), N.
+
+    spring, damper and stop push the body up and the wheel down, as deviations from standstill; tyre is the whole
+    tyre force, static share included, and never negative.
+    """
+
+    spring: Any
+    damper: Any
+    stop: Any
+    tyre: Any
+
+
+class Motion(NamedTuple):
+    """The state vector by name; every entry but `damping` holds displacements or velocities, a list of rows."""
+
+    body: list
+    body_velocity: list
+    wheel: list
+    wheel_velocity: list
+    damping: list
+
+
+def state_size(parameters: Car) -> int:
+    """Length of the state vector."""
+    return 2 * len(parameters.body_inertia) + 3 * parameters.wheels
+
+
+def rest_state(parameters: Car) -> np.ndarray:
+    """Standstill with passive dampers, (states,)."""
+    x = np.zeros(state_size(parameters))
+    x[-parameters.wheels :] = [corner.damping_passive_ns_m for corner in parameters.corners]
+    return x
+
+
+def motion(parameters: Car, x: Any) -> Motion:
+    """Split the state vector (states, ...) into its named rows."""
+    body, wheels = len(parameters.body_inertia), parameters.wheels
+    first = 2 * body
+    return Motion(
+        [x[2 * i] for i in range(body)],
+        [x[2 * i + 1] for i in range(body)],
+        [x[first + 2 * i] for i in range(wheels)],
+        [x[first + 2 * i + 1] for i in range(wheels)],
+        [x[first + 2 * wheels + i] for i in range(wheels)],
+    )
+
+
+def rattle(parameters: Car, x: Any, xp: ModuleType = np) -> tuple[Any, Any]:
+    """Suspension travel body minus wheel (positive: extended) and its rate, rows (wheels, ...), m and m/s."""
+    state = motion(parameters, x)
+    travel, rate = _rattle(parameters, state)
+    return _rows(xp, travel), _rows(xp, rate)
+
+
+def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: ModuleType = np) -> Forces:
+    """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
+    state = motion(parameters, x)
+    travel, rate = _rattle(parameters, state)
+    spring, damper, stop, tyre = [], [], [], []
+    for i, corner in enumerate(parameters.corners):
+        spring.append(-corner.spring_n_m * travel[i])
+        damper.append(-state.damping[i] * rate[i])
+        jounce = xp.fmax(-travel[i] - corner.stop_gap_m, 0.0)
+        rebound = xp.fmax(travel[i] - corner.stop_gap_m, 0.0)
+        stop.append(corner.stop_n_m2 * (jounce**2 - rebound**2))
+        push = corner.tyre_n_m * (road_height[i] - state.wheel[i])
+        push = push + corner.tyre_damping_ns_m * (road_velocity[i] - state.wheel_velocity[i])
+        tyre.append(xp.fmax(corner.static_tyre_n + push, 0.0))
+    return Forces(_rows(xp, spring), _rows(xp, damper), _rows(xp, stop), _rows(xp, tyre))
+
+
+def accelerations(parameters: Car, acting: Forces) -> tuple[list, list]:
+    """Accelerations (body motions: heave[, pitch]; wheels) that the forces cause, lists of rows."""
+    suspension = [acting.spring[i] + acting.damper[i] + acting.stop[i] for i in range(parameters.wheels)]
+    body = [
+        sum(corner.lever[j] * suspension[i] for i, corner in enumerate(parameters.corners)) / inertia
+        for j, inertia in enumerate(parameters.body_inertia)
+    ]
+    wheel = [
+        (acting.tyre[i] - corner.static_tyre_n - suspension[i]) / corner.unsprung_mass_kg
+        for i, corner in enumerate(parameters.corners)
+    ]
+    return body, wheel
+
+
+def derivative(
+    parameters: Car, x: Any, command: Any, road_height: Any, road_velocity: Any, xp: ModuleType = np
+) -> Any:
+    """dx/dt, rows (states, ...), for the requested damping `command` (wheels, ...), N·s/m.
+
+    The command is clipped to the damper's range; the actual damping follows it with a first-order lag.
+    """
+    state = motion(parameters, x)
+    body, wheel = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
+    rows = []
+    for velocity, acceleration in zip(state.body_velocity, body, strict=True):
+        rows += [velocity, acceleration]
+    for velocity, acceleration in zip(state.wheel_velocity, wheel, strict=True):
+        rows += [velocity, acceleration]
+    for i, corner in enumerate(parameters.corners):
+        asked = xp.fmin(xp.fmax(command[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
+        rows.append((asked - state.damping[i]) / corner.damper_lag_s)
+    return _rows(xp, rows)
+
+
+def body_acceleration(
+    parameters: Car,
+    x: Any,
+    road_height: Any,
+    road_velocity: Any,
+    x_m: tuple[float, ...] | None = None,
+    xp: ModuleType = np,
+) -> Any:
+    """Vertical acceleration of the body at the places `x_m` ahead of its centre of gravity, rows, m/s².
+
+    Without `x_m`: above each wheel. `parameters.seat_x_m` gives the seats.
+    """
+    body, _ = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
+    places = parameters.axle_x_m if x_m is None else x_m
+    if len(body) == 1:
+        return _rows(xp, [body[0] for _ in places])
+    return _rows(xp, [body[0] - place * body[1] for place in places])
+
+
+def _rattle(parameters: Car, state: Motion) -> tuple[list, list]:
+    travel, rate = [], []
+    for i, corner in enumerate(parameters.corners):
+        lever = list(enumerate(corner.lever))
+        travel.append(sum(arm * state.body[j] for j, arm in lever) - state.wheel[i])
+        rate.append(sum(arm * state.body_velocity[j] for j, arm in lever) - state.wheel_velocity[i])
+    return travel, rate
+
+
+def _rows(xp: ModuleType, rows: list) -> Any:
+    if hasattr(xp, "vertcat"):
+        return xp.vertcat(*rows)
+    return xp.stack(xp.broadcast_arrays(*rows))
