@@ -66,7 +66,7 @@ class RoadPreview:
         return self.height_m.shape[0]
 
     def height(self, wheel: int, distance: float | np.ndarray) -> np.ndarray:
-        """Return the height in metres at `distance` ahead of `wheel`, linear between grid points, flat beyond."""
+        """Return the height (m) at `distance` ahead of `wheel`: linear between grid points, flat beyond."""
         return np.interp(distance, self.distance_m, self.height_m[wheel])
 
     def advanced(self, distance: float, time_s: float) -> "RoadPreview":
