@@ -1,0 +1,155 @@
+"""The pinhole camera: intrinsics, mounting on the sprung mass, projection and its inverse onto a plane.
+
+Pixels (u, v) run right and down with edges at 0..width and 0..height, so pixel (column, row) has its centre
+at (column + 0.5, row + 0.5). The camera looks along its own x axis; y is left, z up (ISO 8855), as for the car.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from road.checks import check_integer, check_number
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Square pixels, principal point in the centre of the image, no distortion."""
+
+    width_px: int = 640
+    height_px: int = 384
+    focal_px: float = 457.0
+
+    def __post_init__(self) -> None:
+        check_integer("width_px", self.width_px, 1)
+        check_integer("height_px", self.height_px, 1)
+        check_number("focal_px", self.focal_px, 0.0, 1e5, open_low=True)
+
+    @property
+    def cx(self) -> float:
+        return self.width_px / 2
+
+    @property
+    def cy(self) -> float:
+        return self.height_px / 2
+
+
+@dataclass(frozen=True)
+class CameraMount:
+    """Where the camera sits on the sprung mass.
+
+    x_m: ahead of the centre of gravity; y_m: left of it; height_m: over the road with the car at rest;
+    pitch_deg: nose-down tilt; cg_height_m: of the centre of gravity, about which the body turns, over the road.
+    """
+
+    x_m: float = -0.35
+    height_m: float = 1.3
+    pitch_deg: float = 6.0
+    y_m: float = 0.0
+    cg_height_m: float = 0.55
+
+    def __post_init__(self) -> None:
+        check_number("x_m", self.x_m, -10.0, 10.0)
+        check_number("height_m", self.height_m, 0.0, 10.0, open_low=True)
+        check_number("pitch_deg", self.pitch_deg, -80.0, 80.0)
+        check_number("y_m", self.y_m, -5.0, 5.0)
+        check_number("cg_height_m", self.cg_height_m, 0.0, 5.0)
+
+
+@dataclass(frozen=True)
+class CameraPose:
+    """Position (m, world) and attitude (rad): yaw left, then pitch nose-down, then roll about its axis."""
+
+    x: float
+    y: float
+    z: float
+    roll: float
+    pitch: float
+    yaw: float
+
+    @property
+    def position(self) -> Array:
+        """(3,) position in the world."""
+        return np.array([self.x, self.y, self.z])
+
+    @property
+    def rotation(self) -> Array:
+        """(3, 3) matrix that turns camera axes (forward, left, up) into world axes."""
+        return rotation_matrix(self.roll, self.pitch, self.yaw)
+
+
+def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
+    """(3, 3) R_z(yaw) R_y(pitch) R_x(roll), body to world; pitch > 0 points the x axis down (ISO 8855)."""
+    cr, sr, cp, sp, cw, sw = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    return np.array(
+        [
+            [cw * cp, cw * sp * sr - sw * cr, cw * sp * cr + sw * sr],
+            [sw * cp, sw * sp * sr + cw * cr, sw * sp * cr - cw * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
+def pose_of(
+    mount: CameraMount,
+    x_cg: float,
+    heave: float,
+    pitch: float,
+    *,
+    y_cg: float = 0.0,
+    roll: float = 0.0,
+    yaw: float = 0.0,
+) -> CameraPose:
+    """Pose of a camera fixed to a sprung mass.
+
+    Args:
+        x_cg, y_cg: position of the centre of gravity (m, world).
+        heave: its height above rest (m). roll, pitch, yaw: attitude of the body (rad).
+    """
+    body = rotation_matrix(roll, pitch, yaw)
+    arm = body @ np.array([mount.x_m, mount.y_m, mount.height_m - mount.cg_height_m])
+    x, y, z = np.array([x_cg, y_cg, heave + mount.cg_height_m]) + arm
+    turn = body @ rotation_matrix(0.0, np.deg2rad(mount.pitch_deg), 0.0)
+    return CameraPose(
+        float(x),
+        float(y),
+        float(z),
+        roll=float(np.arctan2(turn[2, 1], turn[2, 2])),
+        pitch=float(np.arcsin(np.clip(-turn[2, 0], -1.0, 1.0))),
+        yaw=float(np.arctan2(turn[1, 0], turn[0, 0])),
+    )
+
+
+def project(camera: Camera, pose: CameraPose, points: ArrayLike) -> Array:
+    """Pixels (N, 2) of world points (N, 3), not clipped to the image; nan for those not before the camera."""
+    forward, left, up = ((np.asarray(points, float).reshape(-1, 3) - pose.position) @ pose.rotation).T
+    depth = np.where(forward > 1e-9, forward, np.nan)
+    u = camera.cx - camera.focal_px * left / depth
+    v = camera.cy - camera.focal_px * up / depth
+    return np.stack([u, v], axis=1)
+
+
+def rays(camera: Camera, pose: CameraPose, pixels: ArrayLike) -> Array:
+    """Directions (N, 3) in the world through pixels (N, 2), of length such that the forward part is 1."""
+    u, v = np.asarray(pixels, float).reshape(-1, 2).T
+    left, up = (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px
+    return np.stack([np.ones_like(u), left, up], axis=1) @ pose.rotation.T
+
+
+def ground_point(camera: Camera, pose: CameraPose, pixels: ArrayLike, z: float = 0.0) -> Array:
+    """World points (N, 3) where rays through pixels (N, 2) meet the plane of height z; nan if they do not."""
+    direction = rays(camera, pose, pixels)
+    with np.errstate(divide="ignore"):
+        distance = (z - pose.z) / direction[:, 2]
+    distance = np.where((distance > 0) & np.isfinite(distance), distance, np.nan)
+    return pose.position + distance[:, None] * direction
+
+
+def horizon_row(camera: Camera, pose: CameraPose, column: float | None = None) -> float:
+    """Row v of the horizon of the plane z = const in an image column (its centre unless given)."""
+    u = camera.cx if column is None else column
+    forward, left, up = pose.rotation[2]
+    side = (camera.cx - u) / camera.focal_px
+    return float(camera.cy + camera.focal_px * (forward + side * left) / up)

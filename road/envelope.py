@@ -1,0 +1,147 @@
+"""What a tyre feels of the road: the envelope of a rigid wheel and the mean over its contact patch."""
+
+from dataclasses import dataclass, field
+from math import floor
+from typing import overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from road.checks import check_number
+from road.profile import Road
+
+WHEEL_RADIUS_M = 0.31
+PATCH_M = 0.1
+STEP_M = 0.005
+MARGIN_M = 10.0  # road before the start and beyond the end under axles and for previews
+
+
+@dataclass(frozen=True, eq=False)
+class WheelProfile:
+    """Effective road height under one wheel on a uniform grid, linear between grid points.
+
+    x0_m: x of the first grid point; step_m: spacing; heights: (n,) m, n >= 2. Constant beyond both ends.
+    """
+
+    x0_m: float
+    step_m: float
+    heights: NDArray[np.float64]
+    _table: list[float] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
+
+    @overload
+    def height(self, x: float) -> float: ...
+    @overload
+    def height(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def height(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Height (m) at x (m), a float for a float and an array for an array."""
+        if not isinstance(x, float | int):
+            return self._heights(np.asarray(x, float))
+        table = self._table
+        position = (x - self.x0_m) / self.step_m
+        if position <= 0.0:
+            return table[0]
+        if position >= len(table) - 1:
+            return table[-1]
+        index = int(position)
+        low = table[index]
+        return low + (position - index) * (table[index + 1] - low)
+
+    @overload
+    def slope(self, x: float) -> float: ...
+    @overload
+    def slope(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def slope(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Derivative of the height along x; at a grid point that of the cell ahead, 0 beyond the ends."""
+        if not isinstance(x, float | int):
+            return self._slopes(np.asarray(x, float))
+        table = self._table
+        index = floor((x - self.x0_m) / self.step_m)
+        if index < 0 or index >= len(table) - 1:
+            return 0.0
+        return (table[index + 1] - table[index]) / self.step_m
+
+    def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        last = len(self.heights) - 1
+        position = np.clip((x - self.x0_m) / self.step_m, 0.0, last)
+        index = np.minimum(position.astype(np.int64), last - 1)
+        low = self.heights[index]
+        return low + (position - index) * (self.heights[index + 1] - low)
+
+    def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        last = len(self.heights) - 1
+        index = np.floor((x - self.x0_m) / self.step_m).astype(np.int64)
+        inside = (index >= 0) & (index < last)
+        index = np.clip(index, 0, last - 1)
+        return np.where(inside, (self.heights[index + 1] - self.heights[index]) / self.step_m, 0.0)
+
+
+def envelope(
+    heights: ArrayLike, step_m: float, radius_m: float = WHEEL_RADIUS_M, patch_m: float = PATCH_M
+) -> NDArray[np.float64]:
+    """Road height as felt by a wheel: rigid-wheel envelope, then the mean over the contact patch.
+
+    Args:
+        heights: (..., n) road heights (m) every `step_m` along x; taken as constant beyond both ends.
+        radius_m: of the wheel, z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R; 0 for none.
+        patch_m: length of the moving average; 0 for none.
+
+    Returns: (..., n) effective heights.
+    """
+    z = np.asarray(heights, float)
+    return _patch_mean(_rigid_wheel(z, step_m, radius_m), step_m, patch_m)
+
+
+def wheel_profile(
+    road: Road,
+    y_m: float,
+    radius_m: float = WHEEL_RADIUS_M,
+    patch_m: float = PATCH_M,
+    step_m: float = STEP_M,
+) -> WheelProfile:
+    """Effective height along the wheel track y = y_m, from MARGIN_M before the road to MARGIN_M beyond it."""
+    check_number("y_m", y_m, -50.0, 50.0)
+    check_number("radius_m", radius_m, 0.0, 2.0)
+    check_number("patch_m", patch_m, 0.0, 1.0)
+    check_number("step_m", step_m, 0.0005, 0.1)
+    count = int(np.ceil((road.length_m + 2 * MARGIN_M) / step_m)) + 1
+    x = step_m * np.arange(count) - MARGIN_M
+    heights = envelope(road.height(x, y_m), step_m, radius_m, patch_m)
+    heights.setflags(write=False)
+    return WheelProfile(-MARGIN_M, step_m, heights)
+
+
+def _rigid_wheel(z: NDArray[np.float64], step_m: float, radius_m: float) -> NDArray[np.float64]:
+    reach = int(radius_m / step_m)
+    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
+    result = z.copy()
+    for shift in range(-reach, reach + 1):
+        drop = np.sqrt(max(radius_m**2 - (shift * step_m) ** 2, 0.0)) - radius_m
+        window = padded[..., reach + shift : reach + shift + z.shape[-1]]
+        np.maximum(result, window + drop, out=result)
+    return result
+
+
+def _patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray[np.float64]:
+    """Exact integral mean of the linear interpolant over x +- patch / 2."""
+    if patch_m == 0:
+        return z
+    half = patch_m / 2 / step_m
+    reach = int(np.ceil(half))
+    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach + 1, reach + 1)], mode="edge")
+    area = np.zeros(padded.shape)
+    np.cumsum((padded[..., 1:] + padded[..., :-1]) / 2, axis=-1, out=area[..., 1:])
+    centre = np.arange(z.shape[-1], dtype=np.float64) + (reach + 1)
+    ahead, behind = _integral(padded, area, centre + half), _integral(padded, area, centre - half)
+    return (ahead - behind) / (2 * half)
+
+
+def _integral(
+    z: NDArray[np.float64], area: NDArray[np.float64], position: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Integral of the linear interpolant of z from 0 to fractional grid positions."""
+    cell = np.floor(position).astype(np.int64)
+    part = position - cell
+    return area[..., cell] + part * z[..., cell] + part**2 / 2 * (z[..., cell + 1] - z[..., cell])

@@ -1,0 +1,103 @@
+"""Random road roughness of the classes of ISO 8608."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from road.checks import check_choice, check_integer
+
+ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")
+REFERENCE_N0 = 0.1  # cycles/m
+WAVINESS = 2.0
+LOWEST_N, HIGHEST_N = 0.01, 10.0  # cycles/m; ISO 8608 itself covers 0.011 to 2.83
+STEP_M = 0.02
+BLOCK_M = 1024.0
+TRACK_SPACING_M = 0.75  # puts tracks under wheels at y = +-0.75 m and under the lane centre
+TRACKS = 11
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """ISO 8608 class "A" (very good) to "H" (very poor), geometric mean, and the seed of the realisation."""
+
+    iso_class: str
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_choice("iso_class", self.iso_class, ISO_CLASSES)
+        check_integer("seed", self.seed, 0)
+
+    @property
+    def psd_n0_m3(self) -> float:
+        """Displacement PSD at 0.1 cycles/m (m^3): 16e-6 for class A, four times as much for each next."""
+        return 16e-6 * 4.0 ** ISO_CLASSES.index(self.iso_class)
+
+
+def displacement_psd(roughness: Roughness, n: ArrayLike) -> NDArray[np.float64]:
+    """One-sided displacement PSD G_d(n) = G_d(n0) (n / n0)^-2 in m^3, n in cycles/m (ISO 8608:2016, 5.1)."""
+    return roughness.psd_n0_m3 * (np.asarray(n, float) / REFERENCE_N0) ** -WAVINESS
+
+
+class RoughSurface(NamedTuple):
+    """A realisation, periodic along x: heights (tracks, n) on lines y_m (tracks,), every STEP_M."""
+
+    y_m: NDArray[np.float64]
+    heights: NDArray[np.float64]
+
+    def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Bilinear height (m), broadcast over x and y; constant in y beyond the outermost tracks."""
+        count, samples = self.heights.shape
+        column = np.asarray(x, float) / STEP_M
+        row = np.clip((np.asarray(y, float) - self.y_m[0]) / TRACK_SPACING_M, 0.0, count - 1.0)
+        i = np.floor(column).astype(np.int64)
+        j = np.minimum(row.astype(np.int64), count - 2)
+        s, t = column - i, row - j
+        i0, i1 = i % samples, (i + 1) % samples
+        z = self.heights
+        near = z[j, i0] + s * (z[j, i1] - z[j, i0])
+        far = z[j + 1, i0] + s * (z[j + 1, i1] - z[j + 1, i0])
+        return near + t * (far - near)
+
+
+@lru_cache(maxsize=8)
+def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
+    """Realisation at least `length_m` long.
+
+    Gaussian spectral lines with the class's PSD, correlated across tracks as on an isotropic surface
+    (Kamash and Robson, J. Sound Vib. 57(1), 1978): for waviness 2 the cross spectrum of two lines a distance
+    b apart is G_d(n) * u K_1(u), u = 2 pi n b. Roads of up to BLOCK_M share their realisation, whatever
+    their length; longer ones take a block of twice, four times... that length.
+    """
+    period = BLOCK_M
+    while period < length_m:
+        period *= 2
+    samples = round(period / STEP_M)
+    n = np.fft.rfftfreq(samples, STEP_M)
+    active = (n >= LOWEST_N) & (n <= HIGHEST_N)
+    y = (np.arange(TRACKS) - TRACKS // 2) * TRACK_SPACING_M
+    distance = np.abs(y[:, None] - y[None, :])
+    coherence = isotropic_coherence(2 * np.pi * n[active, None, None] * distance)
+    root = np.linalg.cholesky(coherence + 1e-9 * np.eye(TRACKS))
+    rng = np.random.default_rng(roughness.seed)
+    line = rng.normal(size=(*n[active].shape, TRACKS, 2)) @ np.array([1.0, 1j])
+    # A line of one-sided PSD G in a bin of width 1/period has E|Z|^2 = G / period / 2 per side.
+    scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
+    spectrum = np.zeros((TRACKS, len(n)), complex)
+    spectrum[:, active] = (np.einsum("kij,kj->ki", root, line) * scale[:, None]).T
+    heights = np.fft.irfft(spectrum, samples, axis=1).astype(np.float64)
+    heights.setflags(write=False)
+    return RoughSurface(y, heights)
+
+
+def isotropic_coherence(u: ArrayLike) -> NDArray[np.float64]:
+    """u K_1(u), from K_1(u) = integral_0^inf exp(-u cosh t) cosh t dt by a table; 1 at u = 0."""
+    grid = np.concatenate([[0.0], np.geomspace(1e-4, 60.0, 1200)])
+    t = np.linspace(0.0, 14.0, 1401)
+    weight = np.full(len(t), t[1])
+    weight[0] /= 2
+    value = grid * (np.exp(-grid[:, None] * np.cosh(t)) * np.cosh(t) @ weight)
+    value[0] = 1.0
+    return np.interp(np.asarray(u, float), grid, value)
