@@ -1,7 +1,8 @@
 """The pinhole camera: intrinsics, mounting on the sprung mass, projection and its inverse onto a plane.
 
 Pixels (u, v) run right and down with edges at 0..width and 0..height, so pixel (column, row) has its centre
-at (column + 0.5, row + 0.5). The camera looks along its own x axis; y is left, z up (ISO 8855), as for the car.
+at (column + 0.5, row + 0.5). The camera looks along its own x axis; y is left, z up (ISO 8855), as for the
+car.
 """
 
 from dataclasses import dataclass
@@ -40,8 +41,9 @@ class Camera:
 class CameraMount:
     """Where the camera sits on the sprung mass.
 
-    x_m: ahead of the centre of gravity; y_m: left of it; height_m: over the road with the car at rest;
-    pitch_deg: nose-down tilt; cg_height_m: of the centre of gravity, about which the body turns, over the road.
+    x_m, y_m: ahead and left of the centre of gravity; height_m: over the road with the car at rest;
+    pitch_deg: nose-down tilt; cg_height_m: height over the road of the centre of gravity, about which the
+    body turns.
     """
 
     x_m: float = -0.35

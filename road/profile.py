@@ -42,11 +42,12 @@ class Road:
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height of the road (m) at world points, broadcast over x and y."""
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
-        z = np.zeros(x.shape)
+        x, y = np.asarray(x, float), np.asarray(y, float)
+        z = np.zeros(np.broadcast_shapes(x.shape, y.shape))
         if self._surface is not None:
             fade = np.clip(x / FADE_IN_M, 0.0, 1.0)
             z += fade * fade * (3 - 2 * fade) * self._surface.height(x, y)
+        x, y = np.broadcast_arrays(x, y)
         for feature in self.features:
             near = (x >= feature.start_m) & (x <= feature.end_m)
             near &= (y >= feature.y_min_m) & (y <= feature.y_max_m)

@@ -87,7 +87,7 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
     spectrum = np.zeros((TRACKS, len(n)), complex)
     spectrum[:, active] = (np.einsum("kij,kj->ki", root, line) * scale[:, None]).T
-    heights = np.fft.irfft(spectrum, samples, axis=1).astype(np.float64)
+    heights = np.asarray(np.fft.irfft(spectrum, samples, axis=1), np.float64)
     heights.setflags(write=False)
     return RoughSurface(y, heights)
 
