@@ -47,7 +47,8 @@ def structure(cls: Any, mapping: Any, source: str) -> Any:
 def to_mapping(obj: Any) -> Any:
     """Plain dicts, lists and scalars that `structure` turns back into an equal object."""
     if is_dataclass(obj) and not isinstance(obj, type):
-        tag = {"kind": obj.kind} if _tag(type(obj)) else {}
+        kind = _tag(type(obj))
+        tag = {"kind": kind} if kind else {}
         return tag | {f.name: to_mapping(getattr(obj, f.name)) for f in fields(obj) if f.init}
     if isinstance(obj, list | tuple):
         return [to_mapping(item) for item in obj]
@@ -86,9 +87,8 @@ def _leaf(cls: type, value: Any, path: str) -> Any:
 def _literal(allowed: tuple, value: Any, path: str) -> Any:
     # 1 == True in Python, so the type is compared as well.
     if not any(value == item and type(value) is type(item) for item in allowed):
-        raise _refusal(
-            path, f"must be one of {_listed(allowed)}, got {_shown(value)}{_nearest(value, allowed)}"
-        )
+        hint = _nearest(value, allowed)
+        raise _refusal(path, f"must be one of {_listed(allowed)}, got {_shown(value)}{hint}")
     return value
 
 
@@ -99,9 +99,7 @@ def _tuple(args: tuple, value: Any, path: str) -> tuple:
         args = args[:1] * len(value)
     if len(value) != len(args):
         raise _refusal(path, f"must be a list of {len(args)} values, got {len(value)}")
-    return tuple(
-        _build(cls, item, f"{path}[{i}]") for i, (cls, item) in enumerate(zip(args, value, strict=True))
-    )
+    return tuple(_build(args[i], item, f"{path}[{i}]") for i, item in enumerate(value))
 
 
 def _dict(cls: Any, value: Any, path: str) -> dict[str, Any]:
@@ -154,7 +152,7 @@ def _hints(cls: Any) -> dict[str, Any]:
 
 def _tag(cls: Any) -> str | None:
     """The `kind` that tells this class from the other members of a union; None for an untagged class."""
-    tag = vars(cls).get("kind")
+    tag = getattr(cls, "kind", None)
     return tag if isinstance(tag, str) and "kind" not in {f.name for f in fields(cls)} else None
 
 

@@ -5,8 +5,8 @@ State, as deviations from static equilibrium on a flat road (SI; pitch positive 
     quarter  x = [z_s, v_s, z_u, v_u, c]
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
 
-with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a trailing axis,
-x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs columns.
+with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a trailing
+axis, x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs columns.
 """
 
 from types import ModuleType
@@ -20,8 +20,8 @@ from vehicle.parameters import Car
 class Forces(NamedTuple):
     """Vertical forces of each wheel, rows (wheels, ...), N.
 
-    spring, damper and stop push the body up and the wheel down, as deviations from standstill; tyre is the whole
-    tyre force, static share included, and never negative.
+    spring, damper and stop push the body up and the wheel down, as deviations from standstill; tyre is the
+    whole tyre force, static share included, and never negative.
     """
 
     spring: Any
@@ -31,7 +31,7 @@ class Forces(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """The state vector by name; every entry but `damping` holds displacements or velocities, a list of rows."""
+    """The state vector by name; each entry is a list of rows."""
 
     body: list
     body_velocity: list

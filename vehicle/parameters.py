@@ -1,11 +1,12 @@
 """What a car is made of: parameters of the quarter and the half car, read from YAML.
 
-Both cars are seen by the equations in the same way: a rigid sprung mass with one inertia per body motion (heave,
-then pitch) and a tuple of corners, front first.
+Both cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, then pitch)
+and a tuple of corners, front first.
 """
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -20,7 +21,7 @@ _SHIPPED = Path(__file__).parent / "parameters"
 class Corner:
     """One wheel with its suspension, and where it holds the sprung mass.
 
-    `lever` turns body motion into the vertical motion of the body above the wheel: z = lever · (heave[, pitch]).
+    `lever` turns body motion into vertical motion of the body above the wheel: z = lever · (heave[, pitch]).
     `body_load_n` is the share of the sprung weight that rests on this corner at standstill.
     """
 
@@ -105,7 +106,7 @@ class QuarterCar:
         """Inertia against each body motion: heave (kg)."""
         return (self.sprung_mass_kg,)
 
-    @property
+    @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """The one corner."""
         shared = {name: getattr(self, name) for name in _CORNER_FIELDS}
@@ -117,8 +118,8 @@ class QuarterCar:
 class HalfCar:
     """Body with heave and pitch on two axles, SI units; tuples are (front, rear).
 
-    Masses, stiffnesses and damping are those of one side of the car. Pitch is positive nose-down and small: the
-    body above the wheel at x moves by heave - x · pitch (at 0.1 rad the sine differs by 0.2 %).
+    Masses, stiffnesses and damping are those of one side of the car. Pitch is positive nose-down and small:
+    the body above the wheel at x moves by heave - x · pitch (at 0.1 rad the sine differs by 0.2 %).
     """
 
     kind: ClassVar[str] = "half_car"
@@ -175,7 +176,7 @@ class HalfCar:
         """Inertia against each body motion: heave (kg), pitch (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2)
 
-    @property
+    @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """Front and rear corner."""
         wheelbase = self.front_axle_m + self.rear_axle_m
