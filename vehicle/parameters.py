@@ -1,7 +1,7 @@
 """What a car is made of: parameters of the quarter and the half car, read from YAML.
 
-Both cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, then pitch)
-and a tuple of corners, front first.
+Both cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, then
+pitch) and a tuple of corners, front first.
 """
 
 import math
