@@ -1,0 +1,130 @@
+"""Ego motion at sensor rate: where the sprung mass was at any recent moment.
+
+Inertial signals carry the fast part; the rattle space (suspension deflection) ties it to the road over
+a few tenths of a second. So the body's pitch and heave come out relative to the road plane around the
+car, without following the wheels over each stone.
+"""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from files.errors import InputError
+from preview.settings import Settings
+
+
+class Measurement(Protocol):
+    """What the car's sensors say at one moment; one entry a wheel, front first (`vehicle.sensors`)."""
+
+    time_s: float
+    body_acc: np.ndarray  # vertical, of the body over each wheel, without gravity
+    wheel_acc: np.ndarray
+    rattle_m: np.ndarray  # body minus wheel height, deviation from rest
+    pitch_rate: float  # nose-down positive
+    speed_m_s: float
+
+
+@dataclass(frozen=True)
+class EgoState:
+    """The sprung mass at one moment: odometer, heave and pitch relative to the local road plane."""
+
+    time_s: float
+    x_m: float
+    heave_m: float
+    pitch_rad: float
+    speed_m_s: float
+
+
+class EgoMotion:
+    """Complementary filters for pitch and heave, an odometer, and their recent history.
+
+    axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
+    car, which has no pitch). The odometer starts at `x_m` and reads the centre of gravity.
+    """
+
+    def __init__(self, axle_x_m: tuple[float, ...], settings: Settings, x_m: float = 0.0) -> None:
+        if len(axle_x_m) not in (1, 2):
+            raise InputError(f"axle_x_m must have 1 or 2 entries, got {len(axle_x_m)}")
+        self.axle_x_m = np.asarray(axle_x_m, dtype=float)
+        self.settings = settings
+        self._x_m = x_m
+        self._pitch = self._heave = self._heave_velocity = 0.0
+        self._masked_until_s = -np.inf
+        self._times: list[float] = []
+        self._states: list[EgoState] = []
+
+    def update(self, measurement: Measurement) -> EgoState:
+        """Take one measurement in; time must advance, else `InputError`."""
+        previous = self._states[-1] if self._states else None
+        step = 0.0 if previous is None else measurement.time_s - previous.time_s
+        if previous is not None:
+            if step <= 0:
+                raise InputError(f"time_s must advance beyond {previous.time_s}, got {measurement.time_s}")
+            self._x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
+        if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
+            self._masked_until_s = measurement.time_s + self.settings.strike_hold_s
+        trust = 0.0 if measurement.time_s < self._masked_until_s else 1.0
+        self._update_pitch(measurement, step, trust)
+        self._update_heave(measurement, step, trust)
+        state = EgoState(measurement.time_s, self._x_m, self._heave, self._pitch, measurement.speed_m_s)
+        self._times.append(state.time_s)
+        self._states.append(state)
+        if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:
+            keep = bisect_right(self._times, state.time_s - self.settings.history_s)
+            del self._times[:keep], self._states[:keep]
+        return state
+
+    def at(self, time_s: float) -> EgoState:
+        """Return the state at any recent moment, between measurements by interpolation.
+
+        After the newest one the car rolls on at its speed; before any measurement, or before the
+        history, `InputError`.
+        """
+        if not self._states:
+            raise InputError("motion must be known before it is asked for, got no measurement")
+        newest = self._states[-1]
+        if time_s >= newest.time_s:
+            ahead = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
+            return EgoState(time_s, ahead, newest.heave_m, newest.pitch_rad, newest.speed_m_s)
+        if time_s < self._times[0] - 1e-9:
+            raise InputError(f"time_s must be >= {self._times[0]} (oldest motion kept), got {time_s}")
+        after = max(1, bisect_right(self._times, time_s))
+        a, b = self._states[after - 1], self._states[after]
+        share = (time_s - a.time_s) / (b.time_s - a.time_s)
+
+        def mix(p: float, q: float) -> float:
+            return p + share * (q - p)
+
+        return EgoState(
+            time_s,
+            mix(a.x_m, b.x_m),
+            mix(a.heave_m, b.heave_m),
+            mix(a.pitch_rad, b.pitch_rad),
+            mix(a.speed_m_s, b.speed_m_s),
+        )
+
+    def _update_pitch(self, measurement: Measurement, step: float, trust: float) -> None:
+        if len(self.axle_x_m) == 1:
+            return
+        front, rear = measurement.rattle_m
+        reference = (rear - front) / (self.axle_x_m[0] - self.axle_x_m[1])
+        gain = trust * min(1.0, step / self.settings.reference_time_s)
+        self._pitch += step * measurement.pitch_rate
+        self._pitch += gain * (reference - self._pitch)
+
+    def _update_heave(self, measurement: Measurement, step: float, trust: float) -> None:
+        """Twice-integrated acceleration, pulled to the rattle space by a critically damped observer."""
+        acceleration = self._at_centre(measurement.body_acc)
+        error = trust * (self._at_centre(measurement.rattle_m) - self._heave)
+        rate = 1.0 / self.settings.reference_time_s
+        self._heave += step * (self._heave_velocity + 2.0 * rate * error)
+        self._heave_velocity += step * (acceleration + rate**2 * error)
+
+    def _at_centre(self, values: np.ndarray) -> float:
+        """Interpolate a quantity known over the axles to the centre of gravity."""
+        if len(self.axle_x_m) == 1:
+            return float(values[0])
+        front, rear = self.axle_x_m
+        return float((front * values[1] - rear * values[0]) / (front - rear))

@@ -1,0 +1,61 @@
+"""Every number that the estimator believes about its sensors and the objects it looks for."""
+
+from dataclasses import dataclass, fields
+
+from files.errors import InputError
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Beliefs of the estimator; the defaults suit a detector good to about one pixel.
+
+    Every `..._sigma...` is one standard deviation. A value that is not above zero (the biases may have
+    any sign) or a probability outside 0..1 raises `InputError`.
+    """
+
+    # Boxes
+    pixel_sigma: float = 1.0
+    correlation: float = 3.0  # variance inflation, because errors of successive boxes resemble each other
+    bottom_bias_px: float = 0.0  # systematic box edge minus true edge, rows counted downwards
+    top_bias_px: float = 0.0
+    border_px: float = 2.0  # edges this near to the image border or bonnet are cut, not seen
+    bonnet_row_px: float = 1e9  # first image row that the bonnet hides
+    max_boxes: int = 48  # of one track, the newest are kept
+
+    # Geometry (section priors of the fit)
+    pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
+    offset_sigma_deg: float = 0.25  # mounting pitch, before anything was learned
+    offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
+    edge_height_sigma_m: float = 0.015  # ground at the object over the local road plane
+    odometry_sigma: float = 0.005  # relative error of travelled distance
+
+    # Existence
+    detection_probability: float = 0.85
+    false_repeat_probability: float = 0.1  # that a false box meets a track again
+    birth_range_m: float = 35.0
+    confirm_existence: float = 0.8
+    death_existence: float = 0.05
+
+    # Ego motion
+    reference_time_s: float = 0.3  # memory of gyro pitch against rattle pitch
+    strike_acc_m_s2: float = 25.0  # wheel acceleration that makes the rattle reference useless
+    strike_hold_s: float = 0.15
+    history_s: float = 3.0
+
+    # Hit feedback
+    hit_sigma_m: float = 0.03
+    hit_gate_m: float = 0.5
+    wheel_hop_hz: float = 10.8
+
+    # Preview
+    background_sigma_m: float = 0.01  # road height where nothing was seen
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if "bias" in field.name:
+                continue
+            if not value > 0:
+                raise InputError(f"{field.name} must be > 0, got {value}")
+            if ("probability" in field.name or "existence" in field.name) and value >= 1:
+                raise InputError(f"{field.name} must be < 1, got {value}")
