@@ -6,7 +6,8 @@ State, as deviations from static equilibrium on a flat road (SI; pitch positive 
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
 
 with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a
-trailing axis, x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs columns.
+trailing axis, x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs
+columns.
 """
 
 from types import ModuleType
