@@ -77,17 +77,17 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     samples = round(period / STEP_M)
     n = np.fft.rfftfreq(samples, STEP_M)
     active = (n >= LOWEST_N) & (n <= HIGHEST_N)
-    y = (np.arange(TRACKS) - TRACKS // 2) * TRACK_SPACING_M
+    y = TRACK_SPACING_M * np.arange(-(TRACKS // 2), TRACKS // 2 + 1, dtype=np.float64)
     distance = np.abs(y[:, None] - y[None, :])
     coherence = isotropic_coherence(2 * np.pi * n[active, None, None] * distance)
     root = np.linalg.cholesky(coherence + 1e-9 * np.eye(TRACKS))
     rng = np.random.default_rng(roughness.seed)
     line = rng.normal(size=(*n[active].shape, TRACKS, 2)) @ np.array([1.0, 1j])
-    # A line of one-sided PSD G in a bin of width 1/period has E|Z|^2 = G / period / 2 per side.
+    # A spectral line Z adds a mean square of 2 E|Z|^2 / samples^2 = G / period, and E|line|^2 is 2.
     scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
     spectrum = np.zeros((TRACKS, len(n)), complex)
     spectrum[:, active] = (np.einsum("kij,kj->ki", root, line) * scale[:, None]).T
-    heights = np.asarray(np.fft.irfft(spectrum, samples, axis=1), np.float64)
+    heights = np.fft.irfft(spectrum, samples, axis=1)
     heights.setflags(write=False)
     return RoughSurface(y, heights)
 
