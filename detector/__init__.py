@@ -1,1 +1,5 @@
-"""From an image to boxes around speed bumps and potholes."""
+"""SBP-YOLO: an RGB image in, boxes of speed bumps and potholes out.
+
+`runtime.Detector` needs onnxruntime, numpy and OpenCV only; torch is imported by the model, loss,
+training and export files alone.
+"""

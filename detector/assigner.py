@@ -1,0 +1,116 @@
+"""Which anchor points learn which box: task-aligned assignment (Feng et al., TOOD, ICCV 2021, eq. 1).
+
+Candidates are the points within one stride *around* a box at each level, not only those inside it: a
+bump five pixels high often lies between two rows of a coarse level, and would have no point at all.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from detector.heads import decode
+from detector.overlap import iou
+
+
+@dataclass(frozen=True)
+class Truths:
+    """Labelled objects of a batch, flat.
+
+    image: (G,) index of the image in the batch
+    classes: (G,) class index, or -1 where the object is too small to be asked for (neither right nor wrong)
+    boxes: (G, 4) x0 y0 x1 y1 in pixels
+    """
+
+    image: Tensor
+    classes: Tensor
+    boxes: Tensor
+
+    def where(self, mask: Tensor) -> "Truths":
+        return Truths(self.image[mask], self.classes[mask], self.boxes[mask])
+
+    def to(self, device: torch.device) -> "Truths":
+        return Truths(self.image.to(device), self.classes.to(device), self.boxes.to(device))
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """P pairs of a point and the object that it learns.
+
+    image, anchor, truth: (P,) indices; score: (P,) class target in 0..1 and weight of the box loss
+    """
+
+    image: Tensor
+    anchor: Tensor
+    truth: Tensor
+    score: Tensor
+
+
+def candidates(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
+    """(G, N) bool: point n lies within one stride around box g."""
+    low = points[None] + stride[None, :, None] > boxes[:, None, :2]
+    high = points[None] - stride[None, :, None] < boxes[:, None, 2:]
+    return (low & high).all(-1)
+
+
+def assign(
+    box_logits: Tensor,
+    class_logits: Tensor,
+    points: Tensor,
+    stride: Tensor,
+    truths: Truths,
+    top_k: int = 10,
+    alpha: float = 0.5,
+    beta: float = 6.0,
+) -> Assignment:
+    """Match each object to its `top_k` best aligned points, alignment = score^alpha · IoU^beta.
+
+    box_logits (B, N, 4 · BINS), class_logits (B, N, classes), points (N, 2), stride (N,). A point wanted
+    by several objects goes to the one it overlaps most. The target score is the alignment scaled so that
+    each object's best point gets the object's best IoU. IoU, as in TOOD, not CIoU: the aspect term of
+    CIoU pushes every early guess at a thin bump below zero, and no point would be better than another.
+    """
+    with torch.no_grad():
+        truth, anchor = candidates(truths.boxes, points, stride).nonzero(as_tuple=True)
+        distance = (points[anchor] - _centres(truths.boxes)[truth]).norm(dim=1) / stride[anchor]
+        near = distance.argsort(stable=True)  # among equals, the nearer point in strides comes first
+        truth, anchor = truth[near], anchor[near]
+        image = truths.image[truth]
+        guess = decode(box_logits[image, anchor].float(), points[anchor], stride[anchor])
+        overlap = iou(guess, truths.boxes[truth])
+        score = class_logits[image, anchor, truths.classes[truth]].float().sigmoid()
+        alignment = score**alpha * overlap**beta
+
+        chosen = rank_within(truth, alignment) < top_k
+        image, anchor, truth = image[chosen], anchor[chosen], truth[chosen]
+        overlap, alignment = overlap[chosen], alignment[chosen]
+        alone = rank_within(image * len(points) + anchor, overlap) == 0
+        image, anchor, truth = image[alone], anchor[alone], truth[alone]
+        overlap, alignment = overlap[alone], alignment[alone]
+
+        best_overlap = _largest(truth, overlap, len(truths.boxes))
+        best_alignment = _largest(truth, alignment, len(truths.boxes)).clamp(min=1e-30)
+        target = alignment / best_alignment[truth] * best_overlap[truth]
+    return Assignment(image, anchor, truth, target)
+
+
+def rank_within(group: Tensor, value: Tensor) -> Tensor:
+    """(P,) rank of each value within its group, largest first, earlier elements first among equals."""
+    order = value.argsort(descending=True, stable=True)
+    order = order[group[order].argsort(stable=True)]
+    ordered = group[order]
+    position = torch.arange(len(group), device=group.device)
+    starts = torch.ones_like(ordered, dtype=torch.bool)
+    starts[1:] = ordered[1:] != ordered[:-1]
+    first = torch.where(starts, position, torch.zeros_like(position)).cummax(0).values
+    rank = torch.empty_like(position)
+    rank[order] = position - first
+    return rank
+
+
+def _centres(boxes: Tensor) -> Tensor:
+    return (boxes[:, :2] + boxes[:, 2:]) / 2
+
+
+def _largest(group: Tensor, value: Tensor, groups: int) -> Tensor:
+    return value.new_zeros(groups).scatter_reduce(0, group, value, "amax")

@@ -1,0 +1,130 @@
+"""Random views of a labelled image for training: crop, scale, flip, light, blur and noise.
+
+The crop is taken from the full image before it is resized, so that a small training size sees both the
+whole road, shrunk, and parts of it at full resolution.
+"""
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from detector.dataset import Sample
+
+GREY = 114
+IGNORED = -1
+VISIBLE_HEIGHT = 0.6  # of a box must remain after the crop for it to be asked for
+MIN_WIDTH_PX = 6.0
+
+
+def training_view(
+    sample: Sample, width: int, height: int, rng: Generator, min_height_px: float = 2.0
+) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.float32]]:
+    """A random view: image (height, width, 3), classes (n,), boxes (n, 4) in its pixels.
+
+    Objects too small or too cut to be asked for have class `IGNORED`.
+    """
+    window = _window(sample, width, height, rng)
+    image = cut(sample.image, window, width, height)
+    classes, boxes = _boxes_in(sample, window, width, height, min_height_px)
+    if rng.random() < 0.5:
+        image = image[:, ::-1]
+        boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
+    return _weather(_light(image, rng), rng), classes, boxes
+
+
+def whole_view(
+    sample: Sample, width: int, height: int, min_height_px: float = 0.0
+) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.float32]]:
+    """The whole image, fitted into (height, width) with grey bars: what validation looks at."""
+    rows, columns = sample.image.shape[:2]
+    scale = min(width / columns, height / rows)
+    window = (0, 0, round(width / scale), round(height / scale))
+    return cut(sample.image, window, width, height), *_boxes_in(sample, window, width, height, min_height_px)
+
+
+def _window(sample: Sample, width: int, height: int, rng: Generator) -> tuple[int, int, int, int]:
+    """x, y, w, h of the part to show, in source pixels; may reach beyond the image."""
+    rows, columns = sample.image.shape[:2]
+    fit = min(width / columns, height / rows)
+    zoom = np.exp(rng.uniform(np.log(0.8), np.log(max(1.4, 1.1 / fit))))
+    if rng.random() < 0.3:
+        zoom = 1.0
+    w, h = round(width / fit / zoom), round(height / fit / zoom)
+    centre = rng.random(2) * (columns, rows)
+    if len(sample.boxes) and rng.random() < 0.8:
+        box = sample.boxes[rng.integers(len(sample.boxes))]
+        centre = (box[:2] + rng.random(2) * (box[2:] - box[:2])) * (columns, rows)
+    x = _place(centre[0], w, columns, rng)
+    y = _place(centre[1], h, rows, rng)
+    return x, y, w, h
+
+
+def _place(centre: float, length: int, limit: int, rng: Generator) -> int:
+    """Start of an interval that holds `centre` at a random place and lies in (or around) 0..limit."""
+    start = centre - rng.uniform(0.1, 0.9) * length
+    low, high = min(0, limit - length), max(0, limit - length)
+    return int(np.clip(start, low, high))
+
+
+def cut(image: NDArray, window: tuple[int, int, int, int], width: int, height: int) -> NDArray[np.uint8]:
+    """The window of an image, grey beyond its edges, resized to (height, width)."""
+    x, y, w, h = window
+    rows, columns = image.shape[:2]
+    part = image[max(y, 0) : y + h, max(x, 0) : x + w]
+    top, left = max(-y, 0), max(-x, 0)
+    bottom, right = max(y + h - rows, 0), max(x + w - columns, 0)
+    if top or left or bottom or right:
+        border = cv2.BORDER_CONSTANT
+        part = cv2.copyMakeBorder(part, top, bottom, left, right, border, value=(GREY, GREY, GREY))
+    if (w, h) == (width, height):
+        return part.copy()
+    shrinks = w > width
+    way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return cv2.resize(part, (width, height), interpolation=way).astype(np.uint8, copy=False)
+
+
+def _boxes_in(
+    sample: Sample, window: tuple[int, int, int, int], width: int, height: int, min_height_px: float
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    x, y, w, h = window
+    rows, columns = sample.image.shape[:2]
+    offset, scale = np.array([x, y, x, y]), np.array([width / w, height / h] * 2)
+    full = (sample.boxes * [columns, rows, columns, rows] - offset) * scale
+    boxes = full.clip(0, [width, height, width, height])
+    size = boxes[:, 2:] - boxes[:, :2]
+    whole = full[:, 3] - full[:, 1]
+    cut_away = (size[:, 1] < VISIBLE_HEIGHT * whole) | (
+        size[:, 0] < np.minimum(MIN_WIDTH_PX, full[:, 2] - full[:, 0])
+    )
+    small = size[:, 1] < min_height_px
+    classes = np.where(cut_away | small, IGNORED, sample.classes)
+    inside = (size > 0).all(1)
+    return classes[inside], boxes[inside].astype(np.float32)
+
+
+def _light(image: NDArray, rng: Generator) -> NDArray:
+    """Gamma, contrast, brightness and colour cast as one table per channel."""
+    levels = np.arange(256) / 255
+    gamma, contrast, shift = np.exp(rng.normal(0, 0.2)), np.exp(rng.normal(0, 0.2)), rng.normal(0, 0.06)
+    cast = np.exp(rng.normal(0, 0.06, 3))
+    curve = ((levels**gamma)[:, None] * cast - 0.5) * contrast + 0.5 + shift
+    table = (curve.clip(0, 1) * 255).astype(np.uint8)
+    image = cv2.LUT(np.ascontiguousarray(image), table[None])
+    if rng.random() < 0.1:
+        image = cv2.cvtColor(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
+    return image.astype(np.uint8, copy=False)
+
+
+def _weather(image: NDArray, rng: Generator) -> NDArray[np.uint8]:
+    """Defocus or motion blur and sensor noise, each in some of the views."""
+    kind = rng.random()
+    if kind < 0.06:
+        image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.2))
+    elif kind < 0.12:
+        length = int(rng.integers(2, 5))
+        image = cv2.blur(image, (1, length) if rng.random() < 0.5 else (length, 1))
+    if rng.random() < 0.15:
+        noise = rng.integers(-8, 9, (*image.shape[:2], 1), dtype=np.int16)
+        image = (image + noise).clip(0, 255)
+    return image.astype(np.uint8, copy=False)

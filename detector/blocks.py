@@ -1,0 +1,153 @@
+"""Building blocks of SBP-YOLO (arXiv 2508.01339, sections 2.2 and 2.3) and of its YOLOv11 base.
+
+Every block maps (B, C_in, H, W) to (B, C_out, H / stride, W / stride).
+"""
+
+import torch
+from torch import Tensor, nn
+
+
+class Conv(nn.Module):
+    """Convolution without bias, batch norm, SiLU (or nothing)."""
+
+    def __init__(
+        self, c_in: int, c_out: int, kernel: int = 1, stride: int = 1, groups: int = 1, act: bool = True
+    ):
+        super().__init__()
+        self.conv = nn.Conv2d(c_in, c_out, kernel, stride, kernel // 2, groups=groups, bias=False)
+        self.norm = nn.BatchNorm2d(c_out, eps=1e-3, momentum=0.03)
+        self.act = nn.SiLU(inplace=True) if act else nn.Identity()
+
+    def forward(self, x: Tensor) -> Tensor:
+        return self.act(self.norm(self.conv(x)))
+
+
+class Bottleneck(nn.Module):
+    """Two 3×3 convolutions through half the channels, plus the input."""
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.reduce = Conv(channels, channels // 2, 3)
+        self.expand = Conv(channels // 2, channels, 3)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return x + self.expand(self.reduce(x))
+
+
+class C3k2(nn.Module):
+    """YOLOv11's split block: half the channels pass a bottleneck, and all three parts are fused."""
+
+    def __init__(self, c_in: int, c_out: int, expansion: float = 0.5):
+        super().__init__()
+        hidden = int(c_out * expansion)
+        self.split = Conv(c_in, 2 * hidden)
+        self.bottleneck = Bottleneck(hidden)
+        self.fuse = Conv(3 * hidden, c_out)
+
+    def forward(self, x: Tensor) -> Tensor:
+        first, second = self.split(x).chunk(2, 1)
+        return self.fuse(torch.cat((first, second, self.bottleneck(second)), 1))
+
+
+class GhostConv(nn.Module):
+    """k×k convolution to half the channels; a 5×5 depthwise one makes the other half (eq. 1-4)."""
+
+    def __init__(self, c_in: int, c_out: int, kernel: int = 1, stride: int = 1):
+        super().__init__()
+        self.primary = Conv(c_in, c_out // 2, kernel, stride)
+        self.cheap = Conv(c_out // 2, c_out // 2, 5, groups=c_out // 2)
+
+    def forward(self, x: Tensor) -> Tensor:
+        primary = self.primary(x)
+        return torch.cat((primary, self.cheap(primary)), 1)
+
+
+class GSConv(GhostConv):
+    """GhostConv followed by a channel shuffle: even channels, then odd ones (eq. 5)."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        ghost = super().forward(x)
+        batch, channels, height, width = ghost.shape
+        return ghost.view(batch, channels // 2, 2, height, width).transpose(1, 2).flatten(1, 2)
+
+
+class GSBottleneck(nn.Module):
+    """GSConv 1×1, GSConv 3×3, and a 1×1 depthwise shortcut (eq. 6)."""
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.body = nn.Sequential(GSConv(channels, channels // 2, 1), GSConv(channels // 2, channels, 3))
+        self.shortcut = Conv(channels, channels, groups=channels, act=False)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return self.body(x) + self.shortcut(x)
+
+
+class VoVGSCSPC(nn.Module):
+    """Cross-stage block with one GS bottleneck (eq. 7)."""
+
+    def __init__(self, c_in: int, c_out: int):
+        super().__init__()
+        hidden = c_out // 2
+        self.deep = nn.Sequential(Conv(c_in, hidden), GSBottleneck(hidden))
+        self.direct = Conv(c_in, hidden)
+        self.fuse = Conv(2 * hidden, c_out)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return self.fuse(torch.cat((self.deep(x), self.direct(x)), 1))
+
+
+class SPPF(nn.Module):
+    """Spatial pyramid pooling: three 5×5 max pools in a row, all stages concatenated."""
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.reduce = Conv(channels, channels // 2)
+        self.pool = nn.MaxPool2d(5, 1, 2)
+        self.fuse = Conv(2 * channels, channels)
+
+    def forward(self, x: Tensor) -> Tensor:
+        stages = [self.reduce(x)]
+        for _ in range(3):
+            stages.append(self.pool(stages[-1]))
+        return self.fuse(torch.cat(stages, 1))
+
+
+class Attention(nn.Module):
+    """Multi-head self-attention over positions with a depthwise positional term.
+
+    Heads of 64 channels; keys and queries take half as many.
+    """
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.heads = channels // 64
+        self.qkv = Conv(channels, 2 * channels, act=False)
+        self.position = Conv(channels, channels, 3, groups=channels, act=False)
+        self.project = Conv(channels, channels, act=False)
+
+    def forward(self, x: Tensor) -> Tensor:
+        batch, channels, height, width = x.shape
+        qkv = self.qkv(x).reshape(batch, self.heads, 128, height * width)
+        query, key, value = qkv.split((32, 32, 64), 2)
+        weight = (query.transpose(2, 3) @ key * 32**-0.5).softmax(-1)
+        mixed = (value @ weight.transpose(2, 3)).reshape(batch, channels, height, width)
+        return self.project(mixed + self.position(value.reshape(batch, channels, height, width)))
+
+
+class C2PSA(nn.Module):
+    """YOLOv11's split block with attention and a feed-forward pair on one half."""
+
+    def __init__(self, channels: int):
+        super().__init__()
+        half = channels // 2
+        self.split = Conv(channels, channels)
+        self.attention = Attention(half)
+        self.feed = nn.Sequential(Conv(half, 2 * half), Conv(2 * half, half, act=False))
+        self.fuse = Conv(channels, channels)
+
+    def forward(self, x: Tensor) -> Tensor:
+        direct, deep = self.split(x).chunk(2, 1)
+        deep = deep + self.attention(deep)
+        deep = deep + self.feed(deep)
+        return self.fuse(torch.cat((direct, deep), 1))

@@ -1,0 +1,74 @@
+"""Files that training writes: full checkpoints to resume from, and weights alone in half precision."""
+
+import copy
+import io
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import torch
+from torch import Tensor, nn
+
+from files.atomic import write_bytes
+from files.errors import InputError
+
+M = TypeVar("M", bound=nn.Module)
+
+
+class Average(Generic[M]):
+    """Exponential moving average of a model's parameters and buffers.
+
+    The decay grows from 0 to `decay` over the first `ramp` steps, so early noise is forgotten.
+    """
+
+    def __init__(self, model: M, decay: float = 0.999, ramp: int = 500):
+        self.model = copy.deepcopy(model).eval().requires_grad_(False)
+        self.decay, self.ramp = decay, ramp
+
+    def update(self, model: nn.Module, step: int) -> None:
+        share = 1 - self.decay * (1 - 0.5 ** (step / self.ramp))
+        with torch.no_grad():
+            for mean, value in zip(_tensors(self.model), _tensors(model), strict=True):
+                if mean.is_floating_point():
+                    mean.lerp_(value, share)
+                else:
+                    mean.copy_(value)
+
+
+def _tensors(model: nn.Module) -> list[Tensor]:
+    return list(model.state_dict().values())
+
+
+def save(path: Path, content: dict[str, Any]) -> None:
+    """Write a dictionary of tensors and plain values in one step."""
+    stream = io.BytesIO()
+    torch.save(content, stream)
+    write_bytes(path, stream.getvalue())
+
+
+def load(path: Path, keys: tuple[str, ...]) -> dict[str, Any]:
+    """Read what `save` wrote. Raises InputError where the file is absent, broken or of another kind."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; expected a file written by detector.train")
+    try:
+        content = torch.load(path, map_location="cpu", weights_only=True)
+    except Exception as error:
+        raise InputError(f"{path}: not a readable torch file ({type(error).__name__})") from None
+    if not isinstance(content, dict) or any(key not in content for key in keys):
+        raise InputError(f"{path}: expected the entries {', '.join(keys)}")
+    return content
+
+
+def save_weights(path: Path, model: nn.Module, metadata: dict[str, Any]) -> None:
+    """Write a model's weights in half precision with what is known of their making."""
+    state = {k: v.half() if v.is_floating_point() else v for k, v in model.state_dict().items()}
+    save(path, {"weights": state, "metadata": metadata})
+
+
+def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
+    """Fill a model from a weights file; gives its metadata. Raises InputError if it does not fit."""
+    content = load(path, ("weights", "metadata"))
+    try:
+        model.load_state_dict(content["weights"])
+    except RuntimeError:
+        raise InputError(f"{path}: these weights are not of a {type(model).__name__} of this width") from None
+    return content["metadata"]

@@ -1,0 +1,118 @@
+"""Folders of labelled images in YOLO layout: `images/*` and `labels/*.txt`, read once into memory.
+
+A label line is `class cx cy w h`, centre and size as fractions of the image. Beside them may lie
+`objects.jsonl` (distance and lane of each object, in the order of the label lines) and `lane/*.png`
+(white where the road is annotated; detections centred elsewhere are not counted).
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.detection import CLASS_NAMES
+from files.errors import InputError
+
+SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One labelled image.
+
+    image: (H, W, 3) uint8 RGB
+    classes: (n,) int64; boxes: (n, 4) float32 x0 y0 x1 y1 as fractions of width and height
+    """
+
+    name: str
+    image: NDArray[np.uint8]
+    classes: NDArray[np.int64]
+    boxes: NDArray[np.float32]
+
+
+def image_paths(folder: Path) -> list[Path]:
+    """Images of a dataset folder, by name. Raises InputError if there is none."""
+    images = folder / "images"
+    if not images.is_dir():
+        raise InputError(f"{folder}: no folder images/ in it; a dataset holds images/ and labels/")
+    paths = sorted(p for p in images.iterdir() if p.suffix.lower() in SUFFIXES)
+    if not paths:
+        raise InputError(f"{images}: no image in it; allowed are {', '.join(SUFFIXES)}")
+    return paths
+
+
+def read_image(path: Path) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 RGB. Raises InputError naming a file that is no image."""
+    image = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_COLOR) if path.stat().st_size else None
+    if image is None:
+        raise InputError(f"{path}: cannot be decoded as an image")
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
+
+
+def read_labels(path: Path) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Classes (n,) and fractional boxes (n, 4) of a label file; an absent file means no object."""
+    rows = []
+    for number, line in enumerate(path.read_text().splitlines() if path.exists() else (), 1):
+        if line.strip():
+            rows.append(_label_row(line, f"{path}:{number}"))
+    table = np.array(rows, np.float64).reshape(-1, 5)
+    centre, half = table[:, 1:3], table[:, 3:5] / 2
+    boxes = np.concatenate((centre - half, centre + half), 1)
+    return table[:, 0].astype(np.int64), boxes.astype(np.float32)
+
+
+def _label_row(line: str, where: str) -> list[float]:
+    try:
+        row = [float(word) for word in line.split()]
+    except ValueError:
+        row = []
+    if len(row) != 5 or not np.isfinite(row).all():
+        raise InputError(f"{where}: expected five numbers `class cx cy w h`, got {line.strip()!r}")
+    if row[0] not in range(len(CLASS_NAMES)):
+        raise InputError(f"{where}: class must be 0..{len(CLASS_NAMES) - 1}, got {row[0]:g}")
+    if min(row[1:]) < 0 or max(row[1:]) > 1 or min(row[3:]) <= 0:
+        raise InputError(f"{where}: cx cy w h must be fractions in 0..1 with w, h > 0, got {line.strip()!r}")
+    return row
+
+
+def read_samples(folder: Path, longest: int | None = None) -> Iterator[Sample]:
+    """Decode every image of a dataset folder, shrunk to at most `longest` pixels on its longer side."""
+    for path in image_paths(folder):
+        image = read_image(path)
+        shrink = min(1.0, (longest or max(image.shape)) / max(image.shape))
+        if shrink < 1:
+            size = (round(image.shape[1] * shrink), round(image.shape[0] * shrink))
+            image = cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
+        yield Sample(path.name, image, *read_labels(folder / "labels" / f"{path.stem}.txt"))
+
+
+def read_objects(folder: Path) -> dict[str, list[dict]] | None:
+    """Object records by image name from `objects.jsonl`, or None where the folder has no such file."""
+    path = folder / "objects.jsonl"
+    if not path.exists():
+        return None
+    records = {}
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        try:
+            record = json.loads(line)
+            records[record["image"]] = list(record["objects"])
+        except (json.JSONDecodeError, KeyError, TypeError) as error:
+            raise InputError(
+                f"{path}:{number}: expected an object with image and objects ({error})"
+            ) from None
+    return records
+
+
+def dataset_hash(folder: Path) -> str:
+    """First 16 hex digits of the SHA-256 over names, sizes of the images and bytes of the labels."""
+    digest = hashlib.sha256()
+    for path in image_paths(folder):
+        digest.update(f"{path.name} {path.stat().st_size}\n".encode())
+        label = folder / "labels" / f"{path.stem}.txt"
+        digest.update(label.read_bytes() if label.exists() else b"")
+    return digest.hexdigest()[:16]

@@ -1,0 +1,99 @@
+"""Write a trained model as ONNX: `python -m detector.export --weights weights.pt --out sbp-yolo.onnx`.
+
+The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 of at least 96 x 64 pixels, and
+gives `boxes` (1, 300, 4) in pixels and `scores` (1, 300, 2). It is checked against torch before it
+replaces anything.
+"""
+
+import copy
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import onnx
+import onnxruntime as ort
+import torch
+from torch import Tensor, nn
+from torch.nn.utils.fusion import fuse_conv_bn_eval
+
+from detector.blocks import Conv
+from detector.checkpoint import load_weights
+from detector.deploy import Deployed
+from detector.detection import CLASS_NAMES
+from detector.models import SbpYolo
+from files.atomic import write_bytes
+from files.errors import InputError
+
+TOLERANCE = 1e-4
+
+
+def fused(model: SbpYolo) -> SbpYolo:
+    """A copy for inference, each batch norm folded into its convolution."""
+    model = copy.deepcopy(model).eval()
+    for block in model.modules():
+        if isinstance(block, Conv):
+            block.conv = fuse_conv_bn_eval(block.conv, block.norm)
+            block.norm = nn.Identity()  # type: ignore[assignment]
+    return model
+
+
+def to_onnx(model: SbpYolo, metadata: dict[str, str]) -> bytes:
+    """The ONNX file of a model, with metadata."""
+    stream = io.BytesIO()
+    torch.onnx.export(
+        Deployed(fused(model)),
+        (torch.zeros(1, 384, 640, 3, dtype=torch.uint8),),
+        stream,  # type: ignore[arg-type]
+        input_names=["image"],
+        output_names=["boxes", "scores"],
+        dynamic_axes={"image": {1: "height", 2: "width"}},
+        opset_version=17,
+        dynamo=False,
+    )
+    graph = onnx.load_from_string(stream.getvalue())
+    onnx.helper.set_model_props(graph, metadata)
+    onnx.checker.check_model(graph)
+    return graph.SerializeToString()
+
+
+def parity(model: SbpYolo, data: bytes, images: Sequence[np.ndarray]) -> float:
+    """Largest difference between ONNX and torch: of a score, or of a box side over the image width."""
+    session = ort.InferenceSession(data, providers=["CPUExecutionProvider"])
+    deployed = Deployed(copy.deepcopy(model).eval())
+    worst = 0.0
+    for image in images:
+        with torch.inference_mode():
+            boxes, scores = deployed(torch.from_numpy(image)[None])
+        other_boxes, other_scores = session.run(None, {"image": image[None]})
+        order, other = _order(scores[0]), _order(torch.from_numpy(other_scores[0]))
+        gap = np.abs(boxes[0][order].numpy() - other_boxes[0][other]).max() / image.shape[1]
+        worst = max(worst, gap, np.abs(scores[0][order].numpy() - other_scores[0][other]).max())
+    return float(worst)
+
+
+def _order(scores: Tensor) -> np.ndarray:
+    """Candidates by best score: rounding may swap neighbours of the two runs."""
+    return np.argsort(-scores.amax(1).numpy(), kind="stable")[:100]
+
+
+def export(weights: Path, out: Path, version: str, images: Sequence[np.ndarray]) -> dict[str, str]:
+    """Read weights, write the ONNX file if it agrees with torch on `images`; gives its metadata."""
+    model = SbpYolo()
+    made = load_weights(weights, model)
+    model.eval()
+    metadata = {
+        "names": ",".join(CLASS_NAMES),
+        "stride": "32",
+        "preprocessing": "uint8 RGB, height x width x 3; scaling to 0..1 is inside the graph",
+        "width": str(made.get("width", 640)),
+        "dataset": str(made.get("dataset", "")),
+        "passes": str(made.get("passes", 0)),
+        "version": version,
+    }
+    data = to_onnx(model, metadata)
+    gap = parity(model, data, images)
+    if not gap <= TOLERANCE:
+        raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {TOLERANCE:g}")
+    write_bytes(out, data)
+    return metadata

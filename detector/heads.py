@@ -1,0 +1,79 @@
+"""The LEDH head (arXiv 2508.01339, section 2.4) and the decoding of its box distributions.
+
+A box is coded from its anchor point as four distances to its sides in strides, each a distribution
+over `BINS` integer values (distribution focal loss, Li et al. 2020, eq. 3). Here the bins run from -1
+to 14 instead of 0 to 15: a wide, thin bump belongs to a coarse level whose points may all miss its few
+rows, and a distance of -1 lets a point one stride outside the box still describe it exactly.
+"""
+
+import math
+
+import torch
+from torch import Tensor, nn
+
+from detector.blocks import Conv
+
+BINS = 16
+FIRST_BIN = -1.0
+
+
+class LEDH(nn.Module):
+    """Per level two grouped 3×3 convolutions shared by a box and a class branch (eq. 8).
+
+    Takes one (B, C_i, H_i, W_i) map per level; gives box logits (B, N, 4 · BINS) and class logits
+    (B, N, classes), N = Σ H_i·W_i, levels in order and rows before columns within a level.
+    """
+
+    def __init__(self, channels: tuple[int, ...], strides: tuple[int, ...], classes: int):
+        super().__init__()
+        self.shared = nn.ModuleList(
+            nn.Sequential(Conv(c, c, 3, groups=c // 16), Conv(c, c, 3, groups=c // 16)) for c in channels
+        )
+        self.box = nn.ModuleList(_branch(c, 4 * BINS, 1.0) for c in channels)
+        # Class scores start at the frequency of objects: about five in a 640 x 640 image.
+        rates = [math.log(5 / classes / (640 / stride) ** 2) for stride in strides]
+        self.label = nn.ModuleList(_branch(c, classes, r) for c, r in zip(channels, rates, strict=True))
+
+    def forward(self, maps: list[Tensor]) -> tuple[Tensor, Tensor]:
+        features = [shared(x) for shared, x in zip(self.shared, maps, strict=True)]
+        boxes = [_rows(branch(x)) for branch, x in zip(self.box, features, strict=True)]
+        labels = [_rows(branch(x)) for branch, x in zip(self.label, features, strict=True)]
+        return torch.cat(boxes, 1), torch.cat(labels, 1)
+
+
+def _branch(c_in: int, c_out: int, bias: float) -> nn.Conv2d:
+    branch = nn.Conv2d(c_in, c_out, 1)
+    nn.init.constant_(branch.bias, bias)  # type: ignore[arg-type]
+    return branch
+
+
+def _rows(x: Tensor) -> Tensor:
+    """(B, C, H, W) to (B, H·W, C)."""
+    return x.permute(0, 2, 3, 1).flatten(1, 2)
+
+
+def anchor_points(height: int, width: int, strides: tuple[int, ...]) -> tuple[Tensor, Tensor]:
+    """Cell centres (N, 2) in pixels (x, y) and their strides (N,) for an image of that size."""
+    points, scale = [], []
+    for stride in strides:
+        rows, columns = height // stride, width // stride
+        y, x = torch.meshgrid(torch.arange(rows) + 0.5, torch.arange(columns) + 0.5, indexing="ij")
+        points.append(torch.stack((x, y), -1).reshape(-1, 2) * stride)
+        scale.append(torch.full((rows * columns,), float(stride)))
+    return torch.cat(points), torch.cat(scale)
+
+
+def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
+    """Boxes (..., 4) x0 y0 x1 y1 in pixels from logits (..., 4 · BINS), points (..., 2), strides (...)."""
+    bins = torch.arange(BINS, device=box_logits.device, dtype=box_logits.dtype) + FIRST_BIN
+    sides = box_logits.unflatten(-1, (4, BINS)).softmax(-1) @ bins * stride[..., None]
+    return torch.cat((points - sides[..., :2], points + sides[..., 2:]), -1)
+
+
+def encode(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
+    """Distances (..., 4) left, top, right, bottom in bins from `FIRST_BIN`: the inverse of `decode`.
+
+    Clamped to what two neighbouring bins can express.
+    """
+    sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / stride[..., None]
+    return (sides - FIRST_BIN).clamp(0, BINS - 1.01)

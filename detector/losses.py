@@ -1,0 +1,103 @@
+"""The detection loss: box (CIoU, optionally with NWD), distribution focal and class terms.
+
+Each term is a sum over the batch divided by the sum of target scores. With C and alpha as in
+arXiv 2508.01339, eq. 10: L_box = (1 - alpha)(1 - NWD) + alpha(1 - CIoU), boxes in strides.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
+
+from detector.assigner import Assignment, Truths, assign, candidates
+from detector.heads import BINS, decode, encode
+from detector.overlap import ciou, nwd
+
+
+@dataclass(frozen=True)
+class LossWeights:
+    """Weights of the terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out)."""
+
+    box: float = 7.5
+    label: float = 0.5
+    distribution: float = 1.5
+    nwd_scale: float = 12.8
+    nwd_alpha: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.nwd_alpha <= 1:
+            raise ValueError(f"nwd_alpha must be in 0..1, got {self.nwd_alpha}")
+        if not self.nwd_scale > 0:
+            raise ValueError(f"nwd_scale must be > 0, got {self.nwd_scale}")
+
+
+def detection_loss(
+    predictions: tuple[Tensor, Tensor],
+    truths: Truths,
+    points: Tensor,
+    stride: Tensor,
+    weights: LossWeights,
+) -> Tensor:
+    """The three weighted terms (3,): box, class, distribution. Their sum is to be minimised.
+
+    predictions: logits as `LEDH` gives them; points, stride: as `anchor_points` gives them.
+    """
+    box_logits, class_logits = predictions
+    wanted = truths.where(truths.classes >= 0)
+    matched = assign(box_logits, class_logits, points, stride, wanted)
+    total = matched.score.sum().clamp(min=1)
+    label = _label_loss(class_logits.float(), matched, wanted, _ignored(truths, points, stride, class_logits))
+    box, distribution = _box_losses(box_logits, matched, wanted, points, stride, weights)
+    terms = torch.stack((weights.box * box, weights.label * label, weights.distribution * distribution))
+    return terms / total
+
+
+def _label_loss(logits: Tensor, matched: Assignment, truths: Truths, ignored: Tensor) -> Tensor:
+    target = torch.zeros_like(logits)
+    target[matched.image, matched.anchor, truths.classes[matched.truth]] = matched.score
+    ignored[matched.image, matched.anchor] = False
+    loss = binary_cross_entropy_with_logits(logits, target, reduction="none")
+    return loss.masked_fill(ignored[..., None], 0).sum()
+
+
+def _ignored(truths: Truths, points: Tensor, stride: Tensor, like: Tensor) -> Tensor:
+    """(B, N) bool: points around an object too small to be asked for."""
+    ignored = torch.zeros(like.shape[:2], dtype=torch.bool, device=like.device)
+    small = truths.where(truths.classes < 0)
+    truth, anchor = candidates(small.boxes, points, stride).nonzero(as_tuple=True)
+    ignored[small.image[truth], anchor] = True
+    return ignored
+
+
+def _box_losses(
+    box_logits: Tensor,
+    matched: Assignment,
+    truths: Truths,
+    points: Tensor,
+    stride: Tensor,
+    weights: LossWeights,
+) -> tuple[Tensor, Tensor]:
+    logits = box_logits[matched.image, matched.anchor].float()
+    at, scale = points[matched.anchor], stride[matched.anchor]
+    target = truths.boxes[matched.truth]
+    guess = decode(logits, at, scale)
+    loss = weights.nwd_alpha * (1 - ciou(guess, target))
+    if weights.nwd_alpha < 1:
+        near = nwd(guess / scale[:, None], target / scale[:, None], weights.nwd_scale)
+        loss = loss + (1 - weights.nwd_alpha) * (1 - near)
+    spread = distribution_focal_loss(logits, encode(target, at, scale))
+    return (loss * matched.score).sum(), (spread * matched.score).sum()
+
+
+def distribution_focal_loss(logits: Tensor, target: Tensor) -> Tensor:
+    """(P,) mean over the four sides of the cross-entropy to the two bins around the target.
+
+    logits (P, 4 · BINS); target (P, 4) in bins. Li et al., Generalized Focal Loss, 2020, eq. 6.
+    """
+    flat = logits.reshape(-1, BINS)
+    lower = target.floor().long().reshape(-1)
+    upper_share = target.reshape(-1) - lower
+    loss = cross_entropy(flat, lower, reduction="none") * (1 - upper_share)
+    loss = loss + cross_entropy(flat, lower + 1, reduction="none") * upper_share
+    return loss.reshape(-1, 4).mean(1)

@@ -1,0 +1,97 @@
+"""Detection metrics: average precision (arXiv 2508.01339, eq. 11-12), precision and recall."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.detection import CLASS_NAMES, Detections
+from detector.nms import iou_matrix
+
+IOU_LEVELS = np.arange(0.5, 0.96, 0.05)
+
+
+@dataclass(frozen=True)
+class ImageResult:
+    """One image: what was found, what is there, and which finding is right at which IoU level.
+
+    truth_classes (m,), hits (levels, n) bool, found (m,) index of the detection matched at IoU 0.5 or -1
+    """
+
+    detections: Detections
+    truth_classes: NDArray[np.int64]
+    hits: NDArray[np.bool_]
+    found: NDArray[np.int64]
+
+
+def judge(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResult:
+    """Match detections, best score first, each to the free object of its class that it overlaps most."""
+    overlap = iou_matrix(detections.boxes, boxes)
+    overlap[detections.classes[:, None] != classes[None]] = 0
+    hits = np.zeros((len(IOU_LEVELS), len(detections)), bool)
+    found = np.full(len(boxes), -1)
+    for level, threshold in enumerate(IOU_LEVELS):
+        free = np.ones(len(boxes), bool)
+        for i in np.argsort(-detections.scores, kind="stable"):
+            candidates = np.where(free, overlap[i], 0)
+            if len(boxes) and candidates.max() >= threshold:
+                best = int(candidates.argmax())
+                free[best], hits[level, i] = False, True
+                if level == 0:
+                    found[best] = i
+    return ImageResult(detections, classes, hits, found)
+
+
+def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
+    """Area under the precision envelope over recall; nan where there is nothing to find."""
+    if truths == 0:
+        return float("nan")
+    right = np.cumsum(hits[np.argsort(-scores, kind="stable")])
+    precision = right / np.arange(1, len(right) + 1)
+    envelope = np.maximum.accumulate(precision[::-1])[::-1]
+    steps = np.diff(right / truths, prepend=0.0)
+    return float((steps * envelope).sum())
+
+
+def summarise(results: Sequence[ImageResult], confidence: float) -> dict:
+    """Numbers of a dataset: map50, map50_95, and precision, recall at `confidence` (IoU 0.5), per class too.
+
+    Means are over the classes that occur; a number without anything to count is None.
+    """
+    scores = np.concatenate([r.detections.scores for r in results])
+    classes = np.concatenate([r.detections.classes for r in results])
+    hits = np.concatenate([r.hits for r in results], 1)
+    truths = np.concatenate([r.truth_classes for r in results])
+    per_class = {
+        name: _class_summary(
+            scores[classes == i], hits[:, classes == i], int((truths == i).sum()), confidence
+        )
+        for i, name in enumerate(CLASS_NAMES)
+    }
+    keys = {"map50": "ap50", "map50_95": "ap50_95", "precision": "precision", "recall": "recall"}
+    present = [row for row in per_class.values() if row["objects"]]
+    summary = {key: _mean([row[of] for row in present]) for key, of in keys.items()}
+    return {**summary, "confidence": confidence, "images": len(results), "per_class": per_class}
+
+
+def _class_summary(scores: NDArray, hits: NDArray, truths: int, confidence: float) -> dict:
+    levels = [average_precision(scores, level, truths) for level in hits]
+    sure = scores >= confidence
+    right = int(hits[0, sure].sum())
+    return {
+        "objects": truths,
+        "ap50": _number(levels[0]),
+        "ap50_95": _number(float(np.mean(levels))),
+        "precision": right / int(sure.sum()) if sure.any() else None,
+        "recall": right / truths if truths else None,
+    }
+
+
+def _mean(values: list[float | None]) -> float | None:
+    known = [v for v in values if v is not None]
+    return float(np.mean(known)) if known else None
+
+
+def _number(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)

@@ -1,0 +1,41 @@
+"""From a network's candidates to detections: confidence threshold and non-maximum suppression."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.detection import Detections
+
+
+def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
+    """Intersection over union (n, m) of boxes (n, 4) and (m, 4), x0 y0 x1 y1."""
+    inner = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(a[:, None, :2], b[None, :, :2])
+    common = inner.clip(0).prod(-1)
+    area_a, area_b = (np.prod(x[:, 2:] - x[:, :2], 1) for x in (a, b))
+    return common / np.maximum(area_a[:, None] + area_b[None] - common, 1e-9)
+
+
+def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
+    """Indices of the boxes that stay, best first: none overlaps a better one by more than `iou`."""
+    order = np.argsort(-scores, kind="stable")
+    overlap = iou_matrix(boxes[order], boxes[order]) > iou
+    alive = np.ones(len(order), bool)
+    for i in range(len(order)):
+        if alive[i]:
+            alive[i + 1 :] &= ~overlap[i, i + 1 :]
+    return order[alive]
+
+
+def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> Detections:
+    """Detections from candidates: boxes (K, 4), scores (K, classes); suppression within each class."""
+    found = []
+    for cls in range(scores.shape[1]):
+        likely = np.flatnonzero(scores[:, cls] >= confidence)
+        kept = likely[suppress(boxes[likely], scores[likely, cls], iou)]
+        found += [(scores[i, cls], i, cls) for i in kept]
+    found.sort(key=lambda item: -item[0])
+    index = np.array([i for _, i, _ in found], np.int64)
+    return Detections(
+        boxes[index].astype(np.float32).reshape(-1, 4),
+        np.array([s for s, _, _ in found], np.float32),
+        np.array([c for _, _, c in found], np.int64),
+    )

@@ -1,0 +1,53 @@
+"""How long to train at which image size, and the learning rate over the passes."""
+
+import re
+from dataclasses import dataclass
+
+from files.errors import InputError
+
+
+@dataclass(frozen=True)
+class Stage:
+    """`passes` image passes at `width` x `height` pixels."""
+
+    width: int
+    height: int
+    passes: int
+
+    def __str__(self) -> str:
+        return f"{self.width}x{self.height}:{self.passes}"
+
+
+def parse_stages(text: str) -> tuple[Stage, ...]:
+    """Stages from `320x192:60000,640x384:15000`. Raises InputError."""
+    stages = []
+    for part in text.split(","):
+        match = re.fullmatch(r"(\d+)x(\d+):(\d+)", part.strip())
+        if not match:
+            raise InputError(f"--stages: expected WIDTHxHEIGHT:PASSES[,...], got {part.strip()!r}")
+        width, height, passes = map(int, match.groups())
+        if width % 32 or height % 32 or not width or not height or not passes:
+            raise InputError(
+                f"--stages: width and height must be multiples of 32, passes > 0, got {part.strip()!r}"
+            )
+        stages.append(Stage(width, height, passes))
+    return tuple(stages)
+
+
+def stage_at(stages: tuple[Stage, ...], passes: int) -> Stage:
+    """The stage under way after so many passes; the last one when all are done."""
+    for stage in stages:
+        passes -= stage.passes
+        if passes < 0:
+            return stage
+    return stages[-1]
+
+
+def total_passes(stages: tuple[Stage, ...]) -> int:
+    return sum(stage.passes for stage in stages)
+
+
+def rate_factor(passes: int, total: int, warmup: int, floor: float = 0.01) -> float:
+    """Learning rate over its peak: linear warm-up over `warmup` passes, then linear decay to `floor`."""
+    rise = min(1.0, (passes + 1) / max(warmup, 1))
+    return rise * (1 - (1 - floor) * min(passes / total, 1.0))
