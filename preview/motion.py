@@ -16,9 +16,8 @@ from preview.settings import Settings
 
 
 class Measurement(Protocol):
-    """What the car's sensors say at one moment; one entry a wheel, front first (`vehicle.sensors`)."""
+    """What the car's sensors say at one moment; one entry a wheel, front first."""
 
-    time_s: float
     body_acc: np.ndarray  # vertical, of the body over each wheel, without gravity
     wheel_acc: np.ndarray
     rattle_m: np.ndarray  # body minus wheel height, deviation from rest
@@ -55,20 +54,20 @@ class EgoMotion:
         self._times: list[float] = []
         self._states: list[EgoState] = []
 
-    def update(self, measurement: Measurement) -> EgoState:
+    def update(self, time_s: float, measurement: Measurement) -> EgoState:
         """Take one measurement in; time must advance, else `InputError`."""
         previous = self._states[-1] if self._states else None
-        step = 0.0 if previous is None else measurement.time_s - previous.time_s
+        step = 0.0 if previous is None else time_s - previous.time_s
         if previous is not None:
             if step <= 0:
-                raise InputError(f"time_s must advance beyond {previous.time_s}, got {measurement.time_s}")
+                raise InputError(f"time_s must advance beyond {previous.time_s}, got {time_s}")
             self._x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
-            self._masked_until_s = measurement.time_s + self.settings.strike_hold_s
-        trust = 0.0 if measurement.time_s < self._masked_until_s else 1.0
+            self._masked_until_s = time_s + self.settings.strike_hold_s
+        trust = 0.0 if time_s < self._masked_until_s else 1.0
         self._update_pitch(measurement, step, trust)
         self._update_heave(measurement, step, trust)
-        state = EgoState(measurement.time_s, self._x_m, self._heave, self._pitch, measurement.speed_m_s)
+        state = EgoState(time_s, self._x_m, self._heave, self._pitch, measurement.speed_m_s)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:

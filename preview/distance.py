@@ -1,0 +1,77 @@
+"""Where a pixel meets the road: ground-plane distance under pitch and heave, and how sure that is.
+
+Angles of depression are measured in the vertical plane along the road, positive downwards. For a camera
+without roll and yaw every point of a line across the road falls on one image row, and then
+    depression of the row + camera pitch = atan2(camera height - z, x - camera x)
+whatever the column (Mallot et al., Biol. Cybern. 64, 1991, on inverse perspective).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from road.camera import Camera, CameraPose, ground_point, rays
+
+Array = np.ndarray
+
+
+class GroundPoints(NamedTuple):
+    """Points on the road: position (n, 2), world x y in m; covariance (n, 2, 2). nan above the horizon."""
+
+    position: Array
+    covariance: Array
+
+
+def depression(camera: Camera, row: ArrayLike) -> Array:
+    """Return the angle (rad) of an image row below the optical axis."""
+    return np.arctan2(np.asarray(row, float) - camera.cy, camera.focal_px)
+
+
+def depression_sigma(camera: Camera, row: ArrayLike, pixel_sigma: float) -> Array:
+    """Return the standard deviation (rad) of that angle when the row is known to `pixel_sigma`."""
+    below = (np.asarray(row, float) - camera.cy) / camera.focal_px
+    return pixel_sigma / camera.focal_px / (1.0 + below**2)
+
+
+def row_of(camera: Camera, angle: ArrayLike) -> Array:
+    """Return the image row of an angle (rad, below pi/2) below the optical axis: inverse of `depression`."""
+    return camera.cy + camera.focal_px * np.tan(np.asarray(angle, float))
+
+
+def distance_of(height_m: ArrayLike, angle: ArrayLike) -> Array:
+    """Return the distance (m) of a plane `height_m` below the camera, seen `angle` below level, else nan."""
+    angle = np.asarray(angle, float)
+    with np.errstate(divide="ignore"):
+        return np.where(angle > 0, np.asarray(height_m, float) / np.tan(angle), np.nan)
+
+
+def locate(
+    camera: Camera,
+    pose: CameraPose,
+    pixels: ArrayLike,
+    pixel_sigma: float,
+    pitch_sigma: float,
+    height_sigma: float,
+    z: float = 0.0,
+) -> GroundPoints:
+    """Return the points of the plane at height `z` seen at `pixels` (n, 2), with first-order covariance.
+
+    pixel_sigma (px, both axes), pitch_sigma (rad) and height_sigma (m, of camera over plane) are independent.
+    """
+    points = ground_point(camera, pose, pixels, z)
+    direction = rays(camera, pose, pixels)
+    left, up = pose.rotation[:, 1], pose.rotation[:, 2]
+    lateral_axis = np.array([-np.sin(pose.yaw), np.cos(pose.yaw), 0.0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = (z - pose.z) / direction[:, 2]
+        turns = (
+            np.broadcast_to(-left / camera.focal_px, direction.shape),  # one pixel to the right
+            np.broadcast_to(-up / camera.focal_px, direction.shape),  # one pixel down
+            np.cross(lateral_axis, direction),  # pitch nose-down
+        )
+        columns = [reach[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in turns]
+        columns.append(-direction / direction[:, 2:])  # camera rises, measured in the plane
+    jacobian = np.stack(columns, axis=2)[:, :2]
+    variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, height_sigma]) ** 2
+    return GroundPoints(points[:, :2], np.einsum("nij,j,nkj->nik", jacobian, variance, jacobian))

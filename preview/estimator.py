@@ -1,0 +1,176 @@
+"""The estimator: ego motion and boxes in, `RoadPreview` out."""
+
+from typing import Any
+
+import numpy as np
+
+from detector.detection import CLASS_NAMES, Detections
+from files.errors import InputError
+from preview.correction import FrontWheel
+from preview.fit import HEIGHT, LENGTH, X
+from preview.horizon import RoadPreview, distance_grid
+from preview.motion import EgoMotion, EgoState, Measurement
+from preview.settings import Settings
+from preview.shape import POTHOLE, chord, depth_of, tyre_profile
+from preview.track import Track
+from preview.tracker import Tracker
+from preview.view import view_of
+from road.camera import Camera, CameraMount, pose_of
+
+_LEAST_OVERLAP = 0.02  # below this the wheel does not meet the object at all
+
+
+class Estimator:
+    """Road ahead of each wheel, from what a car can measure.
+
+    camera, mount: as calibrated. axle_x_m: wheels relative to the centre of gravity, front first (one for a
+    quarter car, two for a half car). wheel_y_m: lateral position of each wheel's path. distance_m: grid of
+    the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()` and
+    `events` are of that odometer.
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        mount: CameraMount,
+        axle_x_m: tuple[float, ...],
+        wheel_y_m: tuple[float, ...],
+        settings: Settings | None = None,
+        distance_m: np.ndarray | None = None,
+        x_m: float = 0.0,
+    ) -> None:
+        if len(axle_x_m) != len(wheel_y_m):
+            raise InputError(
+                f"wheel_y_m must have {len(axle_x_m)} entries like axle_x_m, got {len(wheel_y_m)}"
+            )
+        self.camera, self.mount = camera, mount
+        self.axle_x_m, self.wheel_y_m = axle_x_m, wheel_y_m
+        self.settings = Settings() if settings is None else settings
+        self.distance_m = distance_grid() if distance_m is None else distance_m
+        self.motion = EgoMotion(axle_x_m, self.settings, x_m)
+        self.tracker = Tracker(self.settings)
+        self._front = FrontWheel(self.settings)
+        self._newest_frame_s = -np.inf
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """Log of births, confirmations, strikes, deaths and passings, oldest first."""
+        return self.tracker.events
+
+    def update_motion(
+        self, time_s: float, measurement: Measurement, road_height_m: np.ndarray | None = None
+    ) -> None:
+        """Take in one set of sensor readings; call at the controller's rate, in order of time.
+
+        road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
+        """
+        state = self.motion.update(time_s, measurement)
+        height = self._road_height(state, measurement) if road_height_m is None else float(road_height_m[0])
+        self._front.update(state.x_m + self.axle_x_m[0], height)
+        for track in self.tracker.tracks:
+            if self._front.due(track):
+                self._strike(track, time_s)
+        self.tracker.retire(time_s, state.x_m + min(self.axle_x_m))
+
+    def update_boxes(self, exposure_s: float, detections: Detections) -> None:
+        """Take in the boxes of the frame exposed at `exposure_s`, whenever they arrive."""
+        state = self.motion.at(exposure_s)
+        pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad)
+        self.tracker.update(view_of(exposure_s, self.camera, pose, detections, self.settings), detections)
+        self._newest_frame_s = max(self._newest_frame_s, exposure_s)
+
+    def preview(self, time_s: float) -> RoadPreview:
+        """Return the road ahead of each wheel as known at `time_s`.
+
+        Height is what the tyre will feel if the object is real, scaled by the probability that the wheel
+        runs over it; `existence` is the probability that it is real. Tracks not yet confirmed are left out.
+        """
+        here = self.motion.at(time_s)
+        shape = (len(self.axle_x_m), len(self.distance_m))
+        height, existence, position_sigma = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        height_sigma = np.full(shape, self.settings.background_sigma_m)
+        for track in self.tracker.tracks:
+            if not track.confirmed:
+                continue
+            sigma = track.position_sigma_m(here.x_m, self.settings)
+            for wheel, (axle, y) in enumerate(zip(self.axle_x_m, self.wheel_y_m, strict=True)):
+                ahead = self.distance_m + here.x_m + axle
+                meets, start, felt, relative = self._felt(track, y, ahead)
+                if meets < _LEAST_OVERLAP:
+                    continue
+                reach = (ahead > start - 2 * sigma) & (ahead < start + track.best.state[LENGTH] + 2 * sigma)
+                taller = np.abs(felt) >= np.abs(height[wheel])
+                here_too = reach & taller | (np.abs(felt) > np.abs(height[wheel]))
+                height[wheel, here_too] = felt[here_too]
+                existence[wheel, here_too] = track.existence
+                position_sigma[wheel, here_too] = sigma
+                height_sigma[wheel, here_too] += relative * np.abs(felt[here_too])
+        age = time_s - self._newest_frame_s if np.isfinite(self._newest_frame_s) else 0.0
+        return RoadPreview(
+            time_s, self.distance_m, height, position_sigma, height_sigma, existence, max(age, 0.0)
+        )
+
+    def stats(self) -> list[dict[str, Any]]:
+        """Return one row for each living track: what it is, where, how sure."""
+        return [
+            {
+                "track": track.identity,
+                "class": CLASS_NAMES[track.cls],
+                "kind": track.best.kind.name,
+                "x_m": float(track.best.state[X]),
+                "sigma_m": track.best.sigma_m,
+                "length_m": float(track.best.state[LENGTH]),
+                "height_m": float(track.best.kind.sign * self._tall(track)),
+                "existence": track.existence,
+                "confirmed": track.confirmed,
+                "hits": track.hits,
+                "born_s": track.born_s,
+                "last_seen_s": track.last_seen_s,
+            }
+            for track in self.tracker.tracks
+        ]
+
+    def _felt(self, track: Track, y_m: float, ahead: np.ndarray) -> tuple[float, float, np.ndarray, float]:
+        """Return overlap, near edge, effective height at world x `ahead`, and relative height sigma."""
+        best = track.best
+        start, length = float(best.state[X]), float(best.state[LENGTH])
+        meets = track.overlap(y_m)
+        if best.kind is POTHOLE:
+            width, centre = track.left.y_m - track.right.y_m, 0.5 * (track.left.y_m + track.right.y_m)
+            cut = max(chord(length, width, y_m - centre), 0.5 * length)
+            start, length = start + 0.5 * (length - cut), cut
+        at, profile = tyre_profile(best.kind, length, self._tall(track))
+        felt = meets * np.interp(ahead - start, at, profile)
+        relative = float(np.sqrt(best.covariance[HEIGHT, HEIGHT]) / best.state[HEIGHT])
+        return meets, start, felt, relative
+
+    def _tall(self, track: Track) -> float:
+        """Height or depth: a hole's depth follows from its length until a wheel has felt it."""
+        state = track.best.state
+        return (
+            depth_of(float(state[LENGTH]))
+            if track.best.kind is POTHOLE and not track.directs
+            else state[HEIGHT]
+        )
+
+    def _strike(self, track: Track, time_s: float) -> None:
+        track.struck = True
+        directs = self._front.compare(track)
+        if directs:
+            before = float(track.best.state[X])
+            track.directs.extend(directs)
+            self.tracker.refit(track)
+            self.events.append(
+                {
+                    "event": "struck",
+                    "time_s": time_s,
+                    "track": track.identity,
+                    "moved_m": directs[0].value - before,
+                }
+            )
+
+    def _road_height(self, state: EgoState, measurement: Measurement) -> float:
+        """Road under the front wheel: its height, plus the tyre deflection that its acceleration betrays."""
+        body = state.heave_m - self.axle_x_m[0] * state.pitch_rad
+        hop = 2.0 * np.pi * self.settings.wheel_hop_hz
+        return float(body - measurement.rattle_m[0] + measurement.wheel_acc[0] / hop**2)

@@ -1,0 +1,138 @@
+"""Gauss-Newton over all boxes of one object: where it is, and what offset the camera's pitch has.
+
+State s = [X, b, z, L, H]: near edge X (m), pitch offset b (rad), ground height z at the object over the
+local road plane (m), length L and height or depth H (m). A box seen from a camera at (x_c, h) says
+    bottom row:  depression + pitch + b = atan2(h - z, X - x_c)
+    top row:     depression + pitch + b = the smallest atan2(h - z - H p(t), X + t L - x_c) over t in 0..1
+with p the relief of the kind: the top of the box is the silhouette of crest or far edge. Gaussian priors
+close the problem; a Cauchy loss bounds what one wrong box can do (Triggs et al., Bundle adjustment, 2000).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from preview.settings import Settings
+from preview.shape import Kind, relief
+
+Array = np.ndarray
+X, OFFSET, GROUND, LENGTH, HEIGHT = range(5)
+_SHARE = np.linspace(0.0, 1.0, 21)
+_LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01])
+_MOST = np.array([np.inf, 0.1, 0.2, 6.0, 0.3])
+_CAUCHY = 2.5  # residuals of so many standard deviations count half
+
+
+class Sight(NamedTuple):
+    """One box as two lines of sight; a nan angle stands for an edge that was cut off.
+
+    camera_x, camera_z: m; bottom, top: depression of the edges plus camera pitch (rad); then their sigmas.
+    """
+
+    time_s: float
+    camera_x: float
+    camera_z: float
+    bottom: float
+    top: float
+    bottom_sigma: float
+    top_sigma: float
+
+
+class Direct(NamedTuple):
+    """A state entry that something else measured: which one, value, standard deviation."""
+
+    entry: int
+    value: float
+    sigma: float
+
+
+class Fit(NamedTuple):
+    """Result: state (5,), covariance (5, 5), and the negative log evidence to compare kinds by."""
+
+    kind: Kind
+    state: Array
+    covariance: Array
+    cost: float
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the near edge."""
+        return float(np.sqrt(self.covariance[X, X]))
+
+
+def fit(
+    kind: Kind,
+    sights: list[Sight],
+    start: Array,
+    offset: Direct,
+    directs: list[Direct],
+    settings: Settings,
+    iterations: int = 3,
+) -> Fit:
+    """Return the most probable state for all `sights`, from `start`, under the priors of `kind` and `offset`.
+
+    directs: further measurements of single states, such as where a wheel struck.
+    """
+    priors = [
+        offset,
+        Direct(GROUND, 0.0, settings.edge_height_sigma_m),
+        Direct(LENGTH, kind.length_m, kind.length_sigma_m),
+        Direct(HEIGHT, kind.height_m, kind.height_sigma_m),
+        *directs,
+    ]
+    known = np.array(priors)
+    index = known[:, 0].astype(int)
+    data = np.array(sights)
+    state = start.copy()
+    for _ in range(iterations):
+        information, gradient, cost = _normal_equations(kind, data, state, settings)
+        np.add.at(information, (index, index), known[:, 2] ** -2)
+        np.add.at(gradient, index, (known[:, 1] - state[index]) / known[:, 2] ** 2)
+        state = np.clip(state + np.linalg.solve(information, gradient), _LEAST, _MOST)
+    cost += 0.5 * float((((known[:, 1] - state[index]) / known[:, 2]) ** 2).sum())
+    # Laplace: the priors' normalisation and the width of the posterior weigh kinds against each other.
+    cost += float(np.log(known[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
+    return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
+
+
+def silhouette(kind: Kind, state: Array, camera_x: Array, camera_z: Array) -> tuple[Array, Array, Array]:
+    """Return (ahead, below, share): the point of the profile that each camera (n,) sees highest.
+
+    ahead, below: its distance and depth relative to the camera (m); share: where on the profile, 0..1.
+    """
+    ahead = state[X] + _SHARE * state[LENGTH] - camera_x[:, None]
+    below = camera_z[:, None] - state[GROUND] - state[HEIGHT] * relief(kind, _SHARE, state[LENGTH])
+    # The slope below/ahead orders the angles for points in front; points behind the camera come last.
+    slope = np.where(ahead > 0.05, below / np.maximum(ahead, 0.05), np.inf)
+    best = np.argmin(slope, axis=1)
+    rows = np.arange(len(best))
+    return ahead[rows, best], below[rows, best], _SHARE[best]
+
+
+def _normal_equations(
+    kind: Kind, data: Array, state: Array, settings: Settings
+) -> tuple[Array, Array, float]:
+    """Return information (5, 5), gradient (5,) and half the robust squared error of the boxes."""
+    camera_x, camera_z = data[:, 1], data[:, 2]
+    ahead, below, share = silhouette(kind, state, camera_x, camera_z)
+    ahead = np.concatenate([state[X] - camera_x, ahead])
+    below = np.concatenate([camera_z - state[GROUND], below])
+    share = np.concatenate([np.zeros(len(data)), share])
+    rise = np.concatenate([np.zeros(len(data)), relief(kind, share[len(data) :], state[LENGTH])])
+    measured = np.concatenate([data[:, 3], data[:, 4]])
+    sigma = np.concatenate([data[:, 5], data[:, 6]])
+
+    residual = measured + state[OFFSET] - np.arctan2(below, ahead)
+    seen = np.isfinite(residual)
+    square = ahead**2 + below**2
+    by_ahead, by_below = -below / square, ahead / square  # of the modelled angle
+    # Rows of the Jacobian of (model - measured); at the silhouette the share itself does not matter.
+    jacobian = np.stack(
+        [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise], axis=1
+    )
+    normal = np.where(seen, residual / sigma, 0.0)
+    robust = 1.0 + (normal / _CAUCHY) ** 2
+    weight = np.where(seen, 1.0 / (robust * sigma**2 * settings.correlation), 0.0)
+    weighted = jacobian * weight[:, None]
+    cost = 0.5 * _CAUCHY**2 * float(np.log(robust).sum()) / settings.correlation
+    return weighted.T @ jacobian, weighted.T @ np.where(seen, residual, 0.0), cost

@@ -1,0 +1,126 @@
+"""Boxes without rendering: the true outlines of the road's objects, projected, and then made worse."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from detector.detection import Detections
+from files.errors import InputError
+from road.camera import Camera, CameraPose, project
+from road.features import Feature
+from road.profile import Road
+
+_ALONG, _ACROSS = 41, 9
+_LEAST_AHEAD_M = 0.3
+
+
+@dataclass(frozen=True)
+class BoxErrors:
+    """How a detector falls short of the true boxes.
+
+    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows,
+    downwards; miss_probability: of one object in one frame; false_per_frame: mean number of boxes around
+    nothing; range_m: farthest near edge, along the road from the camera; min_height_px: flattest box found.
+    """
+
+    pixel_sigma: float = 1.0
+    bottom_bias_px: float = 0.0
+    top_bias_px: float = 0.0
+    miss_probability: float = 0.15
+    false_per_frame: float = 0.0
+    range_m: float = 30.0
+    min_height_px: float = 1.5
+
+    def __post_init__(self) -> None:
+        for name in ("pixel_sigma", "false_per_frame", "min_height_px"):
+            if not getattr(self, name) >= 0:
+                raise InputError(f"{name} must be >= 0, got {getattr(self, name)}")
+        if not 0 <= self.miss_probability < 1:
+            raise InputError(f"miss_probability must be >= 0 and < 1, got {self.miss_probability}")
+        if not self.range_m > 0:
+            raise InputError(f"range_m must be > 0, got {self.range_m}")
+
+
+def true_boxes(
+    road: Road,
+    camera: Camera,
+    pose: CameraPose,
+    range_m: float = 30.0,
+    bonnet_row_px: float | None = None,
+) -> Detections:
+    """Return the exact boxes of the features in sight, scores 1: silhouettes over crest and edges.
+
+    range_m: of the near edge ahead of the camera. bonnet_row_px: first row that the bonnet hides, if any.
+    Features do not hide one another.
+    """
+    limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
+    boxes, classes = [], []
+    for feature in road.features:
+        if feature.end_m < pose.x + _LEAST_AHEAD_M or feature.start_m > pose.x + range_m:
+            continue
+        box = _box(road, feature, camera, pose, limit)
+        if box is not None:
+            boxes.append(box)
+            classes.append(feature.cls)
+    return Detections(np.array(boxes), np.ones(len(boxes)), np.array(classes))
+
+
+def degrade(
+    detections: Detections,
+    camera: Camera,
+    errors: BoxErrors,
+    rng: np.random.Generator,
+    bonnet_row_px: float | None = None,
+) -> Detections:
+    """Return detections with the misses, noise and false boxes of `errors`; the range is `true_boxes`' matter.
+
+    Edges that touch the image border or the bonnet stay there.
+    """
+    limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
+    least, most = np.zeros(4), np.array([camera.width_px, limit, camera.width_px, limit])
+    boxes = detections.boxes.astype(float)
+    cut = (boxes <= 0) | (boxes >= most)
+    shift = np.array([0.0, errors.top_bias_px, 0.0, errors.bottom_bias_px])
+    noisy = boxes + errors.pixel_sigma * rng.standard_normal(boxes.shape) + shift
+    noisy = np.clip(np.where(cut, boxes, noisy), least, most)
+    found = rng.random(len(boxes)) >= errors.miss_probability
+    found &= noisy[:, 3] - noisy[:, 1] >= errors.min_height_px
+    found &= noisy[:, 2] - noisy[:, 0] >= 1.0
+    count = int(rng.poisson(errors.false_per_frame))
+    return Detections(
+        np.concatenate([noisy[found], _false_boxes(count, camera, limit, rng)]),
+        np.concatenate([rng.uniform(0.5, 0.95, int(found.sum())), rng.uniform(0.25, 0.6, count)]),
+        np.concatenate([detections.classes[found], rng.integers(0, 2, count)]),
+    )
+
+
+def _box(
+    road: Road, feature: Feature, camera: Camera, pose: CameraPose, limit: float
+) -> tuple[float, float, float, float] | None:
+    """Return the box around the feature's surface and edges, cut to the image, or None if out of sight."""
+    x = np.linspace(max(feature.start_m, pose.x + _LEAST_AHEAD_M), feature.end_m, _ALONG)
+    y = np.linspace(feature.y_min_m, feature.y_max_m, _ACROSS)
+    grid_x, grid_y = (values.ravel() for values in np.meshgrid(x, y))
+    if feature.kind == "pothole":
+        rim = np.linspace(-np.pi, np.pi, 4 * _ALONG)
+        grid_x = 0.5 * (feature.start_m + feature.end_m) + 0.5 * feature.length_m * np.cos(rim)
+        grid_y = 0.5 * (feature.y_min_m + feature.y_max_m) + 0.5 * (
+            feature.y_max_m - feature.y_min_m
+        ) * np.sin(rim)
+    height = road.height(grid_x, grid_y)
+    pixels = project(camera, pose, np.stack([grid_x, grid_y, height], axis=1))
+    pixels = pixels[np.isfinite(pixels).all(axis=1)]
+    if len(pixels) == 0:
+        return None
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    left, right = np.clip([low[0], high[0]], 0.0, camera.width_px)
+    top, bottom = np.clip([low[1], high[1]], 0.0, limit)
+    return (left, top, right, bottom) if right - left > 1.0 and bottom - top > 0.5 else None
+
+
+def _false_boxes(count: int, camera: Camera, limit: float, rng: np.random.Generator) -> np.ndarray:
+    """Return boxes anywhere on the lower half of the image, flat and wide."""
+    bottom = rng.uniform(0.45 * limit, limit - 5.0, count)
+    height, width = rng.uniform(4.0, 30.0, count), rng.uniform(20.0, 200.0, count)
+    left = rng.uniform(0.0, camera.width_px - width)
+    return np.stack([left, bottom - height, left + width, bottom], axis=1)

@@ -1,0 +1,86 @@
+"""What kinds of object there are, what their profiles look like, and what a tyre makes of them."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from road.envelope import envelope
+
+Array = np.ndarray
+TEMPLATE_STEP_M = 0.01
+TEMPLATE_MARGIN_M = 0.5  # more than a wheel radius, so that the envelope is back to zero at both ends
+_WALL_M = 0.06  # of potholes, from rim to floor
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of object with its priors: mean and standard deviation of length and height.
+
+    cls: detector class; sign: +1 stands up, -1 is a hole; share: prior probability within its class.
+    """
+
+    name: str
+    cls: int
+    sign: float
+    share: float
+    length_m: float
+    length_sigma_m: float
+    height_m: float
+    height_sigma_m: float
+
+
+BUMP = Kind("bump", 0, 1.0, 0.5, 0.45, 0.10, 0.075, 0.015)
+HUMP = Kind("hump", 0, 1.0, 0.5, 3.3, 0.50, 0.090, 0.015)
+POTHOLE = Kind("pothole", 1, -1.0, 1.0, 0.60, 0.30, 0.070, 0.025)
+KINDS = (BUMP, HUMP, POTHOLE)
+
+
+def kinds_of(cls: int) -> tuple[Kind, ...]:
+    """Return the kinds that the detector calls class `cls`."""
+    return tuple(kind for kind in KINDS if kind.cls == cls)
+
+
+def relief(kind: Kind, share: Array, length_m: float) -> Array:
+    """Return the profile at `share` (0..1) of the length, in units of the height, zero at both ends.
+
+    A narrow bump is a half sine. A hump lies midway between a circular arc (Watts) and a flat top with
+    ramps of a sixth of its length, since boxes hardly tell the two apart. A hole counts its depth as
+    negative height.
+    """
+    if kind is BUMP:
+        return np.sin(np.pi * share)
+    edge = np.minimum(share, 1.0 - share)
+    if kind is HUMP:
+        return 0.5 * (4.0 * share * (1.0 - share) + np.minimum(6.0 * edge, 1.0))
+    return -np.minimum(edge * length_m / _WALL_M, 1.0)
+
+
+def depth_of(length_m: float) -> float:
+    """Return the likely depth (m) of a pothole: boxes do not show it, but longer holes are deeper."""
+    return float(np.clip(0.02 + 0.1 * length_m, 0.03, 0.12))
+
+
+def chord(length_m: float, width_m: float, offset_m: float) -> float:
+    """Return the length (m) of an elliptic outline along the road `offset_m` beside its centre; 0 outside."""
+    ratio = 2.0 * offset_m / max(width_m, 1e-6)
+    return length_m * float(np.sqrt(max(0.0, 1.0 - ratio**2)))
+
+
+def tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, Array]:
+    """Return (x, height): the effective profile under a tyre, x in m from the near edge.
+
+    Zero at both ends, so it may be continued flat. Lengths are rounded to 1 cm and heights to 2 mm.
+    """
+    return _tyre_profile(kind, round(length_m, 2), round(height_m / 0.002) * 0.002)
+
+
+@lru_cache(maxsize=512)
+def _tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, Array]:
+    steps = round((length_m + 2 * TEMPLATE_MARGIN_M) / TEMPLATE_STEP_M)
+    x = np.arange(steps + 1) * TEMPLATE_STEP_M - TEMPLATE_MARGIN_M
+    share = np.clip(x / max(length_m, 1e-6), 0.0, 1.0)
+    height = envelope(height_m * relief(kind, share, length_m), TEMPLATE_STEP_M)
+    x.setflags(write=False)
+    height.setflags(write=False)
+    return x, height

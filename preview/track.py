@@ -1,0 +1,109 @@
+"""One object on the road: its boxes, its fits, where it lies across the lane, and whether it is real."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from preview.fit import GROUND, HEIGHT, LENGTH, OFFSET, Direct, Fit, Sight, X, fit
+from preview.settings import Settings
+from preview.shape import Kind, kinds_of
+
+Array = np.ndarray
+_LOG_ODDS_LIMIT = 5.0
+
+
+@dataclass
+class Edge:
+    """Lateral position of one side of the object: mean and variance, a scalar Kalman filter."""
+
+    y_m: float
+    variance: float
+
+    def update(self, y_m: float, variance: float) -> None:
+        """Take one measurement in."""
+        gain = self.variance / (self.variance + variance)
+        self.y_m += gain * (y_m - self.y_m)
+        self.variance *= 1.0 - gain
+
+
+@dataclass
+class Track:
+    """An object that has been seen at least once. Positions are of the odometer's axis.
+
+    right, left: lateral edges (y_min, y_max). log_odds: of existing. fits: by kind, best explained last.
+    """
+
+    identity: int
+    cls: int
+    born_s: float
+    log_odds: float
+    right: Edge
+    left: Edge
+    fits: list[Fit]
+    sights: list[Sight] = field(default_factory=list)
+    directs: list[Direct] = field(default_factory=list)
+    last_seen_s: float = 0.0
+    last_seen_x_m: float = 0.0
+    hits: int = 1
+    confirmed: bool = False
+    struck: bool = False
+
+    @property
+    def best(self) -> Fit:
+        """The fit of the kind that explains the boxes best."""
+        return min(self.fits, key=lambda candidate: candidate.cost)
+
+    @property
+    def existence(self) -> float:
+        """Probability that the object is real."""
+        return float(1.0 / (1.0 + np.exp(-self.log_odds)))
+
+    @property
+    def end_m(self) -> float:
+        """Position of the far edge."""
+        state = self.best.state
+        return float(state[X] + state[LENGTH])
+
+    def weigh(self, seen: bool, settings: Settings) -> None:
+        """Bayes' rule for existence, after a frame in which the object should have been visible."""
+        real, false = settings.detection_probability, settings.false_repeat_probability
+        ratio = real / false if seen else (1.0 - real) / (1.0 - false)
+        self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -_LOG_ODDS_LIMIT, _LOG_ODDS_LIMIT))
+
+    def refit(self, offset: Direct, settings: Settings) -> None:
+        """Fit every kind of the class to all sights, each from where its last fit ended."""
+        del self.sights[: -settings.max_boxes]
+        fits = [
+            fit(old.kind, self.sights, old.state, offset, self.directs, settings, iterations=2)
+            for old in self.fits
+        ]
+        self.fits = fits
+
+    def position_sigma_m(self, x_m: float, settings: Settings) -> float:
+        """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""
+        drift = settings.odometry_sigma * (x_m - self.last_seen_x_m)
+        return float(np.hypot(self.best.sigma_m, drift))
+
+    def overlap(self, y_m: float) -> float:
+        """Probability that the line y = `y_m` runs over the object."""
+        inside_right = _normal_cdf((y_m - self.right.y_m) / np.sqrt(self.right.variance))
+        inside_left = _normal_cdf((self.left.y_m - y_m) / np.sqrt(self.left.variance))
+        return inside_right * inside_left
+
+
+def first_fits(cls: int, x_m: float, x_sigma_m: float, offset: Direct, settings: Settings) -> list[Fit]:
+    """Return fits of a new object from the ground position of its first box alone."""
+    return [_first_fit(kind, x_m, x_sigma_m, offset, settings) for kind in kinds_of(cls)]
+
+
+def _normal_cdf(value: float) -> float:
+    return 0.5 * (1.0 + math.erf(value / math.sqrt(2.0)))
+
+
+def _first_fit(kind: Kind, x_m: float, x_sigma_m: float, offset: Direct, settings: Settings) -> Fit:
+    state, sigma = np.zeros(5), np.zeros(5)
+    state[[X, OFFSET, LENGTH, HEIGHT]] = x_m, offset.value, kind.length_m, kind.height_m
+    sigma[[X, OFFSET, GROUND]] = x_sigma_m, offset.sigma, settings.edge_height_sigma_m
+    sigma[[LENGTH, HEIGHT]] = kind.length_sigma_m, kind.height_sigma_m
+    return Fit(kind, state, np.diag(sigma**2), -float(np.log(kind.share)))

@@ -1,0 +1,139 @@
+"""Tracks of the objects on the road: which box belongs to which, who is born, who dies."""
+
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from detector.detection import CLASS_NAMES, Detections
+from preview.offset import SharedOffset
+from preview.settings import Settings
+from preview.track import Edge, Track, first_fits
+from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
+
+_GATE = 20.0  # sum of squared normalised row differences; four sigmas on one row
+_LATERAL_GATE_M = 0.5
+_FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first box
+
+
+class Tracker:
+    """All tracks, and the pitch offset they share. `events` logs births, confirmations and deaths."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.tracks: list[Track] = []
+        self.offset = SharedOffset(settings)
+        self.events: list[dict[str, Any]] = []
+        self._next_identity = 0
+
+    def update(self, view: View, detections: Detections) -> None:
+        """Take one frame in. Frames may come late or out of order: each brings its own pose."""
+        awaited = [expected(view, track) for track in self.tracks]
+        cost = self._costs(view, detections, awaited)
+        rows, columns = linear_sum_assignment(cost)
+        pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
+        for number, track in enumerate(list(self.tracks)):
+            if number in pairs:
+                self._hit(track, view, view.boxes[pairs[number]])
+            elif awaited[number].visible:
+                track.weigh(False, self.settings)
+        # A second box on the same object is no new object.
+        claimed = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
+        for number in range(len(detections)):
+            if number not in claimed:
+                score, cls = float(detections.scores[number]), int(detections.classes[number])
+                self._birth(view, view.boxes[number], score, cls)
+        self._bury(view.time_s)
+
+    def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
+        """Let go of tracks wholly behind the rear wheel, and learn the offset from the real ones."""
+        for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
+            if track.confirmed:
+                self.offset.learn(track.best, self.offset.prior())
+            self._remove(track, time_s, "passed")
+
+    def refit(self, track: Track) -> None:
+        """Fit a track anew, for instance after something else than a box told of it."""
+        track.refit(self.offset.prior(), self.settings)
+
+    def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
+        cost = np.full((len(self.tracks), len(detections)), 1e6)
+        for t, (track, place) in enumerate(zip(self.tracks, awaited, strict=True)):
+            for d, box in enumerate(view.boxes):
+                if detections.classes[d] == track.cls and place.top < view.limit_row:
+                    cost[t, d] = self._cost(view, track, place, box)
+        return cost
+
+    def _cost(self, view: View, track: Track, place: Expected, box: np.ndarray) -> float:
+        pixel = 2.0 * self.settings.pixel_sigma
+        ahead = max(float(track.best.state[0]) - view.pose.x, 1.0)
+        right, left = sides_of(view, box, ahead)
+        reach = _LATERAL_GATE_M + 2.0 * np.sqrt(track.right.variance)
+        if left.y_m < track.right.y_m - reach or right.y_m > track.left.y_m + reach:
+            return 1e6
+        bottom = (box[3] - min(place.bottom, view.limit_row)) / np.hypot(place.bottom_sigma, pixel)
+        top = (box[1] - max(place.top, 0.0)) / np.hypot(place.top_sigma, pixel)
+        return float(bottom**2 + top**2)
+
+    def _hit(self, track: Track, view: View, box: np.ndarray) -> None:
+        track.sights.append(sight_of(view, box))
+        track.hits += 1
+        track.weigh(True, self.settings)
+        track.last_seen_s = max(track.last_seen_s, view.time_s)
+        track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
+        self.refit(track)
+        for edge, seen in zip((track.right, track.left), self._sides(track, view, box), strict=True):
+            edge.update(seen.y_m, seen.variance)
+        if not track.confirmed and track.existence > self.settings.confirm_existence:
+            track.confirmed = True
+            self._log("confirmed", track, view.time_s)
+
+    def _birth(self, view: View, box: np.ndarray, score: float, cls: int) -> None:
+        sight = sight_of(view, box)
+        prior = self.offset.prior()
+        x, sigma = ground_of(view, box, prior.sigma, prior.value)
+        if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
+            return
+        fits = first_fits(cls, x, sigma, prior, self.settings)
+        log_odds = 2.0 * score - 2.0
+        unknown = Edge(0.0, np.inf)
+        track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [sight])
+        track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
+        self.refit(track)
+        track.right, track.left = (
+            Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
+            for edge in self._sides(track, view, box)
+        )
+        self._next_identity += 1
+        self.tracks.append(track)
+        self._log("born", track, view.time_s)
+
+    def _sides(self, track: Track, view: View, box: np.ndarray) -> tuple[Edge, Edge]:
+        """Sides of the box: a bump is widest on its near edge, a hole in its middle."""
+        state = track.best.state
+        share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
+        return sides_of(view, box, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
+
+    def _bury(self, time_s: float) -> None:
+        for track in [t for t in self.tracks if t.existence < self.settings.death_existence]:
+            self._remove(track, time_s, "died")
+
+    def _remove(self, track: Track, time_s: float, event: str) -> None:
+        self.tracks.remove(track)
+        self._log(event, track, time_s)
+
+    def _log(self, event: str, track: Track, time_s: float) -> None:
+        best = track.best
+        self.events.append(
+            {
+                "event": event,
+                "time_s": time_s,
+                "track": track.identity,
+                "class": CLASS_NAMES[track.cls],
+                "kind": best.kind.name,
+                "x_m": float(best.state[0]),
+                "sigma_m": best.sigma_m,
+                "age_s": time_s - track.born_s,
+                "existence": track.existence,
+            }
+        )

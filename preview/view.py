@@ -1,0 +1,120 @@
+"""Boxes as a camera at a known pose saw them, and where a track ought to appear in its image."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from detector.detection import Detections
+from preview.distance import depression, depression_sigma, locate, row_of
+from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
+from preview.settings import Settings
+from preview.track import Edge, Track
+from road.camera import Camera, CameraPose
+
+Array = np.ndarray
+_LEAST_AHEAD_M = 0.5
+_YAW_DRIFT_M = 0.02  # the car does not keep perfectly straight
+
+
+class View(NamedTuple):
+    """One frame: exposure time, camera, pose at exposure, boxes (n, 4) with known biases taken off."""
+
+    time_s: float
+    camera: Camera
+    pose: CameraPose
+    boxes: Array
+    settings: Settings
+
+    @property
+    def limit_row(self) -> float:
+        """First row that shows no road: image border or bonnet."""
+        return min(float(self.camera.height_px), self.settings.bonnet_row_px)
+
+
+class Expected(NamedTuple):
+    """Where a track should appear: rows of its box, their sigmas, and whether enough of it is in sight."""
+
+    bottom: float
+    top: float
+    bottom_sigma: float
+    top_sigma: float
+    visible: bool
+
+
+def view_of(
+    time_s: float, camera: Camera, pose: CameraPose, detections: Detections, settings: Settings
+) -> View:
+    """Return the frame as the tracker wants it."""
+    biases = np.array([0.0, settings.top_bias_px, 0.0, settings.bottom_bias_px])
+    return View(time_s, camera, pose, detections.boxes.astype(float) - biases, settings)
+
+
+def sight_of(view: View, box: Array) -> Sight:
+    """Return the lines of sight along a box's bottom and top; nan where border or bonnet cuts it."""
+    top, bottom = box[1], box[3]
+    border = view.settings.border_px
+    angles = depression(view.camera, np.array([bottom, top])) + view.pose.pitch
+    sigmas = np.hypot(
+        depression_sigma(view.camera, np.array([bottom, top]), view.settings.pixel_sigma),
+        np.deg2rad(view.settings.pitch_sigma_deg),
+    )
+    angles[0] = np.nan if bottom >= view.limit_row - border else angles[0]
+    angles[1] = np.nan if top <= border or top >= view.limit_row - border else angles[1]
+    return Sight(view.time_s, view.pose.x, view.pose.z, *angles.tolist(), *sigmas.tolist())
+
+
+def ground_of(view: View, box: Array, offset_sigma: float, offset: float) -> tuple[float, float]:
+    """Return where the middle of a box's bottom meets the road: x and its sigma (m); nan above horizon."""
+    pose = view.pose
+    turned = CameraPose(pose.x, pose.y, pose.z, pose.roll, pose.pitch + offset, pose.yaw)
+    pixel = np.array([[0.5 * (box[0] + box[2]), box[3]]])
+    settings = view.settings
+    found = locate(
+        view.camera, turned, pixel, settings.pixel_sigma, offset_sigma, settings.edge_height_sigma_m
+    )
+    return float(found.position[0, 0]), float(np.sqrt(found.covariance[0, 0, 0]))
+
+
+def sides_of(view: View, box: Array, ahead_m: float) -> tuple[Edge, Edge]:
+    """Return the (right, left) sides of a box `ahead_m` in front; a cut side says nothing (variance inf)."""
+    scale = ahead_m / view.camera.focal_px
+    variance = (2.0 * view.settings.pixel_sigma * scale) ** 2 + _YAW_DRIFT_M**2
+    border = view.settings.border_px
+    left, right = view.pose.y + scale * (view.camera.cx - box[[0, 2]])
+    left_cut, right_cut = box[0] <= border, box[2] >= view.camera.width_px - border
+    return (
+        Edge(float(right), np.inf if right_cut else variance),
+        Edge(float(left), np.inf if left_cut else variance),
+    )
+
+
+def expected(view: View, track: Track) -> Expected:
+    """Return where `track` should appear in the image, with the uncertainty of its fit."""
+    best = track.best
+    state, covariance, pose = best.state, best.covariance, view.pose
+    turn = pose.pitch + state[OFFSET]
+    ahead = max(float(state[X]) - pose.x, _LEAST_AHEAD_M)
+    below = pose.z - float(state[GROUND])
+    bottom_angle = np.arctan2(below, ahead) - turn
+    far, deep, _ = silhouette(best.kind, state, np.array([pose.x]), np.array([pose.z]))
+    top_angle = np.arctan2(deep[0], max(far[0], _LEAST_AHEAD_M)) - turn
+    bottom, top = row_of(view.camera, np.clip([bottom_angle, top_angle], -1.2, 1.2))
+    square = ahead**2 + below**2
+    slope = np.array([-below / square, -1.0, -ahead / square])
+    used = np.ix_([X, OFFSET, GROUND], [X, OFFSET, GROUND])
+    angle_sigma = np.sqrt(slope @ covariance[used] @ slope)
+    focal = view.camera.focal_px
+    bottom_sigma = focal * (1.0 + np.tan(bottom_angle) ** 2) * angle_sigma
+    top_sigma = np.hypot(bottom_sigma, 0.25 * (bottom - top) + 2.0)
+    in_sight = min(bottom, view.limit_row) - top >= 2.0 + view.settings.border_px
+    visible = in_sight and far[0] > _LEAST_AHEAD_M and _between_borders(view, track, ahead)
+    return Expected(float(bottom), float(top), float(bottom_sigma), float(top_sigma), bool(visible))
+
+
+def _between_borders(view: View, track: Track, ahead: float) -> bool:
+    centre = 0.5 * (track.right.y_m + track.left.y_m) - view.pose.y
+    half = 0.5 * max(track.left.y_m - track.right.y_m, 0.0)
+    reach = (
+        0.5 * view.camera.width_px / view.camera.focal_px * (ahead + 0.5 * float(track.best.state[LENGTH]))
+    )
+    return abs(centre) - half < reach - 0.2
