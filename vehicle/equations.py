@@ -6,16 +6,19 @@ State, as deviations from static equilibrium on a flat road (SI; pitch positive 
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
 
 with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a
-trailing axis, x (states, n), and then every result does. `xp` is the module `numpy` or `casadi`; CasADi needs
-columns.
+trailing axis, x (states, n), and then every result does. `xp` names the arithmetic: the module `numpy`, the
+module `casadi` (columns), or FLOATS for lists of floats, the quickest way to a single state.
 """
 
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from vehicle.parameters import Car
+
+FLOATS = SimpleNamespace(fmax=max, fmin=min)
+Arithmetic = ModuleType | SimpleNamespace
 
 
 class Forces(NamedTuple):
@@ -66,14 +69,14 @@ def motion(parameters: Car, x: Any) -> Motion:
     )
 
 
-def rattle(parameters: Car, x: Any, xp: ModuleType = np) -> tuple[Any, Any]:
+def rattle(parameters: Car, x: Any, xp: Arithmetic = np) -> tuple[Any, Any]:
     """Suspension travel body minus wheel (positive: extended) and its rate, rows (wheels, ...), m and m/s."""
     state = motion(parameters, x)
     travel, rate = _rattle(parameters, state)
     return _rows(xp, travel), _rows(xp, rate)
 
 
-def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: ModuleType = np) -> Forces:
+def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np) -> Forces:
     """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
     state = motion(parameters, x)
     travel, rate = _rattle(parameters, state)
@@ -105,7 +108,7 @@ def accelerations(parameters: Car, acting: Forces) -> tuple[list, list]:
 
 
 def derivative(
-    parameters: Car, x: Any, command: Any, road_height: Any, road_velocity: Any, xp: ModuleType = np
+    parameters: Car, x: Any, command: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np
 ) -> Any:
     """dx/dt, rows (states, ...), for the requested damping `command` (wheels, ...), N·s/m.
 
@@ -130,7 +133,7 @@ def body_acceleration(
     road_height: Any,
     road_velocity: Any,
     x_m: tuple[float, ...] | None = None,
-    xp: ModuleType = np,
+    xp: Arithmetic = np,
 ) -> Any:
     """Vertical acceleration of the body at the places `x_m` ahead of its centre of gravity, rows, m/s².
 
@@ -152,7 +155,7 @@ def _rattle(parameters: Car, state: Motion) -> tuple[list, list]:
     return travel, rate
 
 
-def _rows(xp: ModuleType, rows: list) -> Any:
-    if hasattr(xp, "vertcat"):
-        return xp.vertcat(*rows)
-    return xp.stack(xp.broadcast_arrays(*rows))
+def _rows(xp: Arithmetic, rows: list) -> Any:
+    if xp is np:
+        return np.stack(np.broadcast_arrays(*rows))
+    return rows if xp is FLOATS else xp.vertcat(*rows)

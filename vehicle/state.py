@@ -1,0 +1,118 @@
+"""What can be said about a car at a moment, or over a whole run: motion, accelerations and forces."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vehicle import equations
+from vehicle.parameters import Car
+
+Array = NDArray[np.float64]
+
+
+class Profile(Protocol):
+    """Effective road height under one wheel; `road.envelope.WheelProfile` is one."""
+
+    def height(self, x: Any, /) -> Any:
+        """Height (m) at x along the road (m); a float for a float, (n,) for (n,)."""
+
+    def slope(self, x: Any, /) -> Any:
+        """Derivative of the height at x."""
+
+
+@dataclass(frozen=True, eq=False)
+class VehicleState:
+    """The car at one moment, or at n moments: then every entry has a trailing axis n.
+
+    Displacements are deviations from static equilibrium on a flat road; rattle is body minus wheel, positive
+    when extended; pitch is positive nose-down; w wheels are ordered front, rear; SI units.
+    """
+
+    time_s: Any
+    x_m: Any  # centre of gravity along the road
+    speed_m_s: Any
+    x: Array  # (states,) in the order of vehicle.equations
+    heave_m: Any
+    heave_velocity: Any
+    pitch_rad: Any
+    pitch_rate: Any
+    wheel_z: Array  # (w,)
+    wheel_v: Array  # (w,)
+    damping: Array  # (w,) actual damping coefficient, N·s/m
+    command: Array  # (w,) damping coefficient requested up to this moment, N·s/m
+    rattle_m: Array  # (w,)
+    rattle_velocity: Array  # (w,)
+    body_acc: Array  # (w,) above each wheel
+    seat_acc: Array  # (seats,)
+    cg_acc: Any
+    pitch_acc: Any
+    wheel_acc: Array  # (w,)
+    damper_force: Array  # (w,) on the body, up
+    stop_force: Array  # (w,) on the body, up
+    tyre_force: Array  # (w,) whole, static share included, >= 0
+    static_tyre_force: Array  # (w,) at standstill
+    road_height: Array  # (w,) effective height under each wheel
+    road_velocity: Array  # (w,) its rate of change
+
+
+def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s: Any) -> tuple[list, list]:
+    """Height and its rate of change under each wheel, lists of rows, for the car at x_m (a float or (n,))."""
+    height, velocity = [], []
+    for profile, axle in zip(profiles, parameters.axle_x_m, strict=True):
+        height.append(profile.height(x_m + axle))
+        velocity.append(profile.slope(x_m + axle) * speed_m_s)
+    return height, velocity
+
+
+def observe(
+    parameters: Car,
+    time_s: Any,
+    x_m: Any,
+    speed_m_s: Any,
+    x: Any,
+    command: Array,
+    road: tuple[list, list],
+) -> VehicleState:
+    """Everything about the car: at one moment from floats and a list x, at n from (n,), (states, n), (w, n).
+
+    `road` holds height and rate of change under each wheel, as `road_under` gives them.
+    """
+    xp = equations.FLOATS if isinstance(x, list) else np
+    height, velocity = road
+    state = equations.motion(parameters, x)
+    acting = equations.forces(parameters, x, height, velocity, xp)
+    travel, rate = equations.rattle(parameters, x, xp)
+    body, wheel = equations.accelerations(parameters, acting)
+    flat = [0.0 * body[0]] * 3
+    pitch, pitch_rate, pitch_acc = (state.body[1], state.body_velocity[1], body[1]) if body[1:] else flat
+    static = [corner.static_tyre_n + flat[0] for corner in parameters.corners]
+    return VehicleState(
+        time_s=time_s,
+        x_m=x_m,
+        speed_m_s=speed_m_s,
+        x=np.array(x),
+        heave_m=state.body[0],
+        heave_velocity=state.body_velocity[0],
+        pitch_rad=pitch,
+        pitch_rate=pitch_rate,
+        wheel_z=np.array(state.wheel),
+        wheel_v=np.array(state.wheel_velocity),
+        damping=np.array(state.damping),
+        command=command,
+        rattle_m=np.array(travel),
+        rattle_velocity=np.array(rate),
+        body_acc=np.array([body[0] - place * pitch_acc for place in parameters.axle_x_m]),
+        seat_acc=np.array([body[0] - place * pitch_acc for place in parameters.seat_x_m]),
+        cg_acc=body[0],
+        pitch_acc=pitch_acc,
+        wheel_acc=np.array(wheel),
+        damper_force=np.array(acting.damper),
+        stop_force=np.array(acting.stop),
+        tyre_force=np.array(acting.tyre),
+        static_tyre_force=np.array(static),
+        road_height=np.array(height),
+        road_velocity=np.array(velocity),
+    )
