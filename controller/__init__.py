@@ -1,0 +1,1 @@
+"""From an estimate of the car's state and a preview of the road to damper commands."""

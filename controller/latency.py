@@ -1,0 +1,43 @@
+"""Commands on their way: which of them act between now and the moment the next one will."""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from controller.base import Timing
+
+
+class Hold(NamedTuple):
+    """A command (wheels,) that acts for `duration_s`, starting `start_s` from now."""
+
+    start_s: float
+    duration_s: float
+    command: np.ndarray
+
+
+class Pipeline:
+    """Remembers the commands issued, each of which acts `delay_s` after its issue until the next one acts."""
+
+    def __init__(self, timing: Timing, first: np.ndarray):
+        self._timing = timing
+        self._count = int(np.ceil(timing.delay_s / timing.period_s - 1e-9))
+        self._first = first
+        self.reset()
+
+    def reset(self) -> None:
+        """Before the first command, the initial one has always been acting."""
+        self._issued = deque([self._first] * self._count, maxlen=self._count)
+
+    def issue(self, command: np.ndarray) -> None:
+        """Note the command that was given now."""
+        self._issued.append(command)
+
+    def pending(self) -> list[Hold]:
+        """Return what acts from now until a command issued now would act; empty without delay."""
+        period, holds, start = self._timing.period_s, [], 0.0
+        for i, command in enumerate(self._issued):
+            end = self._timing.delay_s - (self._count - 1 - i) * period
+            holds.append(Hold(start, end - start, command))
+            start = end
+        return holds

@@ -1,0 +1,137 @@
+"""Model predictive control of the damping coefficients, with or without preview of the road.
+
+Real-time iteration (Diehl, Bock & Schlöder, SIAM J. Control Optim. 43(5), 2005): each period the plan of the
+last
+one is shifted, the model linearised along it, and one quadratic program gives its correction.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from controller.base import Estimate, Timing
+from controller.comfort_filter import ComfortFilter
+from controller.condense import Condenser
+from controller.latency import Pipeline
+from controller.limits import Limits
+from controller.model import KILO, prediction_model
+from controller.qp import solve_box
+from controller.road_ahead import RoadSettings, road_ahead
+from controller.skyhook import Skyhook
+from controller.supervisor import Book, Fallback
+from controller.terminal import terminal_cost
+from files.errors import InputError
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
+
+LONGEST_STEP_S = 0.005
+"""Longest Runge–Kutta step that bump stops and damper lag allow."""
+
+
+@dataclass(frozen=True)
+class MpcSettings:
+    """Horizon and cost.
+
+    horizon_s: length of the plan; its intervals are the control period.
+    rho: (m/s²)², weight of the relative tyre load, as in the objective J.
+    input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
+    patience: failed solves in a row that the last good plan bridges.
+    road: how preview and measurement become one road.
+    """
+
+    horizon_s: float = 0.2
+    rho: float = 3.0
+    input_weight: float = 1e-3
+    patience: int = 3
+    road: RoadSettings = field(default_factory=RoadSettings)
+
+    def __post_init__(self) -> None:
+        if not 0.02 <= self.horizon_s <= 1.0:
+            raise InputError(f"horizon_s must lie in 0.02 ... 1 s, got {self.horizon_s}")
+        if not (np.isfinite(self.rho) and self.rho >= 0.0):
+            raise InputError(f"rho must be finite and >= 0, got {self.rho}")
+        if not (np.isfinite(self.input_weight) and self.input_weight > 0.0):
+            raise InputError(f"input_weight must be finite and > 0, got {self.input_weight}")
+        if self.patience < 0:
+            raise InputError(f"patience must be >= 0, got {self.patience}")
+
+
+class PredictiveController:
+    """MPC; `uses_preview` False makes it the reactive controller that sees only the road it stands on."""
+
+    def __init__(
+        self,
+        vehicle: Car,
+        settings: MpcSettings | None = None,
+        timing: Timing | None = None,
+        uses_preview: bool = True,
+    ):
+        self._settings = settings or MpcSettings()
+        self._timing = timing or Timing()
+        self._uses_preview = uses_preview
+        period = self._timing.period_s
+        substeps = int(np.ceil(period / LONGEST_STEP_S - 1e-9))
+        intervals = max(2, round(self._settings.horizon_s / period))
+        self._model = prediction_model(
+            vehicle, period, substeps, self._settings.rho, self._settings.input_weight
+        )
+        self._condense = Condenser(self._model, terminal_cost(self._model), intervals)
+        self._node_times = self._timing.delay_s + np.arange(intervals * substeps + 1) * (period / substeps)
+        self._limits = Limits.of(vehicle)
+        self._filter = ComfortFilter(vehicle, period)
+        self._pipeline = Pipeline(self._timing, self._limits.passive)
+        self._fallback = Fallback(self._settings.patience)
+        self._reactive = Skyhook(vehicle)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget plan, past commands and statistics."""
+        self._plan = np.tile(self._limits.passive / KILO, (len(self._condense.states), 1))
+        self._filter.reset()
+        self._pipeline.reset()
+        self._fallback.reset()
+        self._book = Book()
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """`solves`, `fallbacks`, `reasons`, `median_ms` and `max_ms` of a step."""
+        return self._book.summary()
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,) in N·s/m for the moment the command acts."""
+        self._book.start()
+        self._plan = np.vstack([self._plan[1:], self._plan[-1:]])
+        problem = self._improve(estimate, preview) if estimate.is_finite() else "estimate not finite"
+        command = self._answer(estimate, problem)
+        self._pipeline.issue(command)
+        self._book.finish(problem)
+        return command.copy()
+
+    def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
+        """Correct the plan by one quadratic program; return what prevented it, if something did."""
+        seen = preview if self._uses_preview else None
+        state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]), estimate, seen)
+        road = road_ahead(estimate, seen, self._node_times, self._settings.road)
+        problem = self._condense(state, self._plan, road)
+        low, high = self._limits.low / KILO - self._plan, self._limits.high / KILO - self._plan
+        solution = solve_box(problem.hessian, problem.gradient, low.ravel(), high.ravel())
+        if solution.problem is None:
+            self._plan = self._plan + solution.x.reshape(self._plan.shape)
+        return solution.problem
+
+    def _predict(self, state: np.ndarray, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Carry the state forward through the commands that are still on their way."""
+        for start, duration, command in self._pipeline.pending():
+            times = start + duration * np.linspace(0.0, 1.0, self._model.substeps + 1)
+            road = road_ahead(estimate, preview, times, self._settings.road)
+            state = np.array(self._model.step(state, command / KILO, road, duration))[:, 0]
+        return state
+
+    def _answer(self, estimate: Estimate, problem: str | None) -> np.ndarray:
+        """Command of a valid plan; else of the last valid one, else skyhook, else passive."""
+        if problem is None:
+            self._fallback.succeeded()
+        elif not self._fallback.follow_plan():
+            return self._reactive.step(estimate, None) if estimate.is_finite() else self._limits.passive
+        return self._limits.clip(KILO * self._plan[0])

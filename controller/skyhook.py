@@ -1,0 +1,61 @@
+"""Semi-active laws that look at the present only: what preview has to beat.
+
+Continuous skyhook with a groundhook share (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974; Savaresi et al.,
+*Semi-Active Suspension Control Design for Vehicles*, 2010, ch. 6): an imagined damper `sky` between body and
+sky
+and another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that it
+can.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controller.base import Estimate, Stateless, Timing
+from controller.limits import Limits
+from files.errors import InputError
+from preview.horizon import RoadPreview
+from vehicle.equations import motion, rattle
+from vehicle.parameters import Car
+
+
+@dataclass(frozen=True)
+class SkyhookSettings:
+    """The imagined dampers.
+
+    sky_ns_m, ground_ns_m: their coefficients.
+    floor_ns_m: damping where the law asks for less.
+    smoothing_m_s: suspension velocity under which the law fades to the floor, so that noise cannot chatter
+    it.
+    """
+
+    sky_ns_m: float = 3000.0
+    ground_ns_m: float = 600.0
+    floor_ns_m: float = 300.0
+    smoothing_m_s: float = 0.02
+
+    def __post_init__(self) -> None:
+        for name in ("sky_ns_m", "ground_ns_m", "floor_ns_m"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} must be finite and >= 0, got {value}")
+        if not (np.isfinite(self.smoothing_m_s) and self.smoothing_m_s > 0.0):
+            raise InputError(f"smoothing_m_s must be finite and > 0, got {self.smoothing_m_s}")
+
+
+class Skyhook(Stateless):
+    """c = (sky·v_s − ground·v_u) / (v_s − v_u), clipped to floor and dampers."""
+
+    def __init__(self, vehicle: Car, settings: SkyhookSettings | None = None, timing: Timing | None = None):
+        self._vehicle = vehicle
+        self._settings = settings or SkyhookSettings()
+        self._limits = Limits.of(vehicle)
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,) in N·s/m that comes nearest to the imagined dampers' force."""
+        s = self._settings
+        relative = rattle(self._vehicle, estimate.x)[1]
+        wheel = np.array(motion(self._vehicle, estimate.x).wheel_velocity)
+        force = s.sky_ns_m * (wheel + relative) - s.ground_ns_m * wheel
+        damping = force * relative / (relative**2 + s.smoothing_m_s**2)
+        return self._limits.clip(np.maximum(damping, s.floor_ns_m))

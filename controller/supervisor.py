@@ -1,0 +1,59 @@
+"""What acts when the optimiser has no valid answer, and the book that is kept of it."""
+
+from collections import Counter
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+
+class Book:
+    """Counts solves and fallbacks by reason, and run times; the times are told but decide nothing."""
+
+    def __init__(self) -> None:
+        self._fallbacks: Counter[str] = Counter()
+        self._times_s: list[float] = []
+        self._started = 0.0
+
+    def start(self) -> None:
+        """A step begins."""
+        self._started = perf_counter()
+
+    def finish(self, problem: str | None) -> None:
+        """A step ends: with an answer, or with the problem that made it fall back."""
+        self._times_s.append(perf_counter() - self._started)
+        if problem:
+            self._fallbacks[problem] += 1
+
+    def summary(self) -> dict[str, Any]:
+        """`solves`, `fallbacks`, `reasons` {problem: count}, `median_ms`, `max_ms` (None before any step)."""
+        times = 1e3 * np.array(self._times_s)
+        fallbacks = sum(self._fallbacks.values())
+        return {
+            "solves": len(times) - fallbacks,
+            "fallbacks": fallbacks,
+            "reasons": dict(sorted(self._fallbacks.items())),
+            "median_ms": float(np.median(times)) if len(times) else None,
+            "max_ms": float(times.max()) if len(times) else None,
+        }
+
+
+class Fallback:
+    """After a failure the last good plan is followed for a while, then the reactive law takes over."""
+
+    def __init__(self, patience: int):
+        self._patience = patience
+        self.reset()
+
+    def reset(self) -> None:
+        """No plan yet, so nothing to follow."""
+        self._left = 0
+
+    def succeeded(self) -> None:
+        """A valid plan is there."""
+        self._left = self._patience
+
+    def follow_plan(self) -> bool:
+        """Whether this failure is still bridged by the plan; counts it."""
+        self._left -= 1
+        return self._left >= 0

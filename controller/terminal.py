@@ -1,0 +1,66 @@
+"""The cost of everything after the horizon: a Lyapunov function of the car with constant damping."""
+
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+from scipy.linalg import cholesky, solve_continuous_lyapunov
+
+from controller.limits import Limits
+from controller.model import KILO, PredictionModel, derivative
+from vehicle import equations
+from vehicle.parameters import Car
+
+
+@dataclass(frozen=True)
+class TerminalCost:
+    """|root · (state − rest · road)|²: what the cost adds up to on a road that stays at its last heights.
+
+    root: (n_x, n_x). rest: (n_x, wheels), the state at rest on road heights.
+    """
+
+    root: np.ndarray
+    rest: np.ndarray
+
+
+def terminal_cost(model: PredictionModel, damping_ns_m: np.ndarray | None = None) -> TerminalCost:
+    """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
+
+    C gives the cost's weighted outputs; P is divided by the interval, as the cost is a sum over intervals.
+    Bump
+    stops and lift-off play no part; the actual damping coefficients have no weight, as at rest they do
+    nothing.
+    """
+    vehicle = model.vehicle
+    damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
+    a, c = _linear(model, damping)
+    n = equations.state_size(vehicle)
+    kept = np.r_[0 : n - vehicle.wheels, n : model.n_x]
+    p = solve_continuous_lyapunov(a[np.ix_(kept, kept)].T, -c[:, kept].T @ c[:, kept]) / model.interval_s
+    root = np.zeros((model.n_x, model.n_x))
+    root[np.ix_(kept, kept)] = cholesky(p + 1e-9 * np.eye(len(kept)))
+    return TerminalCost(root, _rest(vehicle, model.n_x))
+
+
+def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    vehicle = model.vehicle
+    n = equations.state_size(vehicle)
+    x = casadi.SX.sym("x", model.n_x)
+    flat = casadi.SX.zeros(vehicle.wheels)
+    rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat)
+    slopes = casadi.Function("f", [x], [casadi.jacobian(e, x) for e in (rates, model.outputs(x))])
+    rest = np.zeros(model.n_x)
+    rest[n - vehicle.wheels : n] = damping_ns_m
+    a, c = slopes(rest)
+    return np.array(a), np.array(c)
+
+
+def _rest(vehicle: Car, n_x: int) -> np.ndarray:
+    """State at rest, (n_x, wheels), for unit road heights: wheels on the road, the body where they carry
+    it."""
+    levers = np.array([corner.lever for corner in vehicle.corners])
+    bodies = levers.shape[1]
+    rest = np.zeros((n_x, vehicle.wheels))
+    rest[0 : 2 * bodies : 2] = np.linalg.pinv(levers)
+    rest[2 * bodies : 2 * (bodies + vehicle.wheels) : 2] = np.eye(vehicle.wheels)
+    return rest
