@@ -7,6 +7,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from files.errors import InputError
 from road.checks import check_number
 from road.profile import Road
 
@@ -29,6 +30,11 @@ class WheelProfile:
     _table: list[float] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        heights = np.asarray(self.heights)
+        if heights.ndim != 1 or len(heights) < 2 or not np.all(np.isfinite(heights)):
+            raise InputError(f"heights must be (n,) finite values, n >= 2, got shape {heights.shape}")
+        check_number("x0_m", self.x0_m, -1e6, 1e6)
+        check_number("step_m", self.step_m, 0.0, 10.0, open_low=True)
         object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
 
     @overload

@@ -50,7 +50,8 @@ class HalfSineBump:
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height over the road (m) at world points, broadcast over x and y."""
         s = _inside(self, x)
-        return self.height_m * np.sin(np.pi * s / self.length_m) * _end_taper(self, y)
+        nearer_end = np.minimum(s, self.length_m - s)  # exactly zero at both ends, as sin(pi) is not
+        return self.height_m * np.sin(np.pi * nearer_end / self.length_m) * _end_taper(self, y)
 
     def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
         """True where the feature covers the road, broadcast over x and y."""

@@ -1,0 +1,133 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from files.errors import InputError
+from road.features import FEATURE_KINDS, PAINTS, FlatTopHump, HalfSineBump, Pothole, WattsHump
+
+EXAMPLES = [
+    HalfSineBump(10.0, 0.08, 0.4),
+    WattsHump(10.0),
+    FlatTopHump(10.0),
+    Pothole(10.0, 0.08, 0.6, 0.5, y_m=0.75, seed=4),
+]
+potholes = st.builds(
+    Pothole,
+    start_m=st.floats(0, 100),
+    depth_m=st.floats(0.01, 0.2),
+    length_m=st.floats(0.2, 2.0),
+    width_m=st.floats(0.2, 2.0),
+    y_m=st.floats(-3, 3),
+    wall_m=st.floats(0.01, 0.1),
+    irregularity=st.floats(0, 0.5),
+    seed=st.integers(0, 100),
+)
+
+
+def test_half_sine_profile():
+    bump = HalfSineBump(10.0, 0.08, 0.4)
+    x = 10 + 0.4 * np.array([-0.5, 0, 1 / 6, 0.5, 5 / 6, 1, 1.5])
+    np.testing.assert_allclose(bump.height(x, 0), 0.08 * np.array([0, 0, 0.5, 1, 0.5, 0, 0]), atol=1e-12)
+
+
+def test_watts_profile_is_an_arc_of_the_circle_through_its_ends_and_crest():
+    hump = WattsHump(0.0, height_m=0.1, length_m=3.6)
+    x = np.linspace(0.1, 3.5, 50)
+    radius = (1.8**2 + 0.1**2) / 0.2
+    centre_z = 0.1 - radius
+    np.testing.assert_allclose(np.hypot(x - 1.8, hump.height(x, 0) - centre_z), radius, rtol=1e-12)
+    np.testing.assert_allclose(hump.height([0, 1.8, 3.6], 0), [0, 0.1, 0], atol=1e-12)
+
+
+def test_flat_top_profile():
+    hump = FlatTopHump(5.0, height_m=0.09, length_m=3.6, ramp_m=0.6)
+    x = 5 + np.array([-1, 0, 0.3, 0.6, 2.0, 3.0, 3.3, 3.6, 4])
+    np.testing.assert_allclose(
+        hump.height(x, 0), 0.09 * np.array([0, 0, 0.5, 1, 1, 1, 0.5, 0, 0]), atol=1e-12
+    )
+
+
+def test_bump_runs_out_at_its_lateral_ends():
+    bump = HalfSineBump(10.0, 0.08, 0.4, y_min_m=-1.0, y_max_m=2.0, taper_m=0.2)
+    y = np.array([-1.1, -1.0, -0.9, -0.8, 1.8, 1.9, 2.0, 2.1])
+    expected = 0.08 * np.array([0, 0, 0.5, 1, 1, 0.5, 0, 0])
+    np.testing.assert_allclose(bump.height(10.2, y), expected, atol=1e-12)
+    sharp = dataclasses.replace(bump, taper_m=0.0)
+    np.testing.assert_allclose(sharp.height(10.2, y), 0.08 * np.array([0, 1, 1, 1, 1, 1, 1, 0]), atol=1e-12)
+
+
+@given(pothole=potholes)
+def test_pothole_has_its_length_on_the_centre_line_its_width_and_its_depth(pothole):
+    x = np.linspace(pothole.start_m - 0.5, pothole.end_m + 0.5, 241)[:, None]
+    y = np.linspace(pothole.y_min_m - 0.5, pothole.y_max_m + 0.5, 241)
+    hole, step = pothole.footprint(x, y), max(x[1, 0] - x[0, 0], y[1] - y[0])
+    centre = pothole.footprint(x[:, 0], pothole.y_m)
+    assert np.count_nonzero(centre) * (x[1, 0] - x[0, 0]) == pytest.approx(pothole.length_m, abs=2 * step)
+    assert y[hole.any(axis=0)].min() >= pothole.y_min_m - 1e-9
+    assert y[hole.any(axis=0)].max() <= pothole.y_max_m + 1e-9
+    assert np.ptp(y[hole.any(axis=0)]) == pytest.approx(pothole.width_m, abs=0.05)
+    assert x[hole.any(axis=1)].min() >= pothole.start_m - 1e-9
+    assert x[hole.any(axis=1)].max() <= pothole.end_m + 1e-9
+    middle = pothole.start_m + pothole.length_m / 2
+    assert pothole.height(middle, pothole.y_m) == pytest.approx(-pothole.depth_m)
+
+
+def test_regular_pothole_is_an_ellipse_with_sloped_walls_and_flat_floor():
+    hole = Pothole(0.0, 0.08, 0.6, 0.4, wall_m=0.1, irregularity=0.0)
+    x = np.array([0, 0.05, 0.1, 0.3, 0.5, 0.55, 0.6])
+    np.testing.assert_allclose(hole.height(x, 0), -0.08 * np.array([0, 0.5, 1, 1, 1, 0.5, 0]), atol=1e-9)
+    xs, ys = np.random.default_rng(0).uniform([-0.1, -0.3], [0.7, 0.3], (2000, 2)).T
+    inside = ((xs - 0.3) / 0.3) ** 2 + (ys / 0.2) ** 2 < 1
+    np.testing.assert_array_equal(hole.footprint(xs, ys), inside)
+
+
+def test_rim_depends_on_the_seed_alone():
+    x, y = np.linspace(0, 0.6, 80)[:, None], np.linspace(-0.3, 0.3, 80)
+    shapes = [Pothole(0.0, 0.08, 0.6, 0.6, seed=s).footprint(x, y) for s in (1, 1, 2)]
+    np.testing.assert_array_equal(shapes[0], shapes[1])
+    assert np.any(shapes[0] != shapes[2])
+
+
+@pytest.mark.parametrize("feature", EXAMPLES, ids=lambda f: f.kind)
+def test_height_is_zero_outside_the_footprint_continuous_and_of_one_sign(feature):
+    x = np.linspace(feature.start_m - 0.2, feature.end_m + 0.2, 1500)[:, None]
+    y = np.linspace(feature.y_min_m - 0.2, feature.y_max_m + 0.2, 301)
+    z = feature.height(x, y)
+    assert z.shape == feature.footprint(x, y).shape == (1500, 301)
+    assert np.all(z[~feature.footprint(x, y)] == 0)
+    assert np.all(z >= -1e-12) if feature.cls == 0 else np.all(z <= 0)
+    assert np.abs(np.diff(z, axis=0)).max() < 0.01
+
+
+def test_kinds_and_paints():
+    assert set(FEATURE_KINDS) == {"half_sine_bump", "watts_hump", "flat_top_hump", "pothole"}
+    assert [f.cls for f in EXAMPLES] == [0, 0, 0, 1]
+    for paint in PAINTS:
+        assert HalfSineBump(1.0, 0.05, 0.4, paint=paint).paint == paint
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: HalfSineBump(1.0, -0.1, 0.4), r"^height_m must be > 0 and <= 0.5, got -0.1$"),
+        (lambda: HalfSineBump(float("nan"), 0.1, 0.4), "^start_m must be a finite number"),
+        (lambda: HalfSineBump(1.0, 0.1, 0.0), "^length_m must be > 0"),
+        (lambda: HalfSineBump(1.0, "0.1", 0.4), "^height_m must be a finite number.*'0.1'"),
+        (lambda: HalfSineBump(1.0, 0.1, 0.4, y_min_m=1.0, y_max_m=1.0), "^y_max_m must be > 1"),
+        (lambda: HalfSineBump(1.0, 0.1, 0.4, taper_m=4.0), "^taper_m must be >= 0 and <= 3.5"),
+        (lambda: HalfSineBump(1.0, 0.1, 0.4, paint="blue"), "^paint must be one of plain, .*'blue'"),
+        (lambda: WattsHump(1.0, height_m=0.3, length_m=0.4), "^height_m must be <= length_m / 2"),
+        (lambda: FlatTopHump(1.0, ramp_m=2.0), "^ramp_m must be > 0 and <= 1.8"),
+        (lambda: Pothole(1.0, 0.0, 0.6, 0.5), "^depth_m must be > 0"),
+        (lambda: Pothole(1.0, 0.1, 0.6, 0.5, wall_m=0.3), "^wall_m must be > 0 and <= 0.25"),
+        (lambda: Pothole(1.0, 0.1, 0.6, 0.5, irregularity=0.9), "^irregularity must be"),
+        (lambda: Pothole(1.0, 0.1, 0.6, 0.5, seed=1.5), "^seed must be an integer >= 0, got 1.5"),
+        (lambda: Pothole(1.0, True, 0.6, 0.5), "^depth_m must be a finite number"),
+    ],
+)
+def test_bad_input_names_the_field(make, message):
+    with pytest.raises(InputError, match=message):
+        make()

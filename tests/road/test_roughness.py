@@ -1,0 +1,111 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.signal import csd, welch
+from scipy.special import k1
+
+from files.errors import InputError
+from road.roughness import (
+    ISO_CLASSES,
+    STEP_M,
+    Roughness,
+    displacement_psd,
+    isotropic_coherence,
+    rough_surface,
+)
+
+LENGTH_M = 8000.0
+
+
+@pytest.mark.parametrize(("iso_class", "value"), [("A", 16), ("B", 64), ("C", 256), ("D", 1024), ("E", 4096)])
+def test_published_geometric_means(iso_class, value):
+    assert Roughness(iso_class).psd_n0_m3 == pytest.approx(value * 1e-6)
+
+
+@pytest.mark.parametrize("iso_class", ["A", "C"])
+def test_welch_recovers_the_level_at_n0_and_the_waviness(iso_class):
+    roughness = Roughness(iso_class, seed=5)
+    z = rough_surface(roughness, LENGTH_M).heights[4]
+    n, psd = welch(z, 1 / STEP_M, nperseg=round(200 / STEP_M), detrend="linear")
+    band = (n >= 0.03) & (n <= 3)
+    # Octave means, so that every octave counts alike in the fit.
+    edges = 0.03 * 2.0 ** np.arange(0, 7)
+    means = [
+        (np.log(n[i]).mean(), np.log(psd[i]).mean())
+        for low, high in pairwise(edges)
+        if (i := band & (n >= low) & (n < high)).any()
+    ]
+    slope, intercept = np.polyfit(*np.transpose(means), 1)
+    assert -slope == pytest.approx(2.0, rel=0.05)
+    assert np.exp(intercept + slope * np.log(0.1)) == pytest.approx(roughness.psd_n0_m3, rel=0.12)
+
+
+def test_variance_is_the_integral_of_the_psd():
+    surface = rough_surface(Roughness("B", 2), LENGTH_M)
+    n = np.linspace(0.5, 10, 20000)
+    expected = np.trapezoid(displacement_psd(Roughness("B"), n), n)
+    spectrum = np.fft.rfft(surface.heights)
+    spectrum[:, np.fft.rfftfreq(surface.heights.shape[1], STEP_M) < 0.5] = 0
+    high = np.fft.irfft(spectrum)
+    assert np.mean(high**2) == pytest.approx(expected, rel=0.02)
+
+
+def test_tracks_are_coherent_as_on_an_isotropic_surface():
+    surface = rough_surface(Roughness("B", 1), LENGTH_M)
+    left = int(np.flatnonzero(surface.y_m == 0.75)[0])
+    right = int(np.flatnonzero(surface.y_m == -0.75)[0])
+    settings = {"fs": 1 / STEP_M, "nperseg": round(100 / STEP_M)}
+    n, cross = csd(surface.heights[left], surface.heights[right], **settings)
+    power = welch(surface.heights[left], **settings)[1]
+    for target in (0.05, 0.1, 0.2, 1.0):
+        near = (n > 0.8 * target) & (n < 1.2 * target)
+        measured = cross[near].real.sum() / power[near].sum()
+        u = 2 * np.pi * target * 1.5
+        assert measured == pytest.approx(u * k1(u), abs=0.12)
+
+
+def test_isotropic_coherence_is_the_bessel_function():
+    u = np.geomspace(1e-3, 50, 300)
+    np.testing.assert_allclose(isotropic_coherence(u), u * k1(u), atol=1e-4)
+    assert isotropic_coherence(0.0) == 1
+
+
+def test_height_meets_the_tracks_and_is_linear_between_them():
+    surface = rough_surface(Roughness("C", 9), 50.0)
+    k = np.arange(0, 1000, 37)
+    np.testing.assert_allclose(surface.height(k * STEP_M, 0.75), surface.heights[6, k], atol=1e-9)
+    between = surface.height(k * STEP_M, 0.375)
+    np.testing.assert_allclose(between, surface.heights[5:7, k].mean(axis=0), atol=1e-9)
+    np.testing.assert_array_equal(surface.height(3.0, 99.0), surface.height(3.0, surface.y_m[-1]))
+    x, y = np.linspace(0, 20, 30)[:, None], np.linspace(-4, 4, 9)
+    assert surface.height(x, y).shape == (30, 9)
+    np.testing.assert_array_equal(surface.height(x, y)[4, 2], surface.height(x[4, 0], y[2]))
+
+
+def test_realisation_depends_on_the_seed_and_not_on_the_length():
+    first, again, longer, other = (
+        rough_surface(Roughness("B", seed), length).heights[:, :500]
+        for seed, length in ((1, 100.0), (1, 100.0), (1, 900.0), (2, 100.0))
+    )
+    np.testing.assert_array_equal(first, again)
+    np.testing.assert_array_equal(first, longer)
+    assert np.abs(first - other).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Roughness("I"), "^iso_class must be one of A, B, C, D, E, F, G, H, got 'I'"),
+        (lambda: Roughness("b"), "^iso_class must be"),
+        (lambda: Roughness("B", -1), "^seed must be an integer >= 0"),
+    ],
+)
+def test_bad_input_names_the_field(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_classes_grow_fourfold():
+    levels = [Roughness(c).psd_n0_m3 for c in ISO_CLASSES]
+    np.testing.assert_allclose(np.divide(levels[1:], levels[:-1]), 4)
