@@ -10,7 +10,7 @@ from road.camera import Camera, CameraPose, project
 from road.features import Feature
 from road.profile import Road
 
-_ALONG, _ACROSS = 41, 9
+_ALONG, _ACROSS = 61, 31
 _LEAST_AHEAD_M = 0.3
 
 
@@ -62,7 +62,7 @@ def true_boxes(
         if box is not None:
             boxes.append(box)
             classes.append(feature.cls)
-    return Detections(np.array(boxes), np.ones(len(boxes)), np.array(classes))
+    return Detections(np.array(boxes, np.float32).reshape(-1, 4), np.ones(len(boxes)), np.array(classes))
 
 
 def degrade(
@@ -72,7 +72,7 @@ def degrade(
     rng: np.random.Generator,
     bonnet_row_px: float | None = None,
 ) -> Detections:
-    """Return detections with the misses, noise and false boxes of `errors`; the range is `true_boxes`' matter.
+    """Return detections with the misses, noise and false boxes of `errors` (range: see `true_boxes`).
 
     Edges that touch the image border or the bonnet stay there.
     """
@@ -100,14 +100,12 @@ def _box(
     """Return the box around the feature's surface and edges, cut to the image, or None if out of sight."""
     x = np.linspace(max(feature.start_m, pose.x + _LEAST_AHEAD_M), feature.end_m, _ALONG)
     y = np.linspace(feature.y_min_m, feature.y_max_m, _ACROSS)
-    grid_x, grid_y = (values.ravel() for values in np.meshgrid(x, y))
-    if feature.kind == "pothole":
-        rim = np.linspace(-np.pi, np.pi, 4 * _ALONG)
-        grid_x = 0.5 * (feature.start_m + feature.end_m) + 0.5 * feature.length_m * np.cos(rim)
-        grid_y = 0.5 * (feature.y_min_m + feature.y_max_m) + 0.5 * (
-            feature.y_max_m - feature.y_min_m
-        ) * np.sin(rim)
+    grid_x, grid_y = np.meshgrid(x, y)
+    inside = feature.footprint(grid_x, grid_y)
+    grid_x, grid_y = grid_x[inside], grid_y[inside]
     height = road.height(grid_x, grid_y)
+    if feature.kind == "pothole":
+        height = height - feature.height(grid_x, grid_y)  # its rim hides or outlines all that lies deeper
     pixels = project(camera, pose, np.stack([grid_x, grid_y, height], axis=1))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) == 0:
