@@ -1,0 +1,128 @@
+"""How a road looks: surface, markings, light, weather and camera artefacts. Geometry is not here."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+LIGHTS = ("noon", "overcast", "sunset", "night")
+WEATHERS = ("dry", "wet", "rain", "fog")
+SURFACES = ("asphalt", "old_asphalt", "concrete")
+VERGES = ("grass", "soil", "pavement")
+CENTRE_LINES = ("none", "dashed", "solid", "double")
+LINE_COLOURS = ("white", "yellow")
+
+_CHOICES = {
+    "light": LIGHTS,
+    "weather": WEATHERS,
+    "surface": SURFACES,
+    "verge": VERGES,
+    "centre_line": CENTRE_LINES,
+    "line_colour": LINE_COLOURS,
+}
+_RANGES = {
+    "left_edge_m": (1.5, 6.5),
+    "right_edge_m": (-6.5, -1.5),
+    "brightness": (0.05, 0.6),
+    "wear": (0.0, 1.0),
+    "cracks": (0.0, 1.0),
+    "patches": (0.0, 1.0),
+    "distractors": (0.0, 1.0),
+    "sun_azimuth_deg": (-180.0, 180.0),
+    "sun_elevation_deg": (3.0, 90.0),
+    "tree_shadow": (0.0, 1.0),
+    "bonnet": (0.0, 0.25),
+    "exposure": (0.3, 3.0),
+    "warmth": (-0.2, 0.2),
+    "noise": (0.0, 0.05),
+    "blur_px": (0.0, 2.0),
+}
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """Everything visible that is not shape.
+
+    Azimuth is measured from straight ahead, positive left (ISO 8855). `brightness` is the albedo of the
+    carriageway; `wear`, `cracks`, `patches`, `distractors` and `tree_shadow` are densities in 0..1;
+    `bonnet` is the share of the image height that the bonnet hides at the image centre; `exposure`
+    multiplies the scene's own exposure; `noise` is the read noise as a share of full scale.
+    """
+
+    light: str = "overcast"
+    weather: str = "dry"
+    surface: str = "asphalt"
+    verge: str = "grass"
+    left_edge_m: float = 3.8
+    right_edge_m: float = -3.8
+    edge_lines: bool = True
+    centre_line: str = "none"
+    line_colour: str = "white"
+    brightness: float = 0.2
+    wear: float = 0.3
+    cracks: float = 0.3
+    patches: float = 0.3
+    distractors: float = 0.2
+    sun_azimuth_deg: float = 60.0
+    sun_elevation_deg: float = 50.0
+    tree_shadow: float = 0.0
+    bonnet: float = 0.0
+    exposure: float = 1.0
+    warmth: float = 0.0
+    noise: float = 0.008
+    blur_px: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name, allowed in _CHOICES.items():
+            if getattr(self, name) not in allowed:
+                raise ValueError(f"{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}")
+        for name, (low, high) in _RANGES.items():
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise ValueError(f"{name} must be in {low} .. {high}, got {value}")
+
+
+def random_appearance(rng: np.random.Generator) -> Appearance:
+    """Draw a look as varied as the roads of the data set; every field is drawn, in a fixed order."""
+    light = str(rng.choice(LIGHTS, p=(0.42, 0.3, 0.15, 0.13)))
+    surface = str(rng.choice(SURFACES, p=(0.45, 0.4, 0.15)))
+    low, high = {"asphalt": (0.07, 0.18), "old_asphalt": (0.14, 0.3), "concrete": (0.28, 0.42)}[surface]
+    left, right = _random_edges(rng)
+    low_sun = light == "sunset"
+    return Appearance(
+        light=light,
+        weather=str(rng.choice(WEATHERS, p=(0.72, 0.1, 0.11, 0.07))),
+        surface=surface,
+        verge=str(rng.choice(VERGES, p=(0.45, 0.25, 0.3))),
+        left_edge_m=left,
+        right_edge_m=right,
+        edge_lines=bool(rng.random() < 0.6),
+        centre_line=str(rng.choice(CENTRE_LINES, p=(0.3, 0.4, 0.2, 0.1))),
+        line_colour=str(rng.choice(LINE_COLOURS, p=(0.7, 0.3))),
+        brightness=float(rng.uniform(low, high)),
+        wear=float(rng.uniform(0, 1)),
+        cracks=float(rng.beta(1.2, 2)),
+        patches=float(rng.beta(1.2, 2)),
+        distractors=float(rng.beta(1.2, 2)),
+        sun_azimuth_deg=float(rng.uniform(-180, 180)),
+        sun_elevation_deg=float(rng.uniform(6, 18) if low_sun else rng.uniform(25, 75)),
+        tree_shadow=float(rng.uniform(0.2, 1) if rng.random() < 0.35 else 0.0),
+        bonnet=float(rng.uniform(0.03, 0.16) if rng.random() < 0.3 else 0.0),
+        exposure=float(np.clip(np.exp(rng.normal(0, 0.25)), 0.5, 2)),
+        warmth=float(np.clip(rng.normal(0, 0.05), -0.15, 0.15)),
+        noise=float(rng.uniform(0.002, 0.02)),
+        blur_px=float(rng.uniform(0.3, 0.9)),
+    )
+
+
+def _random_edges(rng: np.random.Generator) -> tuple[float, float]:
+    """Carriageway limits around the ego lane (y = 0): one lane, a street driven in its middle, two lanes."""
+    kind = rng.choice(3, p=(0.2, 0.4, 0.4))
+    if kind == 0:
+        half = rng.uniform(1.9, 2.6)
+        return float(half), float(-half)
+    if kind == 1:
+        half = rng.uniform(3.0, 4.2)
+        return float(half), float(-half)
+    lane, shoulder = rng.uniform(2.9, 3.6), rng.uniform(0.1, 1.2)
+    near, far = lane / 2 + shoulder, min(lane * 1.5 + shoulder, 6.5)
+    return (float(far), float(-near)) if rng.random() < 0.75 else (float(near), float(-far))

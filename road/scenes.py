@@ -1,0 +1,119 @@
+"""Random roads and camera positions for data sets."""
+
+import numpy as np
+
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount, CameraPose, pose_of
+from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.profile import Road
+from road.roughness import Roughness
+
+ROAD_M = 62.0
+VIEWS_TO_M = 30.0  # cameras stand between 0 and here; what is beyond is seen ahead
+_PAINT_SHARES = {
+    "plain": 0.2,
+    "yellow_black": 0.27,
+    "white_stripes": 0.22,
+    "white_triangles": 0.12,
+    "zebra": 0.12,
+    "red": 0.07,
+}
+_GAP_M = 1.0
+
+
+def random_road(rng: np.random.Generator, look: Appearance) -> Road:
+    """A road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
+    features: list[Feature] = []
+    if rng.random() > 0.14:
+        for _ in range(int(rng.choice((0, 1, 2, 3, 4), p=(0.25, 0.27, 0.25, 0.15, 0.08)))):
+            _add(features, random_bump(rng, look))
+        for _ in range(int(rng.choice((0, 1, 2, 3, 5), p=(0.2, 0.2, 0.2, 0.2, 0.2)))):
+            for hole in random_potholes(rng, look):
+                _add(features, hole)
+    roughness = None
+    if rng.random() < 0.85:
+        grade = str(rng.choice(("A", "B", "C", "D"), p=(0.35, 0.4, 0.2, 0.05)))
+        roughness = Roughness(grade, int(rng.integers(1 << 31)))
+    return Road(ROAD_M, tuple(features), roughness)
+
+
+def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
+    """Half-sine, circular-arc or flat-topped, across the carriageway or one half of it."""
+    right, left = look.right_edge_m + rng.uniform(0.05, 0.5), look.left_edge_m - rng.uniform(0.05, 0.5)
+    if rng.random() < 0.12:
+        right, left = (right, min(left, 0.2 + abs(right))) if rng.random() < 0.6 else (max(right, -1.0), left)
+    paint = str(rng.choice(list(_PAINT_SHARES), p=list(_PAINT_SHARES.values())))
+    common = {"y_min_m": right, "y_max_m": left, "paint": paint}
+    kind = rng.choice(3, p=(0.5, 0.25, 0.25))
+    if kind == 0:
+        length = float(np.exp(rng.uniform(np.log(0.25), np.log(0.65))))
+        height = float(np.clip(rng.uniform(0.03, 0.105), 0.08 * length, 0.3 * length))
+        return HalfSineBump(_start(rng, length), height, length, **common)
+    if kind == 1:
+        length = float(rng.uniform(1.0, 4.2))
+        return WattsHump(_start(rng, length), float(rng.uniform(0.05, 0.11)), length, **common)
+    length = float(rng.uniform(2.0, 5.2))
+    ramp = float(rng.uniform(0.35, min(1.2, length / 3)))
+    return FlatTopHump(_start(rng, length), float(rng.uniform(0.05, 0.11)), length, ramp, **common)
+
+
+def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]:
+    """One pothole, or a cluster of up to five."""
+    count = int(rng.choice((1, 2, 3, 5), p=(0.65, 0.18, 0.1, 0.07)))
+    x = rng.uniform(2.5, ROAD_M - 4)
+    # Most lie in a wheel track of the ego lane, where traffic digs them.
+    track = rng.choice((-0.75, 0.75)) + rng.normal(0, 0.3)
+    y = track if rng.random() < 0.55 else rng.uniform(look.right_edge_m + 0.5, look.left_edge_m - 0.5)
+    holes = []
+    for _ in range(count):
+        width = float(np.exp(rng.uniform(np.log(0.2), np.log(1.1))))
+        length = float(np.clip(width * rng.uniform(0.6, 1.5), 0.2, 1.25))
+        depth = float(np.clip(rng.uniform(0.02, 0.12), 0.02, 0.35 * min(width, length)))
+        hole_y = float(np.clip(y, look.right_edge_m + width / 2 + 0.1, look.left_edge_m - width / 2 - 0.1))
+        wall = float(rng.uniform(0.03, 0.45 * min(width, length)))
+        start = float(np.clip(x, 1.0, ROAD_M - 2))
+        shape = {"irregularity": float(rng.uniform(0.05, 0.5)), "seed": int(rng.integers(1 << 31))}
+        holes.append(Pothole(start, depth, length, width, hole_y, wall_m=min(wall, 0.2), **shape))
+        x, y = x + rng.uniform(-1.2, 1.2), y + rng.normal(0, 0.7)
+    return holes
+
+
+def random_view(rng: np.random.Generator, x_m: float) -> tuple[Camera, CameraPose]:
+    """A camera at about x: the closed loop's own on a moving body in half of the cases, any sensible otherwise."""
+    if rng.random() < 0.5:
+        camera, mount = Camera(), CameraMount()
+        pitch, roll, yaw = rng.normal(0, 0.008), rng.normal(0, 0.004), rng.normal(0, 0.01)
+        heave, y = rng.normal(0, 0.02), rng.normal(0, 0.12)
+    else:
+        camera = Camera(focal_px=float(rng.uniform(380, 600)))
+        mount = CameraMount(height_m=float(rng.uniform(1.0, 1.6)), pitch_deg=float(rng.uniform(2, 10)))
+        pitch, roll, yaw = 0.0, rng.uniform(-0.026, 0.026), rng.uniform(-0.052, 0.052)
+        heave, y = 0.0, rng.uniform(-0.6, 0.6)
+    return camera, pose_of(mount, x_m, float(heave), float(pitch), y_cg=float(y), roll=float(roll), yaw=float(yaw))
+
+
+def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
+    """Camera positions along the road: most of them 2.5 to 30 m before some feature, so that near ones abound."""
+    positions = []
+    for _ in range(count):
+        x = rng.uniform(0, VIEWS_TO_M)
+        if road.features and rng.random() < 0.75:
+            target = road.features[int(rng.integers(len(road.features)))]
+            x = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(26)))
+        positions.append(float(np.clip(x, 0.4, ROAD_M - 12)))
+    return sorted(positions)
+
+
+def _start(rng: np.random.Generator, length: float) -> float:
+    return float(rng.uniform(3, ROAD_M - 4 - length))
+
+
+def _add(features: list[Feature], new: Feature) -> None:
+    """Append unless it would touch an earlier feature."""
+    for old in features:
+        gap_x = max(new.start_m - old.end_m, old.start_m - new.end_m)
+        gap_y = max(new.y_min_m - old.y_max_m, old.y_min_m - new.y_max_m)
+        both_holes = isinstance(new, Pothole) and isinstance(old, Pothole)
+        if max(gap_x, gap_y) < (0.05 if both_holes else _GAP_M):
+            return
+    features.append(new)
