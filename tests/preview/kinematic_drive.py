@@ -1,0 +1,160 @@
+"""A car on rails: known pitch and heave, imperfect sensors, imperfect boxes. Drives toward features."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from preview.estimator import Estimator
+from preview.horizon import RoadPreview
+from preview.perception import BoxErrors, degrade, true_boxes
+from preview.settings import Settings
+from road.camera import Camera, CameraMount, pose_of
+from road.envelope import wheel_profile
+from road.profile import Road
+
+AXLES_M = (1.25, -1.45)
+WHEEL_Y_M = (0.75, 0.75)
+
+
+class Reading(NamedTuple):
+    """A `Measurement`."""
+
+    body_acc: np.ndarray
+    wheel_acc: np.ndarray
+    rattle_m: np.ndarray
+    pitch_rate: float
+    speed_m_s: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Conditions: amplitudes of body motion, calibration errors, sensor noise, timing."""
+
+    speed_kmh: float = 40.0
+    seed: int = 0
+    pitch_amplitude_deg: float = 0.4
+    heave_amplitude_m: float = 0.012
+    mount_pitch_error_deg: float = 0.2
+    mount_height_error_m: float = 0.01
+    gyro_sigma: float = 0.002
+    gyro_bias: float = 0.002
+    acc_sigma: float = 0.05
+    acc_bias: float = 0.03
+    rattle_sigma: float = 0.0005
+    speed_sigma: float = 0.02
+    speed_scale_sigma: float = 0.003
+    latency_s: float = 0.05
+    camera_hz: int = 20
+    step_s: float = 0.005
+    errors: BoxErrors = BoxErrors()
+
+
+class Snapshot(NamedTuple):
+    """The estimator's track of a feature when the front wheel was `before_m` short of it."""
+
+    error_m: float
+    sigma_m: float
+    kind: str
+    length_m: float
+    height_m: float
+    existence: float
+    preview: RoadPreview
+
+
+def drive(
+    road: Road,
+    conditions: Drive,
+    settings: Settings | None = None,
+    before_m: float = 2.5,
+    start_x_m: float = 5.0,
+) -> tuple[list[Snapshot | None], Estimator]:
+    """Drive over the whole road; return one snapshot a feature (None: not tracked) and the estimator."""
+    rng = np.random.default_rng(conditions.seed)
+    camera, mount = Camera(), CameraMount()
+    true_mount = CameraMount(
+        height_m=mount.height_m + conditions.mount_height_error_m * rng.standard_normal(),
+        pitch_deg=mount.pitch_deg + conditions.mount_pitch_error_deg * rng.standard_normal(),
+    )
+    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings, x_m=start_x_m)
+    wheels = [wheel_profile(road, y) for y in WHEEL_Y_M]
+    body = _Body(conditions, rng)
+    speed = conditions.speed_kmh / 3.6
+    scale = 1.0 + conditions.speed_scale_sigma * rng.standard_normal()
+    biases = conditions.gyro_bias * rng.standard_normal(), conditions.acc_bias * rng.standard_normal()
+    frame_every = round(1.0 / conditions.camera_hz / conditions.step_s)
+    waiting: list[tuple[float, float, object]] = []
+    shots: list[Snapshot | None] = [None] * len(road.features)
+    taken = [False] * len(road.features)
+    for tick in range(int((road.length_m - start_x_m) / speed / conditions.step_s)):
+        t = tick * conditions.step_s
+        x = start_x_m + speed * t
+        estimator.update_motion(t, body.reading(t, x, speed * scale, wheels, biases, rng))
+        if tick % frame_every == 0:
+            pose = pose_of(true_mount, x, body.heave(t), body.pitch(t))
+            boxes = true_boxes(road, camera, pose, conditions.errors.range_m)
+            waiting.append((t + conditions.latency_s, t, degrade(boxes, camera, conditions.errors, rng)))
+        while waiting and waiting[0][0] <= t + 1e-9:
+            _, exposure, found = waiting.pop(0)
+            estimator.update_boxes(exposure, found)
+        for number, feature in enumerate(road.features):
+            if not taken[number] and feature.start_m - (x + AXLES_M[0]) <= before_m:
+                taken[number] = True
+                shots[number] = _snapshot(estimator, feature.start_m, t, x)
+    return shots, estimator
+
+
+def _snapshot(estimator: Estimator, start_m: float, t: float, x: float) -> Snapshot | None:
+    rows = [row for row in estimator.stats() if row["confirmed"]]
+    if not rows:
+        return None
+    drift = estimator.motion.at(t).x_m - x
+    row = min(rows, key=lambda r: abs(r["x_m"] - drift - start_m))
+    error = row["x_m"] - drift - start_m
+    if abs(error) > 2.0:
+        return None
+    return Snapshot(
+        error,
+        row["sigma_m"],
+        row["kind"],
+        row["length_m"],
+        row["height_m"],
+        row["existence"],
+        estimator.preview(t),
+    )
+
+
+class _Body:
+    """Pitch and heave as sums of two sines around the body's resonances."""
+
+    def __init__(self, conditions: Drive, rng: np.random.Generator) -> None:
+        self.conditions = conditions
+        self._frequency = np.array([1.1, 1.7]) * 2 * np.pi
+        self._phase = rng.uniform(0, 2 * np.pi, (2, 2))
+        self._pitch = np.deg2rad(conditions.pitch_amplitude_deg) * np.array([0.7, 0.3])
+        self._heave = conditions.heave_amplitude_m * np.array([0.7, 0.3])
+
+    def pitch(self, t: float, order: int = 0) -> float:
+        turn = self._frequency * t + self._phase[0] + order * np.pi / 2
+        return float((self._pitch * self._frequency**order * np.sin(turn)).sum())
+
+    def heave(self, t: float, order: int = 0) -> float:
+        turn = self._frequency * t + self._phase[1] + order * np.pi / 2
+        return float((self._heave * self._frequency**order * np.sin(turn)).sum())
+
+    def reading(self, t, x, speed, wheels, biases, rng) -> Reading:
+        c = self.conditions
+        axle = np.array(AXLES_M)
+        road = np.array([p.height(x + a) for p, a in zip(wheels, AXLES_M, strict=True)])
+        step = 0.002
+        before = np.array([p.height(x + a - step * speed) for p, a in zip(wheels, AXLES_M, strict=True)])
+        after = np.array([p.height(x + a + step * speed) for p, a in zip(wheels, AXLES_M, strict=True)])
+        corner = self.heave(t) - axle * self.pitch(t)
+        corner_acc = self.heave(t, 2) - axle * self.pitch(t, 2)
+        return Reading(
+            corner_acc + biases[1] + c.acc_sigma * rng.standard_normal(2),
+            (after - 2 * road + before) / step**2 + c.acc_sigma * rng.standard_normal(2),
+            corner - road + c.rattle_sigma * rng.standard_normal(2),
+            self.pitch(t, 1) + biases[0] + c.gyro_sigma * rng.standard_normal(),
+            speed + c.speed_sigma * rng.standard_normal(),
+        )
