@@ -5,11 +5,15 @@ gives `boxes` (1, 300, 4) in pixels and `scores` (1, 300, 2). It is checked agai
 replaces anything.
 """
 
+import argparse
 import copy
+import importlib.metadata
 import io
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import cv2
 import numpy as np
 import onnx
 import onnxruntime as ort
@@ -19,6 +23,7 @@ from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 from detector.blocks import Conv
 from detector.checkpoint import load_weights
+from detector.dataset import image_paths, read_image
 from detector.deploy import Deployed
 from detector.detection import CLASS_NAMES
 from detector.models import SbpYolo
@@ -97,3 +102,39 @@ def export(weights: Path, out: Path, version: str, images: Sequence[np.ndarray])
         raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {TOLERANCE:g}")
     write_bytes(out, data)
     return metadata
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    p = argparse.ArgumentParser(prog="python -m detector.export", description=__doc__)
+    p.add_argument("--weights", type=Path, required=True, help="weights file of detector.train")
+    p.add_argument("--out", type=Path, required=True, help="ONNX file to write")
+    p.add_argument("--data", type=Path, help="folder with images/ for the check against torch")
+    args = p.parse_args(arguments)
+    try:
+        metadata = export(args.weights, args.out, _version(), check_images(args.data))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    print(f"{args.out}: {metadata}")
+    return 0
+
+
+def check_images(folder: Path | None, count: int = 4) -> list[np.ndarray]:
+    """A few images cut to multiples of 32: of a folder, or smooth noise where none is given."""
+    if folder is None:
+        rng = np.random.default_rng(0)
+        coarse = rng.integers(0, 256, (count, 12, 20, 3), dtype=np.uint8)
+        return [cv2.resize(c, (640, 384), interpolation=cv2.INTER_CUBIC) for c in coarse]
+    images = [read_image(path) for path in image_paths(folder)[:count]]
+    return [np.ascontiguousarray(i[: i.shape[0] // 32 * 32, : i.shape[1] // 32 * 32]) for i in images]
+
+
+def _version() -> str:
+    try:
+        return importlib.metadata.version("foreride")
+    except importlib.metadata.PackageNotFoundError:
+        return "unreleased"
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -31,12 +31,13 @@ def judge(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResu
     overlap[detections.classes[:, None] != classes[None]] = 0
     hits = np.zeros((len(IOU_LEVELS), len(detections)), bool)
     found = np.full(len(boxes), -1)
+    order = np.argsort(-detections.scores, kind="stable")
     for level, threshold in enumerate(IOU_LEVELS):
         free = np.ones(len(boxes), bool)
-        for i in np.argsort(-detections.scores, kind="stable"):
+        for i in order[(overlap[order] >= threshold).any(1)]:
             candidates = np.where(free, overlap[i], 0)
-            if len(boxes) and candidates.max() >= threshold:
-                best = int(candidates.argmax())
+            best = int(candidates.argmax())
+            if candidates[best] >= threshold:
                 free[best], hits[level, i] = False, True
                 if level == 0:
                     found[best] = i

@@ -28,8 +28,9 @@ def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
 def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> Detections:
     """Detections from candidates: boxes (K, 4), scores (K, classes); suppression within each class."""
     found = []
+    solid = (boxes[:, 2:] > boxes[:, :2]).all(1)
     for cls in range(scores.shape[1]):
-        likely = np.flatnonzero(scores[:, cls] >= confidence)
+        likely = np.flatnonzero(solid & (scores[:, cls] >= confidence))
         kept = likely[suppress(boxes[likely], scores[likely, cls], iou)]
         found += [(scores[i, cls], i, cls) for i in kept]
     found.sort(key=lambda item: -item[0])

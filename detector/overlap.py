@@ -41,7 +41,8 @@ def nwd(a: Tensor, b: Tensor, scale: float) -> Tensor:
 
 
 def _size(box: Tensor) -> Tensor:
-    return box[..., 2:] - box[..., :2]
+    """Width and height; none below zero, since a guess may be inside out."""
+    return (box[..., 2:] - box[..., :2]).clamp(min=0)
 
 
 def _centre(box: Tensor) -> Tensor:
