@@ -5,7 +5,6 @@ last
 one is shifted, the model linearised along it, and one quadratic program gives its correction.
 """
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,44 +16,16 @@ from controller.latency import Pipeline
 from controller.limits import Limits
 from controller.model import KILO, prediction_model
 from controller.qp import solve_box
-from controller.road_ahead import RoadSettings, road_ahead
+from controller.road_ahead import road_ahead
+from controller.settings import MpcSettings
 from controller.skyhook import Skyhook
 from controller.supervisor import Book, Fallback
 from controller.terminal import terminal_cost
-from files.errors import InputError
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 LONGEST_STEP_S = 0.005
 """Longest Runge–Kutta step that bump stops and damper lag allow."""
-
-
-@dataclass(frozen=True)
-class MpcSettings:
-    """Horizon and cost.
-
-    horizon_s: length of the plan; its intervals are the control period.
-    rho: (m/s²)², weight of the relative tyre load, as in the objective J.
-    input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
-    patience: failed solves in a row that the last good plan bridges.
-    road: how preview and measurement become one road.
-    """
-
-    horizon_s: float = 0.2
-    rho: float = 3.0
-    input_weight: float = 1e-3
-    patience: int = 3
-    road: RoadSettings = field(default_factory=RoadSettings)
-
-    def __post_init__(self) -> None:
-        if not 0.02 <= self.horizon_s <= 1.0:
-            raise InputError(f"horizon_s must lie in 0.02 ... 1 s, got {self.horizon_s}")
-        if not (np.isfinite(self.rho) and self.rho >= 0.0):
-            raise InputError(f"rho must be finite and >= 0, got {self.rho}")
-        if not (np.isfinite(self.input_weight) and self.input_weight > 0.0):
-            raise InputError(f"input_weight must be finite and > 0, got {self.input_weight}")
-        if self.patience < 0:
-            raise InputError(f"patience must be >= 0, got {self.patience}")
 
 
 class PredictiveController:

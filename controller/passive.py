@@ -1,21 +1,13 @@
 """A fixed damper: the car that every other controller is measured against."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.limits import Limits
+from controller.settings import PassiveSettings
 from files.errors import InputError
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
-
-
-@dataclass(frozen=True)
-class PassiveSettings:
-    """damping_ns_m: one coefficient for every wheel; None takes the vehicle's own passive coefficients."""
-
-    damping_ns_m: float | None = None
 
 
 class Passive(Stateless):

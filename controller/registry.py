@@ -1,18 +1,18 @@
 """Controllers by name, and controllers of the user's own."""
 
 import importlib.util
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from controller.base import Controller, Timing
-from controller.mpc import MpcSettings, PredictiveController
-from controller.passive import Passive, PassiveSettings
-from controller.skyhook import Skyhook, SkyhookSettings
+from controller.mpc import PredictiveController
+from controller.passive import Passive
+from controller.settings import ControllerSettings
+from controller.skyhook import Skyhook
 from files.errors import InputError
-from files.strict import structure
 from vehicle.parameters import Car
 
 Factory = Callable[..., Controller]
@@ -20,40 +20,54 @@ Factory = Callable[..., Controller]
 
 
 class Entry(NamedTuple):
-    """A controller that can be built by name, and the dataclass of its settings."""
+    """A controller that can be built by name.
+
+    settings: the field of `ControllerSettings` it takes. sees_ahead: whether it uses a preview.
+    """
 
     make: Factory
-    settings: type
+    settings: str
+    sees_ahead: bool = False
 
 
 CONTROLLERS: dict[str, Entry] = {
-    "passive": Entry(Passive, PassiveSettings),
-    "skyhook": Entry(Skyhook, SkyhookSettings),
-    "mpc_reactive": Entry(partial(PredictiveController, uses_preview=False), MpcSettings),
-    "mpc_preview": Entry(PredictiveController, MpcSettings),
+    "passive": Entry(Passive, "passive"),
+    "skyhook": Entry(Skyhook, "skyhook"),
+    "mpc_reactive": Entry(partial(PredictiveController, uses_preview=False), "mpc"),
+    "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
 }
 
 
 def build(
-    name: str,
-    vehicle: Car,
-    settings: Mapping[str, Any] | None = None,
-    timing: Timing | None = None,
+    name: str, vehicle: Car, settings: ControllerSettings | None = None, timing: Timing | None = None
 ) -> Controller:
     """Build the controller called `name`, or the user's own named as `path/to/file.py:name`.
 
-    settings: fields of the controller's settings dataclass that differ from their defaults; for the user's
-    own,
-    the keyword arguments of its class or function beyond (vehicle, timing).
-    Raises InputError for a name or a setting that does not exist, and for values out of range.
+    Raises InputError for a name that does not exist and for settings that do not fit the vehicle.
     """
-    timing = timing or Timing()
-    if ":" in name:
-        return _build_user(name, vehicle, dict(settings or {}), timing)
+    settings, timing = settings or ControllerSettings(), timing or Timing()
+    if _is_user(name):
+        return _build_user(name, vehicle, settings.user, timing)
+    entry = _entry(name)
+    return entry.make(vehicle, getattr(settings, entry.settings), timing)
+
+
+def sees_ahead(name: str) -> bool:
+    """Whether the controller called `name` uses a preview; of the user's own that is taken to be so.
+
+    Raises InputError for a name that does not exist.
+    """
+    return _is_user(name) or _entry(name).sees_ahead
+
+
+def _is_user(name: str) -> bool:
+    return ":" in name
+
+
+def _entry(name: str) -> Entry:
     if name not in CONTROLLERS:
         raise InputError(f"controller must be one of {', '.join(CONTROLLERS)} or FILE.py:NAME, got {name!r}")
-    entry = CONTROLLERS[name]
-    return entry.make(vehicle, structure(entry.settings, dict(settings or {}), f"controller {name}"), timing)
+    return CONTROLLERS[name]
 
 
 def load_user_controller(target: str) -> Factory:
@@ -84,7 +98,7 @@ def _load(path: Path, target: str) -> ModuleType:
     return module
 
 
-def _build_user(target: str, vehicle: Car, settings: dict[str, Any], timing: Timing) -> Controller:
+def _build_user(target: str, vehicle: Car, settings: dict[str, float], timing: Timing) -> Controller:
     factory = load_user_controller(target)
     try:
         controller = factory(vehicle, timing, **settings)

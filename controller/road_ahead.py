@@ -1,32 +1,10 @@
 """The road that the plan counts on: previewed shape, anchored to what the wheel measures now."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from controller.base import Estimate
-from files.errors import InputError
+from controller.settings import RoadSettings
 from preview.horizon import RoadPreview
-
-
-@dataclass(frozen=True)
-class RoadSettings:
-    """How preview and measurement become one road.
-
-    sigmas_early: by how many standard deviations of their position features are taken to come earlier, as
-    late
-    preparation costs more than early.
-    slope_decay_s: time in which a measured slope that the preview does not explain fades away.
-    """
-
-    sigmas_early: float = 1.0
-    slope_decay_s: float = 0.01
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.sigmas_early <= 3.0:
-            raise InputError(f"sigmas_early must lie in 0 ... 3, got {self.sigmas_early}")
-        if not 0.0 < self.slope_decay_s <= 1.0:
-            raise InputError(f"slope_decay_s must be > 0 and <= 1 s, got {self.slope_decay_s}")
 
 
 def road_ahead(

@@ -7,40 +7,14 @@ and another, `ground`, between wheel and ground ask for a force; the real damper
 can.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.limits import Limits
-from files.errors import InputError
+from controller.settings import SkyhookSettings
 from preview.horizon import RoadPreview
 from vehicle.equations import motion, rattle
 from vehicle.parameters import Car
-
-
-@dataclass(frozen=True)
-class SkyhookSettings:
-    """The imagined dampers.
-
-    sky_ns_m, ground_ns_m: their coefficients.
-    floor_ns_m: damping where the law asks for less.
-    smoothing_m_s: suspension velocity under which the law fades to the floor, so that noise cannot chatter
-    it.
-    """
-
-    sky_ns_m: float = 3000.0
-    ground_ns_m: float = 600.0
-    floor_ns_m: float = 300.0
-    smoothing_m_s: float = 0.02
-
-    def __post_init__(self) -> None:
-        for name in ("sky_ns_m", "ground_ns_m", "floor_ns_m"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0.0):
-                raise InputError(f"{name} must be finite and >= 0, got {value}")
-        if not (np.isfinite(self.smoothing_m_s) and self.smoothing_m_s > 0.0):
-            raise InputError(f"smoothing_m_s must be finite and > 0, got {self.smoothing_m_s}")
 
 
 class Skyhook(Stateless):
