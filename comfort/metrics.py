@@ -18,14 +18,14 @@ def ride_metrics(
     tyre_force: ArrayLike,
     static_tyre_force: ArrayLike,
     damper_power: ArrayLike,
-    stop_gap_m: float,
+    stop_gap_m: ArrayLike,
     pitch_acc: ArrayLike | None = None,
     rho: float = TYRE_LOAD_WEIGHT,
 ) -> dict[str, float]:
     """Comfort, road holding and suspension use of one run, SI units.
 
-    Seats are points of the sprung mass: for a quarter car the mass itself, for a half car the points over its
-    axles, for a full car those over its wheels, where body heave, pitch and roll combine.
+    Seats are points of the sprung mass, where body heave and pitch combine: for a quarter car the mass itself,
+    otherwise the places that the vehicle's parameters name (`seat_x_m`).
 
     Args:
         rate_hz: sampling rate, >= 500 Hz.
@@ -34,7 +34,7 @@ def ride_metrics(
         tyre_force: (wheels, n) vertical tyre force, static load included, >= 0, N.
         static_tyre_force: (wheels,) its value at rest, > 0, N.
         damper_power: (wheels, n) force times velocity taken up by the damper, W.
-        stop_gap_m: travel from equilibrium to either bump stop, > 0, m.
+        stop_gap_m: travel from equilibrium to either bump stop, > 0, m; one value or (wheels,).
         pitch_acc: (n,) rad/s^2, or None for a car without pitch.
         rho: weight of tyre load in the objective, (m/s^2)^2, >= 0.
 
@@ -61,8 +61,9 @@ def ride_metrics(
     static = np.asarray(static_tyre_force, float)
     if static.shape != (len(force),) or not np.all(static > 0):
         raise InputError(f"static_tyre_force must be {len(force)} values > 0, got {static.tolist()}")
-    if not (np.isfinite(stop_gap_m) and stop_gap_m > 0):
-        raise InputError(f"stop_gap_m must be > 0, got {stop_gap_m!r}")
+    gap = np.asarray(stop_gap_m, float)
+    if gap.shape not in ((), static.shape) or not (np.isfinite(gap) & (gap > 0)).all():
+        raise InputError(f"stop_gap_m must be > 0, one value or {len(force)}, got {stop_gap_m!r}")
     if not (np.isfinite(rho) and rho >= 0):
         raise InputError(f"rho must be >= 0, got {rho!r}")
     pitch = (
@@ -82,7 +83,7 @@ def ride_metrics(
         "pitch_acc_rms": _rms(pitch),
         "rattle_rms": _rms(travel),
         "rattle_peak": np.abs(travel).max(),
-        "stop_time": np.sum((np.abs(travel) > stop_gap_m).any(axis=0)) / rate_hz,
+        "stop_time": np.sum((np.abs(travel) > gap.reshape(-1, 1)).any(axis=0)) / rate_hz,
         "tyre_load_rms": tyre_load_rms,
         "lift_time": np.sum((force <= 0).any(axis=0)) / rate_hz,
         "damper_energy": np.sum(power) / rate_hz,

@@ -13,6 +13,12 @@ def due(tick: int, rate_hz: int) -> bool:
     return tick == 0 or (tick * rate_hz) // TICKS_PER_SECOND != ((tick - 1) * rate_hz) // TICKS_PER_SECOND
 
 
+def next_due(tick: int, rate_hz: int) -> int:
+    """The first tick after `tick` at which a process of `rate_hz` fires."""
+    fired = tick * rate_hz // TICKS_PER_SECOND
+    return -(-(fired + 1) * TICKS_PER_SECOND // rate_hz)
+
+
 def ticks(duration_s: float) -> int:
     """Nearest whole number of ticks of a duration in seconds."""
     return round(duration_s * TICKS_PER_SECOND)

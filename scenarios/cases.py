@@ -1,0 +1,47 @@
+"""Which runs a comparison consists of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from files.errors import InputError
+from scenarios.schema import Scenario
+
+PERCEPTIONS = ("none", "oracle", "boxes", "camera")
+
+
+BLIND = ("passive", "skyhook", "mpc_reactive")
+"""Controllers that do not look ahead, whatever is shown to them."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run: a scenario driven with one controller, one perception and one seed."""
+
+    scenario: Scenario
+    controller: str
+    perception: str
+    seed: int
+
+    def __post_init__(self) -> None:
+        if self.perception not in PERCEPTIONS:
+            raise InputError(f"perception must be one of {', '.join(PERCEPTIONS)}, got {self.perception!r}")
+
+
+def cases(
+    scenarios: Sequence[Scenario],
+    controllers: Sequence[str],
+    perceptions: Sequence[str],
+    seeds: Sequence[int] | None = None,
+) -> list[Case]:
+    """Scenarios x seeds x controllers x perceptions, in that order.
+
+    A controller that does not look ahead runs once, with perception `none`, whatever is asked for others.
+    `seeds` None leaves each scenario its own seed.
+    """
+    return [
+        Case(scenario, controller, perception, seed)
+        for scenario in scenarios
+        for seed in (seeds if seeds is not None else [scenario.seed])
+        for controller in controllers
+        for perception in (["none"] if controller in BLIND else perceptions)
+    ]

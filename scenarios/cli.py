@@ -1,0 +1,40 @@
+"""The `foreride` command: parses, dispatches, and turns bad input into one line and exit code 2."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from files.errors import InputError
+from scenarios.commands import compare, demo, detector, doctor, render, run
+
+CHECK_FAILED = 1
+BAD_INPUT = 2
+
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    top = argparse.ArgumentParser(
+        prog="foreride",
+        description="What a car gains when its suspension sees the road before the wheels reach it.",
+    )
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for command in (demo, run, compare, render, detector, doctor):
+        command.add(commands)
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command; returns 0 for success, 1 when a check failed, 2 for bad input."""
+    arguments = parser().parse_args(argv)
+    try:
+        return int(arguments.execute(arguments) or 0)
+    except InputError as error:
+        print(f"foreride: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("foreride: interrupted", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""The multi-rate closed loop: plant at 1 kHz, controller and camera at their own rates, one run at a time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from comfort.metrics import ride_metrics
+from road.envelope import wheel_profile
+from scenarios.cases import Case
+from scenarios.clock import TICKS_PER_SECOND
+from scenarios.driver import Driver
+from scenarios.eyes import build_perception
+from scenarios.perception import Event, Look
+from vehicle.plant import Plant
+from vehicle.sensors import Sensors
+from vehicle.state import VehicleState
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything one run produced.
+
+    signals: one value a tick under each name; per-wheel names end in `_0` (front), `_1` (rear).
+    metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
+    solver, perception_stats: counts and qualities; timing: what the run took on this machine.
+    track_y_m: lateral position of the wheels. looks: exposures, images included where asked for.
+    """
+
+    case: Case
+    signals: dict[str, np.ndarray]
+    metrics: dict[str, float]
+    events: list[Event]
+    solver: dict[str, Any]
+    perception_stats: dict[str, Any]
+    timing: dict[str, float]
+    weights_sha256: str | None
+    track_y_m: float
+    looks: list[Look]
+
+
+def random_streams(seed: int) -> dict[str, np.random.Generator]:
+    """Independent generators for each source of chance, so that adding one never shifts another."""
+    names = ("sensors", "boxes", "mounting", "image")
+    children = np.random.SeedSequence(seed).spawn(len(names))
+    return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
+
+
+def simulate(
+    case: Case, keep_images: bool = False, advance: Callable[[int], None] = lambda ticks: None
+) -> Run:
+    """Drive one case from start to end; `advance` is told of every stretch of ticks done (progress bars).
+
+    The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
+    """
+    started = perf_counter()
+    scenario, car = case.scenario, case.scenario.vehicle.parameters
+    streams = random_streams(case.seed)
+    track_y_m = -car.track_m / 2
+    profiles = [wheel_profile(scenario.road, track_y_m, car.wheel_radius_m)] * car.wheels
+    plant = Plant(car)
+    plant.reset(profiles, scenario.start_m, scenario.speed_m_s)
+    sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
+    perception, weights_sha256 = build_perception(case, profiles, track_y_m, streams, keep_images)
+    driver = Driver(case, plant, sensors, perception)
+    try:
+        driver.drive(advance)
+    finally:
+        perception.close()
+    record = plant.signals
+    wall_s = perf_counter() - started
+    timing = {"wall_s": wall_s, "real_time_factor": scenario.ticks / TICKS_PER_SECOND / wall_s}
+    return Run(
+        case=case,
+        signals=flat_signals(record),
+        metrics=metrics_of(record, case),
+        events=driver.events,
+        solver=driver.solver,
+        perception_stats=perception.stats(),
+        timing=timing | driver.timing | perception.timing(),
+        weights_sha256=weights_sha256,
+        track_y_m=track_y_m,
+        looks=perception.looks,
+    )
+
+
+def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
+    """The ride metrics of a recorded drive."""
+    car = case.scenario.vehicle.parameters
+    return ride_metrics(
+        TICKS_PER_SECOND,
+        seat_acc=record.seat_acc,
+        rattle=record.rattle_m,
+        tyre_force=record.tyre_force,
+        static_tyre_force=record.static_tyre_force[:, 0],
+        damper_power=-record.damper_force * record.rattle_velocity,
+        stop_gap_m=np.array([corner.stop_gap_m for corner in car.corners]),
+        pitch_acc=record.pitch_acc if car.wheels > 1 else None,
+        rho=case.scenario.tyre_load_weight,
+    )
+
+
+def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:
+    """One array of length n under each name; rows of per-wheel and per-seat signals get their index."""
+    flat: dict[str, np.ndarray] = {}
+    for field in fields(record):
+        values = np.asarray(getattr(record, field.name), dtype=float)
+        if values.ndim == 1:
+            flat[field.name] = values
+        elif field.name != "x":
+            flat |= {f"{field.name}_{index}": row for index, row in enumerate(values)}
+    return flat

@@ -1,0 +1,55 @@
+"""`foreride demo`: a bump, a hump and a pothole; passive, skyhook, reactive MPC, and an MPC with a camera."""
+
+import argparse
+from pathlib import Path
+
+from files.atomic import write_text
+from scenarios.cases import cases
+from scenarios.closed_loop import Run
+from scenarios.commands.options import add_output_options, console, simulate_all, write_comparison
+from scenarios.loading import load
+from scenarios.report.figures import write_overview
+from scenarios.report.film import write_film
+from scenarios.report.table import comparison
+from scenarios.runfolder import folder_name, to_json, write
+
+SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
+CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("demo", help="the whole loop on three events, with table, figure and film")
+    command.add_argument("--seed", type=int, default=0, help="seed of noise and weather (default 0)")
+    command.add_argument("--no-film", action="store_true", help="leave out the film")
+    add_output_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run, print and write everything under `--out` (default runs/demo)."""
+    out = arguments.out or Path("runs/demo")
+    wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
+    runs = simulate_all(wanted, keep_images=True)
+    console.print(comparison(runs, title="Half car, noisy sensors, 20 Hz camera, 50 ms latency"))
+    for run in runs:
+        write(run, out / folder_name(run))
+    metrics = {folder_name(run): run.metrics for run in runs}
+    write_text(out / "metrics.json", to_json(metrics) + "\n")
+    write_overview(out / "overview.png", runs)
+    written = ["overview.png", "metrics.json"]
+    if not arguments.no_film:
+        with console.status("writing the film"):
+            write_film(out / "film.mp4", _pairs(runs))
+        written.append("film.mp4")
+    console.print(f"{out}: {', '.join(written)} and {len(runs)} run folders")
+    if arguments.json:
+        write_comparison(arguments.json, runs)
+    return 0
+
+
+def _pairs(runs: list[Run]) -> list[tuple[Run, Run]]:
+    by_scenario: dict[str, dict[str, Run]] = {}
+    for run in runs:
+        by_scenario.setdefault(run.case.scenario.name, {})[run.case.controller] = run
+    return [(found["passive"], found["mpc_preview"]) for found in by_scenario.values()]

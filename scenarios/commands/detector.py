@@ -1,0 +1,38 @@
+"""`foreride detector`: data, training, evaluation and export of the detector, each with its own options."""
+
+import argparse
+import importlib
+
+from files.errors import InputError
+
+MODULES = {
+    "data": ("road.dataset", "render a labelled image set"),
+    "train": ("detector.train", "train SBP-YOLO (extra: training)"),
+    "eval": ("detector.evaluate", "precision, recall and mAP on a folder of images"),
+    "export": ("detector.export", "write ONNX from trained weights (extra: training)"),
+}
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand; the options after the step's name are those of its module."""
+    summary = "; ".join(f"{name}: {text}" for name, (_, text) in MODULES.items())
+    command = commands.add_parser(
+        "detector", help="data, train, eval, export", description=summary, add_help=True
+    )
+    command.add_argument("step", choices=MODULES)
+    command.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="options; `--help` lists them")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Hand the remaining options to the module that does the step."""
+    name = MODULES[arguments.step][0]
+    try:
+        module = importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name not in {"torch", "onnx"}:
+            raise
+        raise InputError(
+            f"detector {arguments.step}: needs {error.name}: pip install 'foreride[training]'"
+        ) from None
+    return int(module.main(arguments.rest) or 0)

@@ -1,0 +1,129 @@
+"""`foreride doctor`: is this installation sound? Each link of the loop is tried once."""
+
+import argparse
+import os
+import platform
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from controller.base import Timing
+from controller.observer import truth_estimate
+from controller.registry import build
+from detector.runtime import Detector
+from files.atomic import write_text
+from preview.horizon import flat_preview
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount, pose_of
+from road.features import HalfSineBump
+from road.profile import Road
+from road.render import Scene
+from scenarios.commands.options import add_output_options, console
+from scenarios.loading import load, names
+from scenarios.runfolder import to_json, versions
+from vehicle.parameters import load_vehicle
+from vehicle.plant import Plant
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check: whether it passed, and what was seen."""
+
+    check: str
+    passed: bool
+    detail: str
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("doctor", help="check this installation")
+    add_output_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print one line for each check; exit code 1 if one failed."""
+    console.print(f"{platform.platform()}, {os.cpu_count()} cores")
+    console.print(", ".join(f"{name} {found}" for name, found in versions().items()))
+    findings = []
+    for check in CHECKS:
+        finding = _try(check)
+        findings.append(finding)
+        mark = "[green]ok[/]    " if finding.passed else "[red]FAILED[/]"
+        console.print(f"{mark} {finding.check}: {finding.detail}")
+    passed = all(finding.passed for finding in findings)
+    if arguments.json:
+        document = {
+            "passed": passed,
+            "versions": versions(),
+            "checks": [vars(finding) for finding in findings],
+        }
+        write_text(arguments.json, to_json(document) + "\n")
+    return 0 if passed else 1
+
+
+def _try(check: Callable[[], str]) -> Finding:
+    title = (check.__doc__ or check.__name__).strip().rstrip(".")
+    try:
+        return Finding(title, True, check())
+    except Exception as error:  # a doctor reports whatever is broken
+        return Finding(title, False, f"{type(error).__name__}: {error}".splitlines()[0])
+
+
+def _library() -> str:
+    """Scenario library."""
+    found = [load(name) for name in names()]
+    assert found, "no scenario files"
+    return f"{len(found)} scenarios are valid"
+
+
+def _plant() -> str:
+    """MuJoCo plant."""
+    for name in ("quarter_car", "half_car"):
+        car = load_vehicle(name)
+        plant = Plant(car)
+        flat = _Flat()
+        plant.reset([flat] * car.wheels, 0.0, 10.0)
+        plant.step(np.full(car.wheels, 1500.0), 200)
+        drift = float(np.abs(plant.state.x[: -car.wheels]).max())
+        assert drift < 1e-6, f"{name} leaves its equilibrium by {drift:g}"
+    return "quarter and half car stay in equilibrium on a flat road"
+
+
+def _solver() -> str:
+    """Model predictive controller."""
+    car = load_vehicle("quarter_car")
+    plant = Plant(car)
+    plant.reset([_Flat()], 0.0, 10.0)
+    controller = build("mpc_preview", car, None, Timing())
+    for _ in range(5):
+        controller.step(truth_estimate(plant.state), flat_preview(1, plant.state.time_s))
+        plant.step(np.array([1500.0]), 10)
+    stats = controller.stats
+    assert stats["fallbacks"] == 0, f"fallbacks: {stats['reasons']}"
+    return f"{stats['solves']} solves, no fallback"
+
+
+def _renderer_and_detector() -> str:
+    """Renderer and detector."""
+    road = Road(40.0, (HalfSineBump(start_m=12.0, height_m=0.08, length_m=0.4, paint="yellow_black"),))
+    camera, pose = Camera(), pose_of(CameraMount(), 2.0, 0.0, 0.0)
+    first = Scene(road, Appearance(), 1).render(camera, pose, 0)
+    again = Scene(road, Appearance(), 1).render(camera, pose, 0)
+    assert np.array_equal(first.image, again.image), "the same frame was rendered twice and differs"
+    detector = Detector(threads=1)
+    found = detector(first.image)
+    assert (found.classes == 0).any(), "the shipped detector does not find a plain bump 10 m ahead"
+    return f"frames repeat; bump found with score {found.scores[found.classes == 0].max():.2f}"
+
+
+class _Flat:
+    def height(self, x: np.ndarray, /) -> np.ndarray:
+        return np.zeros_like(x)
+
+    def slope(self, x: np.ndarray, /) -> np.ndarray:
+        return np.zeros_like(x)
+
+
+CHECKS = (_library, _plant, _solver, _renderer_and_detector)

@@ -1,0 +1,77 @@
+"""`foreride render`: what the camera sees along a scenario, with boxes."""
+
+import argparse
+from pathlib import Path
+
+import cv2
+import numpy as np
+from rich.progress import track
+
+from detector.detection import Detections
+from detector.runtime import Detector
+from files.atomic import atomic_folder, write_text
+from files.errors import InputError
+from road.camera import pose_of
+from road.render import Frame, Scene
+from scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
+from scenarios.eyes import load_detector
+from scenarios.loading import load
+from scenarios.report.film import mark
+from scenarios.runfolder import to_json
+from scenarios.schema import Scenario
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("render", help="write the camera's images along a scenario")
+    command.add_argument("scenario", help="name in the library, or a YAML file")
+    command.add_argument(
+        "--every", type=float, default=2.0, metavar="M", help="distance between images (default 2 m)"
+    )
+    command.add_argument(
+        "--detect", action="store_true", help="draw the detector's boxes instead of the true ones"
+    )
+    add_field_options(command)
+    add_output_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write one PNG for each place, and `boxes.json` with what is marked on them."""
+    if not arguments.every > 0:
+        raise InputError(f"--every must be > 0 m, got {arguments.every:g}")
+    scenario = load(arguments.scenario, overrides_of(arguments))
+    detector = load_detector(scenario) if arguments.detect else None
+    out = arguments.out or Path("runs") / f"render-{scenario.name}"
+    end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
+    places = np.arange(scenario.start_m, end, arguments.every)
+    scene = Scene(scenario.road, scenario.appearance, scenario.seed)
+    found = {}
+    with atomic_folder(out) as scratch:
+        for index, x in enumerate(track(places, "rendering", console=console, transient=True)):
+            name = f"{index:04d}-{x:06.1f}m.png"
+            image, detections = photograph(scenario, scene, float(x), index, detector)
+            cv2.imwrite(str(scratch / name), cv2.cvtColor(mark(image, detections), cv2.COLOR_RGB2BGR))
+            found[name] = {
+                "x_m": x,
+                "boxes": detections.boxes,
+                "scores": detections.scores,
+                "classes": detections.classes,
+            }
+        (scratch / "boxes.json").write_text(to_json(found) + "\n")
+    console.print(f"{len(places)} images: {out}/")
+    if arguments.json:
+        write_text(arguments.json, to_json(found) + "\n")
+    return 0
+
+
+def photograph(
+    scenario: Scenario, scene: Scene, x_m: float, index: int, detector: Detector | None
+) -> tuple[np.ndarray, Detections]:
+    """The image with the car at rest at `x_m`, and the detector's boxes or, without one, the true ones."""
+    axles = scenario.vehicle.parameters.axle_x_m
+    pose = pose_of(scenario.camera.mount(max(axles)), x_m, 0.0, 0.0)
+    frame: Frame = scene.render(scenario.camera.intrinsics, pose, index)
+    if detector is not None:
+        return frame.image, detector(frame.image)
+    return frame.image, Detections(frame.boxes, np.ones(len(frame.boxes)), frame.classes)

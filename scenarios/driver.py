@@ -1,0 +1,85 @@
+"""The order of events within a run: look, sense, decide, act, move."""
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from controller.base import Estimate, Timing
+from controller.observer import Observer, truth_estimate
+from controller.registry import build
+from scenarios.cases import Case
+from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from scenarios.perception import Event, Perception
+from vehicle.plant import Plant
+from vehicle.sensors import Sensors
+
+
+class Driver:
+    """Leads plant, perception and controller through the ticks of one case; `drive` once, then read the rest.
+
+    events: detections and fallbacks in order of time; solver: the controller's counts, without its run times;
+    timing: those run times.
+    """
+
+    def __init__(self, case: Case, plant: Plant, sensors: Sensors, perception: Perception) -> None:
+        scenario, car = case.scenario, case.scenario.vehicle.parameters
+        control = scenario.control
+        timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
+        self._controller = build(case.controller, car, control.settings_of(case.controller), timing)
+        self._observer = None if scenario.observer == "truth" else Observer(car, scenario.sensors, timing)
+        self._plant, self._sensors, self._perception = plant, sensors, perception
+        self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
+        self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
+        self._waiting: deque[tuple[int, np.ndarray]] = deque()
+        self.events: list[Event] = []
+        self.solver: dict[str, object] = {}
+        self.timing: dict[str, float] = {}
+
+    def drive(self, advance: Callable[[int], None]) -> None:
+        """Run all ticks, from one event to the next."""
+        tick = 0
+        while tick < self._total:
+            self._perception.expose(tick, self._state)
+            self.events += self._perception.receive(tick)
+            if due(tick, self._rate_hz):
+                self._waiting.append((tick + self._delay, self._decide(tick)))
+            while self._waiting and self._waiting[0][0] <= tick:
+                self._command = self._waiting.popleft()[1]
+            following = self._next_event(tick)
+            self._plant.step(self._command, following - tick)
+            advance(following - tick)
+            tick = following
+        stats = dict(getattr(self._controller, "stats", {}))
+        self.timing = {
+            name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
+        }
+        self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
+
+    def _state(self):  # type: ignore[no-untyped-def]
+        return self._plant.state
+
+    def _decide(self, tick: int) -> np.ndarray:
+        time_s = tick / TICKS_PER_SECOND
+        state = self._plant.state
+        measurement = self._sensors.measure(state)
+        self._perception.sense(measurement)
+        if self._observer is None:
+            estimate: Estimate = truth_estimate(state)
+        else:
+            estimate = self._observer.update(measurement, self._command)
+        preview = self._perception.preview(time_s, lambda: state)
+        before = self._fallbacks()
+        command = self._controller.step(estimate, preview)
+        if self._fallbacks() > before:
+            self.events.append({"time_s": time_s, "event": "fallback"})
+        return np.asarray(command, dtype=float)
+
+    def _fallbacks(self) -> int:
+        return int(getattr(self._controller, "stats", {}).get("fallbacks", 0))
+
+    def _next_event(self, tick: int) -> int:
+        candidates = [self._total, next_due(tick, self._rate_hz)]
+        candidates += [when for when, _ in self._waiting]
+        looked = self._perception.next_tick(tick)
+        return min(candidates if looked is None else [*candidates, looked])

@@ -1,0 +1,98 @@
+"""Eyes for the closed loop: true boxes with errors, or a rendered image through the detector."""
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from detector.runtime import Detector
+from preview.estimator import Estimator
+from preview.perception import degrade, true_boxes
+from road.camera import CameraMount, CameraPose, pose_of
+from road.envelope import WheelProfile
+from road.render import Scene
+from scenarios.cases import Case
+from scenarios.perception import Blind, Look, Oracle, Perception, Seeing
+from scenarios.schema import Scenario
+from vehicle.state import VehicleState
+
+Eye = Callable[[int, VehicleState], Look]
+
+
+def build_perception(
+    case: Case,
+    profiles: Sequence[WheelProfile],
+    track_y_m: float,
+    streams: dict[str, np.random.Generator],
+    keep_images: bool,
+) -> tuple[Perception, str | None]:
+    """The perception that a case names, and the SHA-256 of the detector's weights where it has any."""
+    scenario, car = case.scenario, case.scenario.vehicle.parameters
+    if case.perception == "none":
+        return Blind(), None
+    if case.perception == "oracle":
+        return Oracle(profiles=profiles, axle_x_m=car.axle_x_m), None
+    nominal = scenario.camera.mount(max(car.axle_x_m))
+    mount = true_mount(scenario, nominal, streams["mounting"])
+    weights = None
+    if case.perception == "boxes":
+        eye = box_eye(scenario, mount, streams["boxes"])
+    else:
+        detector = load_detector(scenario)
+        weights = hashlib.sha256(detector.path.read_bytes()).hexdigest()
+        eye = camera_eye(scenario, mount, detector, int(streams["image"].integers(2**31)), keep_images)
+    estimator = Estimator(
+        scenario.camera.intrinsics, nominal, car.axle_x_m, (track_y_m,) * car.wheels, scenario.estimator
+    )
+    return Seeing(eye, estimator, scenario.camera.rate_hz, scenario.camera.latency_s), weights
+
+
+def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
+    """The mounting as it really is: the nominal one with calibration errors."""
+    pitch, height = rng.standard_normal(2)
+    return replace(
+        nominal,
+        pitch_deg=nominal.pitch_deg + scenario.camera.pitch_sigma_deg * float(pitch),
+        height_m=nominal.height_m + scenario.camera.height_sigma_m * float(height),
+    )
+
+
+def load_detector(scenario: Scenario) -> Detector:
+    """The detector with the scenario's weights and threshold."""
+    wanted = scenario.detection
+    weights = None if wanted.weights is None else Path(wanted.weights)
+    return Detector(weights, threads=wanted.threads, confidence=wanted.confidence)
+
+
+def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
+    """Where the camera is when the sprung mass is in `state`."""
+    return pose_of(mount, float(state.x_m), float(state.heave_m), float(state.pitch_rad))
+
+
+def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> Eye:
+    """True outlines with the scenario's box errors."""
+    camera, errors = scenario.camera.intrinsics, scenario.boxes
+
+    def look(tick: int, state: VehicleState) -> Look:
+        exact = true_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
+        return Look(tick, degrade(exact, camera, errors, rng))
+
+    return look
+
+
+def camera_eye(
+    scenario: Scenario, mount: CameraMount, detector: Detector, image_seed: int, keep_images: bool
+) -> Eye:
+    """Render what the camera sees and run the detector on it."""
+    scene = Scene(scenario.road, scenario.appearance, image_seed)
+
+    def look(tick: int, state: VehicleState) -> Look:
+        started = perf_counter()
+        image = scene.render(scenario.camera.intrinsics, pose(mount, state), tick).image
+        detections = detector(image)
+        return Look(tick, detections, image if keep_images else None, perf_counter() - started)
+
+    return look

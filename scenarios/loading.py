@@ -1,0 +1,106 @@
+"""Scenarios by name or file, with single fields overridden."""
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from files import strict
+from files.errors import InputError
+from files.yaml12 import parse
+from scenarios.schema import Scenario
+from vehicle.parameters import load_vehicle
+
+FOLDER = Path(__file__).parent / "library"
+
+
+def names() -> list[str]:
+    """Names of the shipped scenarios."""
+    return sorted(path.stem for path in FOLDER.glob("*.yaml"))
+
+
+def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
+    """Read a scenario of the library or a file, apply `path.to.field=value` overrides, validate.
+
+    A scenario names its car by `vehicle: {model: half}` (a shipped name or a YAML file) and may replace
+    single parameters under `vehicle.parameters`. Anything wrong raises one-line `InputError`.
+    """
+    path = _find(name_or_path)
+    mapping = _read(path)
+    source = str(path)
+    for override in overrides:
+        _override(mapping, override)
+        source = f"{path} (with --set)"
+    mapping.setdefault("name", path.stem)
+    mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
+    scenario = strict.structure(Scenario, mapping, source)
+    assert isinstance(scenario, Scenario)
+    return scenario
+
+
+def _find(name_or_path: str) -> Path:
+    path = Path(name_or_path)
+    if path.suffix in {".yaml", ".yml"} or path.exists():
+        if not path.is_file():
+            raise InputError(f"{path}: no such scenario file")
+        return path
+    if name_or_path not in names():
+        close = difflib.get_close_matches(name_or_path, names(), 1)
+        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(names())}"
+        raise InputError(f"scenario {name_or_path!r} is neither a file nor in the library; {hint}")
+    return FOLDER / f"{name_or_path}.yaml"
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        mapping = parse(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({error})") from None
+    if not isinstance(mapping, dict):
+        raise InputError(f"{path}: a scenario must be a mapping of fields, got {type(mapping).__name__}")
+    return mapping
+
+
+def _override(mapping: dict[str, Any], override: str) -> None:
+    dotted, separator, text = override.partition("=")
+    keys = dotted.strip().split(".")
+    if not separator or not all(keys):
+        raise InputError(f"--set {override!r}: must read path.to.field=value")
+    value = parse(text, f"--set {override!r}")
+    place: Any = mapping
+    for key in keys[:-1]:
+        place = _step(place, key, override)
+    if isinstance(place, list):
+        place[_index(place, keys[-1], override)] = value
+    else:
+        place[keys[-1]] = value
+
+
+def _step(place: Any, key: str, override: str) -> Any:
+    if isinstance(place, list):
+        return place[_index(place, key, override)]
+    inner = place.setdefault(key, {})
+    if not isinstance(inner, dict | list):
+        raise InputError(f"--set {override!r}: {key} is a single value, it has no fields")
+    return inner
+
+
+def _index(place: list[Any], key: str, override: str) -> int:
+    if not key.isdigit() or int(key) >= len(place):
+        raise InputError(f"--set {override!r}: {key} must be an index 0 ... {len(place) - 1}")
+    return int(key)
+
+
+def _vehicle(choice: Any, scenario: Path) -> Any:
+    """The vehicle block with the parameters of its model filled in under those it replaces."""
+    choice = {"model": "half"} if choice is None else choice
+    if not isinstance(choice, dict):
+        raise InputError(
+            f"{scenario}: vehicle must be a mapping with model (quarter, half or a file), got {choice!r}"
+        )
+    model = choice.get("model", "half")
+    own = scenario.parent / str(model)
+    parameters = strict.to_mapping(load_vehicle(own if own.is_file() else str(model)))
+    replaced = choice.get("parameters", {})
+    merged = parameters | replaced if isinstance(replaced, dict) else replaced
+    return choice | {"model": str(model), "parameters": merged}

@@ -1,0 +1,195 @@
+"""The ladder of perceptions: how a controller comes to know the road ahead.
+
+none: it does not · oracle: the true profile · boxes: true boxes, degraded, through the estimator ·
+camera: rendered image, detector, estimator.
+"""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any, Protocol
+
+import numpy as np
+
+from detector.detection import Detections
+from preview.estimator import Estimator
+from preview.horizon import RoadPreview, oracle_preview
+from road.envelope import WheelProfile
+from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from vehicle.sensors import Measurement
+from vehicle.state import VehicleState
+
+Event = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Look:
+    """One exposure: when it was taken, what was in it and, from a camera, the image (H, W, 3)."""
+
+    tick: int
+    detections: Detections
+    image: np.ndarray | None = None
+    duration_s: float = 0.0
+
+
+class Perception(Protocol):
+    """Called at the ticks it asks for: `expose`, then `receive`; `preview` when the controller asks."""
+
+    looks: list[Look]
+
+    def next_tick(self, tick: int) -> int | None:
+        """The next tick after `tick` at which something happens here; None for never."""
+
+    def expose(self, tick: int, state: Callable[[], VehicleState]) -> None:
+        """Take an image if one is due."""
+
+    def receive(self, tick: int) -> list[Event]:
+        """Take in what has become available; returns what is worth logging."""
+
+    def sense(self, measurement: Measurement) -> None:
+        """Take in one reading of the car's own sensors."""
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
+        """The road ahead as known now."""
+
+    def stats(self) -> dict[str, Any]:
+        """Counts of what was seen."""
+
+    def timing(self) -> dict[str, float]:
+        """How long it took on this machine."""
+
+    def close(self) -> None:
+        """Release what was held."""
+
+
+@dataclass
+class Blind:
+    """`none`."""
+
+    looks: list[Look] = field(default_factory=list)
+
+    def next_tick(self, tick: int) -> int | None:
+        """Nothing happens."""
+        return None
+
+    def expose(self, tick: int, state: Callable[[], VehicleState]) -> None:
+        """Nothing to expose."""
+
+    def receive(self, tick: int) -> list[Event]:
+        """Nothing arrives."""
+        return []
+
+    def sense(self, measurement: Measurement) -> None:
+        """Nothing to update."""
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
+        """Nothing is known."""
+        return None
+
+    def stats(self) -> dict[str, Any]:
+        """Nothing was seen."""
+        return {}
+
+    def timing(self) -> dict[str, float]:
+        """Nothing took time."""
+        return {}
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+@dataclass
+class Oracle(Blind):
+    """`oracle`: the true profile under each wheel; the upper rung of the ladder."""
+
+    profiles: Sequence[WheelProfile] = ()
+    axle_x_m: tuple[float, ...] = ()
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
+        """The true profile ahead."""
+        return oracle_preview(self.profiles, state().x_m + np.asarray(self.axle_x_m), time_s)
+
+
+class Seeing:
+    """`boxes` and `camera`: an eye that looks at `rate_hz`, whose boxes arrive `latency_s` later.
+
+    `eye` turns the car's state at exposure into a `Look`. It runs in a thread of its own while simulated
+    time goes on; its result is waited for at the tick where it is due, so real time never changes a result.
+    """
+
+    def __init__(
+        self, eye: Callable[[int, VehicleState], Look], estimator: Estimator, rate_hz: int, latency_s: float
+    ) -> None:
+        self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
+        self._latency = ticks(latency_s)
+        self._pool = ThreadPoolExecutor(max_workers=1)
+        self._pending: deque[tuple[int, Future[Look]]] = deque()
+        self.looks: list[Look] = []
+        self.estimator_s: list[float] = []
+
+    def next_tick(self, tick: int) -> int | None:
+        """The next exposure, or the next arrival of boxes."""
+        arrivals = [exposed + self._latency for exposed, _ in self._pending]
+        return min(
+            next_due(tick, self._rate_hz), *(arrival for arrival in arrivals if arrival > tick), 1 << 62
+        )
+
+    def expose(self, tick: int, state: Callable[[], VehicleState]) -> None:
+        """Start an exposure if one is due."""
+        if due(tick, self._rate_hz):
+            self._pending.append((tick, self._pool.submit(self._eye, tick, state())))
+
+    def receive(self, tick: int) -> list[Event]:
+        """Hand the boxes that have become available to the estimator; log them."""
+        events = []
+        while self._pending and self._pending[0][0] + self._latency <= tick:
+            exposed, future = self._pending.popleft()
+            look = future.result()
+            self.looks.append(look)
+            start = perf_counter()
+            self._estimator.update_boxes(exposed / TICKS_PER_SECOND, look.detections)
+            self.estimator_s.append(perf_counter() - start)
+            events.append(
+                {
+                    "time_s": tick / TICKS_PER_SECOND,
+                    "event": "boxes",
+                    "exposed_s": exposed / TICKS_PER_SECOND,
+                    "boxes": look.detections.boxes,
+                    "scores": look.detections.scores,
+                    "classes": look.detections.classes,
+                    "tracks": self._estimator.stats(),
+                }
+            )
+        return events
+
+    def sense(self, measurement: Measurement) -> None:
+        """Update the ego motion."""
+        self._estimator.update_motion(measurement.time_s, measurement)
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
+        """The estimator's road ahead."""
+        return self._estimator.preview(time_s)
+
+    def stats(self) -> dict[str, Any]:
+        """Frames, boxes and tracks."""
+        confirmed = [event for event in self._estimator.events if event["event"] == "confirmed"]
+        return {
+            "frames": len(self.looks),
+            "boxes": sum(len(look.detections) for look in self.looks),
+            "confirmed_tracks": len(confirmed),
+        }
+
+    def timing(self) -> dict[str, float]:
+        """Median run time of one exposure with its detection, and of the estimator."""
+        if not self.looks:
+            return {}
+        return {
+            "look_median_ms": 1e3 * float(np.median([look.duration_s for look in self.looks])),
+            "estimator_median_ms": 1e3 * float(np.median(self.estimator_s)),
+        }
+
+    def close(self) -> None:
+        """Stop the eye's thread."""
+        self._pool.shutdown(cancel_futures=True)

@@ -1,0 +1,163 @@
+"""What a scenario file may say: frozen dataclasses, read strictly by `files.strict`."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+from controller.mpc import MpcSettings
+from controller.passive import PassiveSettings
+from controller.skyhook import SkyhookSettings
+from files import strict
+from files.errors import InputError
+from preview.perception import BoxErrors
+from preview.settings import Settings as EstimatorSettings
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount
+from road.profile import Road
+from scenarios.clock import TICKS_PER_SECOND
+from vehicle.parameters import HalfCar, QuarterCar
+from vehicle.sensors import SensorNoise
+
+KM_H = 1 / 3.6
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """The car: `model` names where its parameters came from, `parameters` holds all of them."""
+
+    model: str
+    parameters: QuarterCar | HalfCar
+
+
+@dataclass(frozen=True)
+class CameraSetup:
+    """The camera, when it looks, how late its boxes arrive, and how well its mounting is known.
+
+    The camera sits `behind_front_axle_m` behind the front axle. What is true of the mounting differs from
+    what the estimator believes by errors drawn from the run's seed with the two sigmas.
+    """
+
+    intrinsics: Camera = field(default_factory=Camera)
+    behind_front_axle_m: float = 1.6
+    height_m: float = 1.3
+    pitch_deg: float = 6.0
+    pitch_sigma_deg: float = 0.2
+    height_sigma_m: float = 0.01
+    rate_hz: int = 20
+    latency_s: float = 0.05
+
+    def __post_init__(self) -> None:
+        _within("behind_front_axle_m", self.behind_front_axle_m, -1.0, 5.0, "m")
+        _within("height_m", self.height_m, 0.3, 4.0, "m")
+        _within("pitch_deg", self.pitch_deg, -10.0, 30.0, "degrees")
+        _within("pitch_sigma_deg", self.pitch_sigma_deg, 0.0, 2.0, "degrees")
+        _within("height_sigma_m", self.height_sigma_m, 0.0, 0.2, "m")
+        _within("rate_hz", self.rate_hz, 1, 200, "Hz")
+        _within("latency_s", self.latency_s, 0.0, 1.0, "s")
+
+    def mount(self, front_axle_m: float) -> CameraMount:
+        """The nominal mounting, relative to the centre of gravity of a car with this front axle."""
+        return CameraMount(
+            x_m=front_axle_m - self.behind_front_axle_m, height_m=self.height_m, pitch_deg=self.pitch_deg
+        )
+
+
+@dataclass(frozen=True)
+class Detection:
+    """How the detector runs: its confidence threshold and, where not the shipped ones, its weights."""
+
+    weights: str | None = None
+    confidence: float = 0.25
+    threads: int = 2
+
+    def __post_init__(self) -> None:
+        _within("confidence", self.confidence, 0.01, 0.99, "")
+        _within("threads", self.threads, 1, 64, "")
+
+
+@dataclass(frozen=True)
+class Control:
+    """How often the controller is asked, how much later its command acts, and each controller's settings.
+
+    `own` is handed to a controller of the user's own as keyword arguments.
+    """
+
+    rate_hz: int = 100
+    delay_s: float = 0.0
+    passive: PassiveSettings = field(default_factory=PassiveSettings)
+    skyhook: SkyhookSettings = field(default_factory=SkyhookSettings)
+    mpc_reactive: MpcSettings = field(default_factory=MpcSettings)
+    mpc_preview: MpcSettings = field(default_factory=MpcSettings)
+    own: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _within("rate_hz", self.rate_hz, 10, 1000, "Hz")
+        _within("delay_s", self.delay_s, 0.0, 0.2, "s")
+
+    def settings_of(self, controller: str) -> dict[str, Any]:
+        """The settings of a controller as plain values; of the user's own, `own`."""
+        if ":" in controller:
+            return dict(self.own)
+        settings: dict[str, Any] = strict.to_mapping(getattr(self, controller, {}))
+        return settings
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
+
+    The car's centre of gravity starts at `start_m`; the run ends when the front axle reaches the road's end.
+    `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
+    """
+
+    name: str
+    title: str
+    speed_kmh: float
+    road: Road
+    vehicle: Vehicle
+    start_m: float = 2.0
+    observer: Literal["truth", "sensors"] = "sensors"
+    sensors: SensorNoise = field(default_factory=SensorNoise)
+    camera: CameraSetup = field(default_factory=CameraSetup)
+    detection: Detection = field(default_factory=Detection)
+    boxes: BoxErrors = field(default_factory=BoxErrors)
+    estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
+    appearance: Appearance = field(default_factory=Appearance)
+    control: Control = field(default_factory=Control)
+    tyre_load_weight: float = 3.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not 1.0 <= self.speed_kmh <= 200.0:
+            raise InputError(f"speed_kmh must lie in 1 ... 200 km/h, got {self.speed_kmh:g}")
+        _within("tyre_load_weight", self.tyre_load_weight, 0.0, 1000.0, "(m/s²)²")
+        _within("seed", self.seed, 0, 2**32 - 1, "")
+        room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+        if not 0.0 <= self.start_m < room - 1.0:
+            raise InputError(
+                f"start_m must lie in 0 ... {room - 1.0:g} m (the road's end), got {self.start_m:g}"
+            )
+
+    @property
+    def speed_m_s(self) -> float:
+        """Forward speed."""
+        return self.speed_kmh * KM_H
+
+    @property
+    def ticks(self) -> int:
+        """Length of the run in plant steps."""
+        distance = self.road.length_m - max(self.vehicle.parameters.axle_x_m) - self.start_m
+        return int(distance / self.speed_m_s * TICKS_PER_SECOND)
+
+    @cached_property
+    def mapping(self) -> dict[str, Any]:
+        """Every field as plain values, defaults included: what the scenario hash stands for."""
+        mapping = strict.to_mapping(self)
+        assert isinstance(mapping, dict)
+        return mapping
+
+
+def _within(name: str, value: float, low: float, high: float, unit: str) -> None:
+    if not low <= value <= high:
+        allowed = f"{low:g} ... {high:g} {unit}".rstrip()
+        raise InputError(f"{name} must lie in {allowed}, got {value:g}")
