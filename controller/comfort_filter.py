@@ -4,7 +4,6 @@ import numpy as np
 from scipy.signal import cont2discrete
 
 from comfort.weighting import wk_second_order
-from controller.model import seats_m
 from vehicle.equations import motion
 from vehicle.parameters import Car
 
@@ -19,7 +18,7 @@ class ComfortFilter:
         a, b, c = wk_second_order().state_space()
         d = np.zeros((1, 1))
         self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
-        self._levers = np.array([(1.0, -x)[: len(vehicle.body_inertia)] for x in seats_m(vehicle)])
+        self._levers = np.array([(1.0, -x)[: len(vehicle.body_inertia)] for x in vehicle.seat_x_m])
         self._vehicle = vehicle
         self._period_s = period_s
         self.reset()

@@ -52,7 +52,7 @@ def prediction_model(
     substeps: Runge–Kutta steps an interval; the cost is taken at the end of each.
     rho: (m/s²)², weight of the tyre load. input_weight: of (command − 1)², command in kN·s/m.
     """
-    x = casadi.SX.sym("state", equations.state_size(vehicle) + 2 * len(seats_m(vehicle)))
+    x = casadi.SX.sym("state", equations.state_size(vehicle) + 2 * len(vehicle.seat_x_m))
     u = casadi.SX.sym("command", vehicle.wheels)
     road = casadi.SX.sym("road", vehicle.wheels, substeps + 1)
     duration = casadi.SX.sym("duration")
@@ -72,17 +72,11 @@ def prediction_model(
     )
 
 
-def seats_m(vehicle: Car) -> tuple[float, ...]:
-    """Where comfort is felt, metres ahead of the centre of gravity: over the axles, as `comfort.metrics` has
-    it."""
-    return vehicle.axle_x_m
-
-
 def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velocity: casadi.SX) -> casadi.SX:
     """Rate of change of the vehicle's and the comfort filters' states."""
     n = equations.state_size(vehicle)
     rates = equations.derivative(vehicle, x[:n], KILO * u, height, velocity, casadi)
-    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, seats_m(vehicle), casadi)
+    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_x_m, casadi)
     a, b, _ = wk_second_order().state_space()
     filters = [a @ x[n + 2 * i : n + 2 * i + 2] + b * felt[i] for i in range(felt.numel())]
     return casadi.vertcat(rates, *filters)
@@ -109,7 +103,7 @@ def _interval(
 
 def _outputs(vehicle: Car, x: casadi.SX, height: casadi.SX, velocity: casadi.SX, rho: float) -> casadi.SX:
     """Weighted accelerations and relative dynamic tyre loads, each over the root of their number."""
-    n, seats = equations.state_size(vehicle), len(seats_m(vehicle))
+    n, seats = equations.state_size(vehicle), len(vehicle.seat_x_m)
     gain = wk_second_order().state_space()[2]
     tyre = equations.forces(vehicle, x[:n], height, velocity, casadi).tyre
     weighted = [casadi.dot(gain, x[n + 2 * i : n + 2 * i + 2]) for i in range(seats)]

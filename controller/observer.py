@@ -2,8 +2,16 @@
 
 import numpy as np
 
-from controller.base import Estimate
+from controller.base import Estimate, Timing
+from controller.kinematics import kinematics
+from vehicle.equations import rest_state
+from vehicle.parameters import Car
+from vehicle.sensors import Measurement, SensorNoise
 from vehicle.state import VehicleState
+
+SPEED_FILTER_S = 0.2
+LIFTED = 0.02
+"""Share of the static load under which a wheel counts as lifted, and its tyre tells nothing of the road."""
 
 
 def truth_estimate(state: VehicleState) -> Estimate:
@@ -15,3 +23,79 @@ def truth_estimate(state: VehicleState) -> Estimate:
         road_velocity=np.array(state.road_velocity, dtype=float),
         speed_m_s=float(state.speed_m_s),
     )
+
+
+class Observer:
+    """Estimates from the car's own sensors, with the road as unknown input; one `update` per reading.
+
+    Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road from
+    the tyre: its force is what accelerates the car's masses, its deflection what that force asks for. Heights
+    are relative to a mean road that follows slowly, the same for `x` and `road_height`.
+    """
+
+    def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
+        corners = vehicle.corners
+        self._wheels, self._period_s = vehicle.wheels, timing.period_s
+        self._filter = kinematics(vehicle, noise, timing.period_s)
+        levers = np.array([corner.lever for corner in corners])
+        self._body = np.linalg.pinv(levers)
+        carried = np.linalg.pinv(levers.T) @ np.diag(vehicle.body_inertia) @ self._body
+        self._mass = np.hstack([carried, np.diag([corner.unsprung_mass_kg for corner in corners])])
+        self._static = np.array([corner.static_tyre_n for corner in corners])
+        self._stiffness = np.array([corner.tyre_n_m for corner in corners])
+        self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
+        lags = np.array([corner.damper_lag_s for corner in corners])
+        self._follow = -np.expm1(-timing.period_s / lags)
+        self._passive = rest_state(vehicle)[-vehicle.wheels :]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything: the car stands at rest on the mean road."""
+        self._motion = np.zeros(len(self._filter.transition))
+        self._acceleration: np.ndarray | None = None
+        self._damping = self._passive.copy()
+        self._deflection = np.zeros(self._wheels)
+        self._road = np.zeros(self._wheels)
+        self._speed: float | None = None
+
+    def update(self, measurement: Measurement, command: np.ndarray) -> Estimate:
+        """Take in a reading and the command (wheels,), N·s/m, that acted until it; return the state now."""
+        w = self._wheels
+        acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        if self._acceleration is None:
+            self._acceleration = acceleration
+        mean = 0.5 * (acceleration + self._acceleration)
+        self._acceleration = acceleration
+        reading = np.concatenate([measurement.rattle_m, [measurement.pitch_rate], np.zeros(w)])
+        self._motion = self._filter.step(self._motion, mean, reading)
+        self._damping = self._damping + self._follow * (command - self._damping)
+        before = self._road
+        self._road = self._road_under(acceleration - self._motion[4 * w : 6 * w], before)
+        return Estimate(
+            time_s=float(measurement.time_s),
+            x=self._vehicle_state(),
+            road_height=self._road,
+            road_velocity=(self._road - before) / self._period_s,
+            speed_m_s=self._smooth_speed(float(measurement.speed_m_s)),
+        )
+
+    def _road_under(self, acceleration: np.ndarray, before: np.ndarray) -> np.ndarray:
+        """Height of the road; under a wheel in the air it stays as it was last felt."""
+        force = self._mass @ acceleration
+        rate = self._tyre_damping / self._period_s
+        deflection = (force + rate * self._deflection) / (self._stiffness + rate)
+        self._deflection = deflection
+        road = self._motion[self._wheels : 2 * self._wheels] + deflection
+        return np.where(force < -(1.0 - LIFTED) * self._static, np.minimum(before, road), road)
+
+    def _vehicle_state(self) -> np.ndarray:
+        w = self._wheels
+        heights, velocities = self._motion[: 2 * w], self._motion[2 * w : 4 * w]
+        positions = np.concatenate([self._body @ heights[:w], heights[w:]])
+        rates = np.concatenate([self._body @ velocities[:w], velocities[w:]])
+        return np.concatenate([np.stack([positions, rates], axis=1).ravel(), self._damping])
+
+    def _smooth_speed(self, measured: float) -> float:
+        speed = measured if self._speed is None else self._speed
+        self._speed = speed + min(1.0, self._period_s / SPEED_FILTER_S) * (measured - speed)
+        return self._speed

@@ -19,7 +19,8 @@ class SkyhookSettings:
 
     sky_ns_m: between body and sky. ground_ns_m: between wheel and ground.
     floor_ns_m: damping where the law asks for less.
-    smoothing_m_s: suspension velocity under which the law fades to the floor, so that noise cannot chatter it.
+    smoothing_m_s: suspension velocity under which the law fades to the floor, so that noise cannot chatter
+    it.
     """
 
     sky_ns_m: float = 3000.0

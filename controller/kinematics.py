@@ -1,0 +1,82 @@
+"""How body corners and wheels move, from accelerometers, rattle space and pitch rate: a stationary Kalman filter.
+
+Accelerations drive double integrators, so no stiffness, damping or bump stop takes part. Rattle space and pitch
+rate correct them; that the wheels stay near the mean road in the long run bounds the drift of what is left.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import block_diag, solve_discrete_are
+
+from vehicle.parameters import Car
+from vehicle.sensors import SensorNoise
+
+OFFSET_TIME_S = 60.0
+"""Time over which sensors' offsets may wander by their standard deviation."""
+ROAD_WANDER_M2_S = 1e-3
+"""Spectral density of the wheels' distance from the mean road, as far as the drift correction cares."""
+
+
+class Kinematics(NamedTuple):
+    """s⁺ = transition·s + drive·a, then s + gain·(y − output·s).
+
+    s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), gyro offset.
+    a: (2w,) accelerations of body corners, then wheels. y: rattle (w), pitch rate, distance of the wheels from
+    the mean road (w), taken as zero.
+    """
+
+    transition: np.ndarray
+    drive: np.ndarray
+    output: np.ndarray
+    gain: np.ndarray
+
+    def step(self, s: np.ndarray, acceleration: np.ndarray, reading: np.ndarray) -> np.ndarray:
+        """Return the state after an interval of this mean acceleration that ends with this reading."""
+        predicted = self.transition @ s + self.drive @ acceleration
+        return predicted + self.gain @ (reading - self.output @ predicted)
+
+
+def kinematics(vehicle: Car, noise: SensorNoise, period_s: float) -> Kinematics:
+    """Build the filter for one reading every `period_s`."""
+    w, t = vehicle.wheels, period_s
+    one, none = np.eye(2 * w), np.zeros((2 * w, 2 * w))
+    double = np.block([[one, t * one], [none, one]])
+    drive = np.vstack([0.5 * t**2 * one, t * one, none, np.zeros((1, 2 * w))])
+    transition = block_diag(double, one, 1.0)
+    transition[:, 4 * w : 6 * w] -= drive
+    output = _output(vehicle)
+    process, reading = _covariances(vehicle, noise, drive, t)
+    p = solve_discrete_are(transition.T, output.T, process, reading)
+    gain = p @ output.T @ np.linalg.inv(output @ p @ output.T + reading)
+    return Kinematics(transition, drive, output, gain)
+
+
+def _output(vehicle: Car) -> np.ndarray:
+    w = vehicle.wheels
+    output = np.zeros((2 * w + 1, 6 * w + 1))
+    output[:w, : 2 * w] = np.hstack([np.eye(w), -np.eye(w)])
+    levers = np.array([corner.lever for corner in vehicle.corners])
+    if levers.shape[1] > 1:
+        output[w, 2 * w : 3 * w] = np.linalg.pinv(levers)[1]
+    output[w, -1] = 1.0
+    output[w + 1 :, w : 2 * w] = np.eye(w)
+    return output
+
+
+def _covariances(
+    vehicle: Car, noise: SensorNoise, drive: np.ndarray, period_s: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of the process over one period and of one reading; floors keep ideal sensors from a singular filter."""
+    w = vehicle.wheels
+    root = np.sqrt(noise.bandwidth_hz)
+    acceleration = np.repeat([noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root], w)
+    offsets = np.repeat([noise.body_offset_m_s2, noise.wheel_offset_m_s2], w)
+    wander = np.array([*offsets, noise.pitch_rate_offset_rad_s]) + 1e-5
+    process = drive @ np.diag((acceleration + 1e-3) ** 2) @ drive.T
+    process[4 * w :, 4 * w :] += np.diag(wander**2 * period_s / OFFSET_TIME_S)
+    process += 1e-16 * np.eye(len(process))
+    rate = noise.pitch_rate_density_rad_s * root + 1e-5
+    rattle = np.full(w, noise.rattle_m + 1e-5)
+    road = np.full(w, np.sqrt(ROAD_WANDER_M2_S / period_s))
+    return process, np.diag(np.concatenate([rattle, [rate], road]) ** 2)
