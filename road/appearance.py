@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from files.errors import InputError
+
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog")
 SURFACES = ("asphalt", "old_asphalt", "concrete")
@@ -74,11 +76,11 @@ class Appearance:
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
             if getattr(self, name) not in allowed:
-                raise ValueError(f"{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}")
+                raise InputError(f"{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}")
         for name, (low, high) in _RANGES.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise ValueError(f"{name} must be in {low} .. {high}, got {value}")
+                raise InputError(f"{name} must be in {low} .. {high}, got {value}")
 
 
 def random_appearance(rng: np.random.Generator) -> Appearance:

@@ -3,14 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from controller.registry import sees_ahead
 from files.errors import InputError
 from scenarios.schema import Scenario
 
 PERCEPTIONS = ("none", "oracle", "boxes", "camera")
-
-
-BLIND = ("passive", "skyhook", "mpc_reactive")
-"""Controllers that do not look ahead, whatever is shown to them."""
 
 
 @dataclass(frozen=True)
@@ -43,5 +40,5 @@ def cases(
         for scenario in scenarios
         for seed in (seeds if seeds is not None else [scenario.seed])
         for controller in controllers
-        for perception in (["none"] if controller in BLIND else perceptions)
+        for perception in (perceptions if sees_ahead(controller) else ["none"])
     ]

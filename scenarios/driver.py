@@ -26,7 +26,7 @@ class Driver:
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
         timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
-        self._controller = build(case.controller, car, control.settings_of(case.controller), timing)
+        self._controller = build(case.controller, car, control.settings, timing)
         self._observer = None if scenario.observer == "truth" else Observer(car, scenario.sensors, timing)
         self._plant, self._sensors, self._perception = plant, sensors, perception
         self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks

@@ -100,7 +100,10 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
         )
     model = choice.get("model", "half")
     own = scenario.parent / str(model)
-    parameters = strict.to_mapping(load_vehicle(own if own.is_file() else str(model)))
+    try:
+        parameters = strict.to_mapping(load_vehicle(own if own.is_file() else str(model)))
+    except InputError as error:
+        raise InputError(f"{scenario}: vehicle.model: {error}") from None
     replaced = choice.get("parameters", {})
     merged = parameters | replaced if isinstance(replaced, dict) else replaced
     return choice | {"model": str(model), "parameters": merged}

@@ -4,9 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
 
-from controller.mpc import MpcSettings
-from controller.passive import PassiveSettings
-from controller.skyhook import SkyhookSettings
+from controller.settings import ControllerSettings
 from files import strict
 from files.errors import InputError
 from preview.perception import BoxErrors
@@ -77,29 +75,15 @@ class Detection:
 
 @dataclass(frozen=True)
 class Control:
-    """How often the controller is asked, how much later its command acts, and each controller's settings.
-
-    `own` is handed to a controller of the user's own as keyword arguments.
-    """
+    """How often the controller is asked, how much later its command acts, and the controllers' settings."""
 
     rate_hz: int = 100
     delay_s: float = 0.0
-    passive: PassiveSettings = field(default_factory=PassiveSettings)
-    skyhook: SkyhookSettings = field(default_factory=SkyhookSettings)
-    mpc_reactive: MpcSettings = field(default_factory=MpcSettings)
-    mpc_preview: MpcSettings = field(default_factory=MpcSettings)
-    own: dict[str, float] = field(default_factory=dict)
+    settings: ControllerSettings = field(default_factory=ControllerSettings)
 
     def __post_init__(self) -> None:
         _within("rate_hz", self.rate_hz, 10, 1000, "Hz")
         _within("delay_s", self.delay_s, 0.0, 0.2, "s")
-
-    def settings_of(self, controller: str) -> dict[str, Any]:
-        """The settings of a controller as plain values; of the user's own, `own`."""
-        if ":" in controller:
-            return dict(self.own)
-        settings: dict[str, Any] = strict.to_mapping(getattr(self, controller, {}))
-        return settings
 
 
 @dataclass(frozen=True)
