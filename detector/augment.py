@@ -1,7 +1,8 @@
 """Random views of a labelled image for training: crop, scale, flip, light, blur and noise.
 
-The crop is taken from the full image before it is resized, so that a small training size sees both the
-whole road, shrunk, and parts of it at full resolution.
+The crop is taken from the full image before it is resized: a quarter of the views show the whole image,
+a third a part of it at full resolution, the rest any scale between and a little beyond. So most of a
+training can run at a small, fast size and still meet objects as they will look at the full size.
 """
 
 import cv2
@@ -47,10 +48,14 @@ def _window(sample: Sample, width: int, height: int, rng: Generator) -> tuple[in
     """x, y, w, h of the part to show, in source pixels; may reach beyond the image."""
     rows, columns = sample.image.shape[:2]
     fit = min(width / columns, height / rows)
-    zoom = np.exp(rng.uniform(np.log(0.8), np.log(max(1.4, 1.1 / fit))))
-    if rng.random() < 0.3:
-        zoom = 1.0
-    w, h = round(width / fit / zoom), round(height / fit / zoom)
+    kind = rng.random()
+    if kind < 0.25:
+        scale = fit
+    elif kind < 0.6:
+        scale = max(fit, 1.0)
+    else:
+        scale = np.exp(rng.uniform(np.log(0.9 * fit), np.log(1.3 * max(fit, 1.0))))
+    w, h = round(width / scale), round(height / scale)
     centre = rng.random(2) * (columns, rows)
     if len(sample.boxes) and rng.random() < 0.8:
         box = sample.boxes[rng.integers(len(sample.boxes))]
@@ -107,7 +112,7 @@ def _light(image: NDArray, rng: Generator) -> NDArray:
     """Gamma, contrast, brightness and colour cast as one table per channel."""
     levels = np.arange(256) / 255
     gamma, contrast, shift = np.exp(rng.normal(0, 0.2)), np.exp(rng.normal(0, 0.2)), rng.normal(0, 0.06)
-    cast = np.exp(rng.normal(0, 0.06, 3))
+    cast = np.exp(rng.normal(0, 0.04, 3))
     curve = ((levels**gamma)[:, None] * cast - 0.5) * contrast + 0.5 + shift
     table = (curve.clip(0, 1) * 255).astype(np.uint8)
     image = cv2.LUT(np.ascontiguousarray(image), table[None])

@@ -27,7 +27,7 @@ from detector.metrics import judge, summarise
 from detector.models import STRIDES, SbpYolo
 from detector.nms import select
 from detector.progress import Progress
-from detector.schedule import Stage, parse_stages, rate_factor, stage_at, total_passes
+from detector.schedule import Stage, parse_stages, rate_factor, total_passes
 from files.errors import InputError
 
 
@@ -154,17 +154,18 @@ def train(
             mean = mean.lerp(trainer.step(batch).cpu(), 0.02 if mean.any() else 1.0)
             progress.show(trainer.passes, f"{batch.stage.width}x{batch.stage.height} loss {mean.sum():.3f}")
             if before // how.validate_every < trainer.passes // how.validate_every and validation:
-                _look(trainer, validation[: how.validate_images], batch.stage, mean, out)
+                _look(trainer, validation[: how.validate_images], mean, out)
             if time.monotonic() - written > how.checkpoint_s:
                 trainer.save(out / "checkpoint.pt")
                 written = time.monotonic()
     trainer.save(out / "checkpoint.pt")
     if validation:
-        _look(trainer, validation, stage_at(settings.stages, trainer.passes), mean, out)
+        _look(trainer, validation, mean, out)
 
 
-def _look(trainer: Trainer, samples: Sequence[Sample], stage: Stage, loss: torch.Tensor, out: Path) -> None:
-    """Append one line to the history."""
+def _look(trainer: Trainer, samples: Sequence[Sample], loss: torch.Tensor, out: Path) -> None:
+    """Append one line to the history: how the model does at the size of the last stage."""
+    stage = trainer.settings.stages[-1]
     summary = validate(trainer, samples, stage)
     losses = dict(zip(("box", "class", "distribution"), loss.tolist(), strict=True))
     row = {"passes": trainer.passes, "size": f"{stage.width}x{stage.height}", "loss": losses, **summary}
