@@ -1,16 +1,17 @@
 """A car on rails: known pitch and heave, imperfect sensors, imperfect boxes. Drives toward features."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
+from detector.detection import Detections
 from preview.estimator import Estimator
 from preview.horizon import RoadPreview
 from preview.perception import BoxErrors, degrade, true_boxes
 from preview.settings import Settings
 from road.camera import Camera, CameraMount, pose_of
-from road.envelope import wheel_profile
+from road.envelope import WheelProfile, wheel_profile
 from road.profile import Road
 
 AXLES_M = (1.25, -1.45)
@@ -47,7 +48,7 @@ class Drive:
     latency_s: float = 0.05
     camera_hz: int = 20
     step_s: float = 0.005
-    errors: BoxErrors = BoxErrors()
+    errors: BoxErrors = field(default_factory=BoxErrors)
 
 
 class Snapshot(NamedTuple):
@@ -83,7 +84,7 @@ def drive(
     scale = 1.0 + conditions.speed_scale_sigma * rng.standard_normal()
     biases = conditions.gyro_bias * rng.standard_normal(), conditions.acc_bias * rng.standard_normal()
     frame_every = round(1.0 / conditions.camera_hz / conditions.step_s)
-    waiting: list[tuple[float, float, object]] = []
+    waiting: list[tuple[float, float, Detections]] = []
     shots: list[Snapshot | None] = [None] * len(road.features)
     taken = [False] * len(road.features)
     for tick in range(int((road.length_m - start_x_m) / speed / conditions.step_s)):
@@ -142,7 +143,15 @@ class _Body:
         turn = self._frequency * t + self._phase[1] + order * np.pi / 2
         return float((self._heave * self._frequency**order * np.sin(turn)).sum())
 
-    def reading(self, t, x, speed, wheels, biases, rng) -> Reading:
+    def reading(
+        self,
+        t: float,
+        x: float,
+        speed: float,
+        wheels: list[WheelProfile],
+        biases: tuple[float, float],
+        rng: np.random.Generator,
+    ) -> Reading:
         c = self.conditions
         axle = np.array(AXLES_M)
         road = np.array([p.height(x + a) for p, a in zip(wheels, AXLES_M, strict=True)])
