@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal, overload
 
 from files import strict
 from files.errors import InputError
@@ -209,6 +209,12 @@ _CORNER_POSITIVE = (
 _CORNER_FIELDS = (*_CORNER_POSITIVE, "tyre_damping_ns_m")
 
 
+@overload
+def load_vehicle(name_or_path: Literal["quarter", "quarter_car"]) -> QuarterCar: ...
+@overload
+def load_vehicle(name_or_path: Literal["half", "half_car"]) -> HalfCar: ...
+@overload
+def load_vehicle(name_or_path: str | Path) -> Car: ...
 def load_vehicle(name_or_path: str | Path) -> Car:
     """The car of a shipped name (`quarter_car`, `half_car`; `quarter`, `half` for short) or of a YAML file.
 

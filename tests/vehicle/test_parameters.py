@@ -1,0 +1,69 @@
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from files import strict
+from files.errors import InputError
+from vehicle.parameters import GRAVITY_M_S2, HalfCar, QuarterCar, load_vehicle
+
+QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
+CHECKED: list[tuple[Any, str]] = [(QUARTER, f.name) for f in fields(QuarterCar)]
+CHECKED += [(HALF, f.name) for f in fields(HalfCar) if f.name != "seat_x_m"]
+
+
+def test_static_load_is_the_weight_and_balances_the_pitching_moment() -> None:
+    weight = sum(corner.body_load_n for corner in HALF.corners)
+    moment = sum(corner.body_load_n * corner.x_m for corner in HALF.corners)
+    assert weight == pytest.approx(HALF.body_mass_kg * GRAVITY_M_S2)
+    assert moment == pytest.approx(0.0, abs=1e-9)
+    assert QUARTER.corners[0].static_tyre_n == pytest.approx(442 * GRAVITY_M_S2)
+
+
+def test_static_deflections_of_the_quarter_car() -> None:
+    (corner,) = QUARTER.corners
+    assert corner.static_rattle_m == pytest.approx(400 * 9.80665 / 21000)
+    assert corner.static_tyre_deflection_m == pytest.approx(442 * 9.80665 / 195000)
+
+
+def test_short_names_and_files_load_the_same_car(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text("\n".join(f"{key}: {value}" for key, value in strict.to_mapping(HALF).items()))
+    assert load_vehicle(path) == load_vehicle("half") == HALF
+
+
+def test_unknown_name_lists_the_shipped_ones() -> None:
+    with pytest.raises(InputError, match=r"one of half_car, quarter_car or a \.yaml file, got 'tractor'"):
+        load_vehicle("tractor")
+
+
+@pytest.mark.parametrize(("car", "name"), CHECKED)
+@pytest.mark.parametrize("bad", [-1.0, float("nan"), float("inf")])
+def test_every_parameter_is_checked(car: Any, name: str, bad: float) -> None:
+    value = (getattr(car, name)[0], bad) if isinstance(getattr(car, name), tuple) else bad
+    with pytest.raises(InputError, match=name):
+        replace(car, **{name: value})
+
+
+def test_passive_damping_lies_inside_the_range() -> None:
+    with pytest.raises(InputError, match=r"damping_passive_ns_m must lie between .*300.*4500.* got 200"):
+        replace(QUARTER, damping_passive_ns_m=200.0)
+    with pytest.raises(InputError, match=r"damping_passive_ns_m\[1\] must lie"):
+        replace(HALF, damping_passive_ns_m=(1500.0, 9000.0))
+
+
+def test_seats_lie_between_the_axles() -> None:
+    with pytest.raises(InputError, match=r"seat_x_m\[1\] must lie between the axles, got -1.5"):
+        replace(HALF, seat_x_m=(0.0, -1.5))
+    with pytest.raises(InputError, match="seat_x_m must name at least one seat"):
+        replace(HALF, seat_x_m=())
+
+
+def test_errors_of_a_file_name_it(tmp_path: Path) -> None:
+    path = tmp_path / "car.yaml"
+    path.write_text(
+        "kind: quarter_car\nsprung_mass_kg: -1\nunsprung_mass_kg: 40\nspring_n_m: 1e4\ntyre_n_m: 2e5\n"
+    )
+    with pytest.raises(InputError, match=r"car\.yaml: sprung_mass_kg must be > 0 and finite, got -1"):
+        load_vehicle(path)

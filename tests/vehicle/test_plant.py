@@ -1,0 +1,269 @@
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from files.errors import InputError
+from road.envelope import wheel_profile
+from road.features import HalfSineBump, Pothole
+from road.profile import Road
+from vehicle import equations
+from vehicle.parameters import GRAVITY_M_S2, Car, load_vehicle
+from vehicle.plant import Plant, build_model
+from vehicle.state import Profile, VehicleState, observe, road_under
+
+
+@dataclass(frozen=True)
+class Haversine:
+    """A smooth bump (or dip) of one period of 1 - cos, starting at start_m."""
+
+    height_m: float
+    length_m: float
+    start_m: float = 1.0
+
+    def height(self, x: Any) -> Any:
+        s = np.clip((x - self.start_m) / self.length_m, 0.0, 1.0)
+        return self.height_m / 2 * (1.0 - np.cos(2 * np.pi * s))
+
+    def slope(self, x: Any) -> Any:
+        s = np.clip((x - self.start_m) / self.length_m, 0.0, 1.0)
+        return self.height_m * np.pi / self.length_m * np.sin(2 * np.pi * s)
+
+
+@dataclass(frozen=True)
+class Ledge:
+    """A plateau of height_m that ends at end_m; the car that starts on it drops at the first tick."""
+
+    height_m: float
+    end_m: float
+
+    def height(self, x: Any) -> Any:
+        return np.where(np.asarray(x) <= self.end_m, self.height_m, 0.0) + 0.0
+
+    def slope(self, x: Any) -> Any:
+        return np.zeros_like(np.asarray(x, float))
+
+
+FLAT = Haversine(0.0, 1.0)
+QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
+CARS = [QUARTER, HALF]
+
+
+def drive(
+    car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float = 1500.0, x_m: float = 0.0
+) -> VehicleState:
+    plant = Plant(car)
+    plant.reset(profiles, x_m, speed)
+    plant.step(np.full(car.wheels, damping), ticks)
+    return plant.signals
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_stands_still_on_a_flat_road(car: Car) -> None:
+    signals = drive(car, [FLAT] * car.wheels, 20.0, 1000)
+    np.testing.assert_allclose(signals.x[: -car.wheels], 0.0, atol=1e-12)
+    np.testing.assert_allclose(signals.tyre_force, signals.static_tyre_force)
+    assert signals.time_s[-1] == 1.0
+    assert signals.x_m[-1] == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_starts_at_rest_on_a_raised_road(car: Car) -> None:
+    signals = drive(car, [Ledge(0.3, 1e9)] * car.wheels, 10.0, 500)
+    np.testing.assert_allclose(signals.heave_m, 0.3, atol=1e-10)
+    np.testing.assert_allclose(signals.body_acc, 0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
+    model = build_model(car)
+    data = mujoco.MjData(model)
+    rng = np.random.default_rng(5)
+    wheels, corners = car.wheels, car.corners
+    for _ in range(200):
+        x = rng.normal(0.0, 0.08, equations.state_size(car))
+        x[-wheels:] = rng.uniform(300, 4500, wheels)
+        command, height, velocity = (
+            rng.uniform(0, 6000, wheels),
+            rng.normal(0, 0.05, wheels),
+            rng.normal(0, 1, wheels),
+        )
+        data.qpos[:], data.qvel[:], data.act[:] = x[:-wheels:2], x[1:-wheels:2], x[-wheels:]
+        push = [
+            c.tyre_n_m * h + c.tyre_damping_ns_m * v
+            for c, h, v in zip(corners, height, velocity, strict=True)
+        ]
+        data.ctrl[:] = [*command, *push]
+        mujoco.mj_forward(model, data)
+        expected = equations.derivative(car, x, command, height, velocity)
+        np.testing.assert_allclose(data.qacc, expected[1:-wheels:2], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(data.act_dot, expected[-wheels:], rtol=1e-12)
+
+
+def reference(car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float) -> VehicleState:
+    """The equations over the exact road, integrated adaptively."""
+    command = np.full(car.wheels, damping)
+
+    def slope(t: float, x: np.ndarray) -> np.ndarray:
+        return equations.derivative(car, x, command, *road_under(car, profiles, speed * t, speed))
+
+    time = np.arange(ticks + 1) / 1000
+    start = equations.rest_state(car)
+    x = solve_ivp(slope, (0, time[-1]), start, t_eval=time, rtol=1e-8, atol=1e-9, max_step=1e-3).y
+    commands = np.tile(command[:, None], len(time))
+    road = road_under(car, profiles, speed * time, speed)
+    return observe(car, time, speed * time, np.full(len(time), speed), x, commands, road)
+
+
+def summary(signals: VehicleState) -> np.ndarray:
+    """Numbers a comparison of controllers would look at."""
+    load = signals.tyre_force / signals.static_tyre_force - 1.0
+    values = (
+        np.sqrt(np.mean(signals.body_acc**2)),
+        np.abs(signals.body_acc).max(),
+        np.sqrt(np.mean(signals.rattle_m**2)),
+        np.abs(signals.rattle_m).max(),
+        np.sqrt(np.mean(load**2)),
+        load.max(),
+        np.sum(signals.damper_force * signals.rattle_velocity),
+    )
+    return np.array(values)
+
+
+@pytest.mark.parametrize("car", CARS)
+@pytest.mark.parametrize("damping", [300.0, 4500.0])
+def test_stops_and_lift_off_against_an_adaptive_integrator(car: Car, damping: float) -> None:
+    profiles: list[Profile] = [Haversine(0.16, 1.2, start_m=2.0)] * car.wheels
+    ours = drive(car, profiles, 9.0, 1200, damping)
+    truth = reference(car, profiles, 9.0, 1200, damping)
+    assert (truth.tyre_force == 0.0).sum() > 20
+    if damping == 300.0:
+        assert (truth.stop_force != 0.0).sum() > 20
+    np.testing.assert_allclose(summary(ours), summary(truth), rtol=5e-3)
+    assert np.abs(ours.heave_m - truth.heave_m).max() < 1e-3 * np.abs(truth.heave_m).max()
+
+
+def test_a_bump_and_a_pothole_under_a_real_wheel() -> None:
+    features = (
+        HalfSineBump(3.0, 0.08, 0.40),
+        Pothole(8.0, depth_m=0.08, length_m=0.6, width_m=1.2, y_m=0.75),
+    )
+    profile = wheel_profile(Road(length_m=40.0, features=features), 0.75)
+    ours = drive(QUARTER, [profile], 30 / 3.6, 2000)
+    truth = reference(QUARTER, [profile], 30 / 3.6, 2000, 1500.0)
+    assert (truth.tyre_force == 0.0).any()
+    np.testing.assert_allclose(summary(ours), summary(truth), rtol=5e-3)
+
+
+def test_a_car_in_the_air_falls_with_gravity() -> None:
+    signals = drive(QUARTER, [Ledge(3.0, 0.0)], 1.0, 300)
+    flying = signals.tyre_force[0] == 0.0
+    flying[0] = False
+    total = (400 * signals.cg_acc + 42 * signals.wheel_acc[0]) / 442
+    assert flying.sum() > 250
+    np.testing.assert_allclose(total[flying], -GRAVITY_M_S2, rtol=1e-9)
+
+
+def energy(car: Car, signals: VehicleState) -> np.ndarray:
+    """Kinetic energy plus the potentials of springs, stops, tyres and weight, with the road at zero."""
+    state = equations.motion(car, signals.x)
+    total = sum(m * v**2 / 2 for m, v in zip(car.body_inertia, state.body_velocity, strict=True))
+    for i, corner in enumerate(car.corners):
+        past = np.maximum(np.abs(signals.rattle_m[i]) - corner.stop_gap_m, 0.0)
+        total += corner.unsprung_mass_kg * state.wheel_velocity[i] ** 2 / 2
+        total += corner.spring_n_m * signals.rattle_m[i] ** 2 / 2 + corner.stop_n_m2 * past**3 / 3
+        touching = np.minimum(state.wheel[i], corner.static_tyre_deflection_m)
+        total += corner.tyre_n_m * touching**2 / 2 + corner.static_tyre_n * (state.wheel[i] - touching)
+    return total
+
+
+@pytest.mark.parametrize("car", CARS)
+@pytest.mark.parametrize("damping", [300.0, 1500.0, 4500.0])
+def test_no_energy_is_gained_on_a_still_road(car: Car, damping: float) -> None:
+    heights = (0.3, 0.1)[: car.wheels]
+    edges: list[Profile] = [Ledge(h, x) for h, x in zip(heights, car.axle_x_m, strict=True)]
+    signals = drive(car, edges, 1.0, 6000, damping)
+    assert (signals.stop_force != 0.0).any()
+    assert (signals.tyre_force == 0.0).any()
+    total = energy(car, signals)[1:]
+    assert np.diff(total).max() < 1e-6 * total[0]
+    assert total[-1] < 0.05 * total[0]
+
+
+def test_a_mirrored_car_mirrors_its_motion() -> None:
+    car = replace(HALF, spring_n_m=(21e3, 24e3), unsprung_mass_kg=(42.0, 45.0))
+    mirrored = replace(
+        car, front_axle_m=1.45, rear_axle_m=1.25, spring_n_m=(24e3, 21e3), unsprung_mass_kg=(45.0, 42.0)
+    )
+    one = drive(car, [Ledge(0.12, 1.25), Ledge(0.04, -1.45)], 1.0, 1500)
+    two = drive(mirrored, [Ledge(0.04, 1.45), Ledge(0.12, -1.25)], 1.0, 1500)
+    np.testing.assert_allclose(one.heave_m, two.heave_m, atol=1e-12)
+    np.testing.assert_allclose(one.pitch_rad, -two.pitch_rad, atol=1e-12)
+    np.testing.assert_allclose(one.rattle_m, two.rattle_m[::-1], atol=1e-12)
+
+
+def test_axles_are_quarter_cars_when_the_body_decouples_them() -> None:
+    """With I = m a b each axle carries its own mass: m b / (a + b) in front, m a / (a + b) behind."""
+    car = replace(HALF, pitch_inertia_kg_m2=800 * 1.25 * 1.45)
+    bump = Haversine(0.10, 0.9, start_m=4.0)
+    both = drive(car, [bump, bump], 9.0, 1500)
+    for i, mass in enumerate((800 * 1.45 / 2.7, 800 * 1.25 / 2.7)):
+        quarter = replace(QUARTER, sprung_mass_kg=mass)
+        one = drive(quarter, [bump], 9.0, 1500, x_m=car.axle_x_m[i])
+        np.testing.assert_allclose(both.rattle_m[i], one.rattle_m[0], atol=1e-9)
+        np.testing.assert_allclose(both.body_acc[i], one.body_acc[0], atol=1e-5)
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_blocks_of_ticks_give_the_states_of_single_ticks(car: Car) -> None:
+    profiles: list[Profile] = [Haversine(0.08, 0.5)] * car.wheels
+    commands = np.random.default_rng(3).uniform(0, 6000, (150, car.wheels))
+    blocks, single = Plant(car), Plant(car)
+    for plant in (blocks, single):
+        plant.reset(profiles, 0.0, 12.0)
+    for command in commands:
+        blocks.step(command, 10)
+        for _ in range(10):
+            single.step(command)
+    np.testing.assert_array_equal(blocks.signals.x, single.signals.x)
+    np.testing.assert_array_equal(blocks.signals.road_height, single.signals.road_height)
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_state_is_the_last_column_of_the_signals(car: Car) -> None:
+    plant = Plant(car)
+    plant.reset([Haversine(0.08, 0.5)] * car.wheels, 0.0, 12.0)
+    plant.step(np.full(car.wheels, 2500.0), 137)
+    now, run = plant.state, plant.signals
+    for name, value in vars(now).items():
+        np.testing.assert_allclose(value, getattr(run, name)[..., -1], rtol=1e-12, atol=1e-15, err_msg=name)
+
+
+def test_speed_may_change_between_steps() -> None:
+    plant = Plant(QUARTER)
+    plant.reset([FLAT], 0.0, 10.0)
+    plant.step([1500.0], 500)
+    plant.speed_m_s = 20.0
+    plant.step([1500.0], 500)
+    assert plant.state.x_m == pytest.approx(15.0)
+    assert plant.signals.speed_m_s[[0, 500, 501]].tolist() == [10.0, 10.0, 20.0]
+
+
+def test_wrong_use_is_told_in_one_line() -> None:
+    plant = Plant(HALF)
+    with pytest.raises(InputError, match="profiles must be 2, one per wheel, got 1"):
+        plant.reset([FLAT], 0.0, 10.0)
+    with pytest.raises(InputError, match="speed_m_s must be >= 0 and <= 100, got -1"):
+        plant.reset([FLAT, FLAT], 0.0, -1.0)
+
+
+def test_divergence_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo may leave its log here
+    plant = Plant(replace(QUARTER, unsprung_mass_kg=0.01))
+    plant.reset([Haversine(0.08, 0.5)], 0.0, 10.0)
+    with pytest.raises(InputError, match=r"vehicle diverged at 0\.004 s"):
+        plant.step([1500.0], 300)

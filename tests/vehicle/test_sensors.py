@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+
+from files.errors import InputError
+from road.envelope import wheel_profile
+from road.features import HalfSineBump
+from road.profile import Road
+from vehicle.parameters import load_vehicle
+from vehicle.plant import Plant
+from vehicle.sensors import NO_NOISE, SensorNoise, Sensors
+from vehicle.state import VehicleState
+
+
+def moving_car() -> VehicleState:
+    plant = Plant(load_vehicle("half"))
+    bump = wheel_profile(Road(length_m=10.0, features=(HalfSineBump(1.0, 0.05, 0.5),)), 0.75)
+    plant.reset([bump, bump], 0.0, 10.0)
+    plant.step([1500.0, 1500.0], 60)
+    return plant.state
+
+
+def readings(state: VehicleState, noise: SensorNoise, seed: int, n: int) -> np.ndarray:
+    """n readings as rows: body and wheel accelerations, rattle, pitch rate, speed."""
+    sensors = Sensors(2, np.random.default_rng(seed), noise)
+    return np.array(
+        [
+            [*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s]
+            for m in (sensors.measure(state) for _ in range(n))
+        ]
+    )
+
+
+def truth(state: VehicleState) -> np.ndarray:
+    return np.array([*state.body_acc, *state.wheel_acc, *state.rattle_m, state.pitch_rate, state.speed_m_s])
+
+
+def test_without_noise_the_sensors_tell_the_truth() -> None:
+    state = moving_car()
+    np.testing.assert_array_equal(readings(state, NO_NOISE, 0, 1)[0], truth(state))
+
+
+def test_noise_has_the_stated_spread() -> None:
+    noise, root = SensorNoise(), np.sqrt(200.0)
+    spread = readings(moving_car(), noise, 1, 20000).std(axis=0)
+    body, wheel = 60e-6 * 9.80665 * root, 1e-3 * 9.80665 * root
+    expected = [body, body, wheel, wheel, 2e-4, 2e-4, np.radians(5e-3) * root, 0.02]
+    np.testing.assert_allclose(spread, expected, rtol=0.03)
+
+
+def test_offsets_stay_with_a_car_and_spread_over_cars_as_stated() -> None:
+    state = moving_car()
+    quiet = SensorNoise(0, 0.1, 0, 0.5, 0, 0.01, 0, 0.001, 0, 0.02)
+    cars = np.array([readings(state, quiet, seed, 2) for seed in range(3000)])
+    np.testing.assert_array_equal(cars[:, 0], cars[:, 1])
+    errors = cars[:, 0] - truth(state)
+    expected = [0.1, 0.1, 0.5, 0.5, 0.001, 0.001, 0.01, 0.02 * state.speed_m_s]
+    np.testing.assert_allclose(errors.std(axis=0), expected, rtol=0.06)
+    assert (np.abs(errors.mean(axis=0)) < 4 * np.array(expected) / np.sqrt(3000)).all()
+
+
+def test_the_seed_decides() -> None:
+    state = moving_car()
+    one, same, other = (readings(state, SensorNoise(), seed, 3) for seed in (4, 4, 5))
+    np.testing.assert_array_equal(one, same)
+    assert (one != other).all()
+
+
+def test_negative_noise_is_refused() -> None:
+    with pytest.raises(InputError, match="rattle_m must be >= 0 and finite, got -1"):
+        SensorNoise(rattle_m=-1.0)
