@@ -6,7 +6,7 @@ dataclasses, and unions of dataclasses told apart by the key `kind`, which each 
 """
 
 import difflib
-import math
+import sys
 import types
 import typing
 from collections.abc import Iterable
@@ -41,7 +41,7 @@ def structure(cls: Any, mapping: Any, source: str) -> Any:
     try:
         return _build(cls, mapping, "")
     except InputError as error:
-        raise InputError(f"{source}: {error}") from None
+        raise InputError(f"{source}: {' '.join(str(error).split())}") from None
 
 
 def to_mapping(obj: Any) -> Any:
@@ -79,8 +79,8 @@ def _leaf(cls: type, value: Any, path: str) -> Any:
     fits = type(value) is cls or (cls is float and type(value) is int)
     if not fits:
         raise _refusal(path, f"must be {_LEAVES[cls]}, got {_shown(value)}")
-    if cls is float and not math.isfinite(value):
-        raise _refusal(path, f"must be a finite number, got {value}")
+    if cls is float and not abs(value) <= sys.float_info.max:  # the comparison also holds for huge integers
+        raise _refusal(path, f"must be a finite number, got {_shown(value)}")
     return cls(value)
 
 

@@ -52,5 +52,5 @@ def parse(text: str, source: str) -> Any:
         mark = error.problem_mark or error.context_mark
         line = f", line {mark.line + 1}" if mark else ""
         raise InputError(f"{source}{line}: {' '.join((error.problem or 'no YAML').split())}") from None
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise InputError(f"{source}: {' '.join(str(error).split())}") from None
