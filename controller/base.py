@@ -18,6 +18,7 @@ class Estimate:
     road_height: (wheels,) effective road height under each wheel in the same frame as `x`, m.
     road_velocity: (wheels,) its rate as the wheel moves on, m/s.
     speed_m_s: forward speed.
+    contact: (wheels,) False while a wheel is in the air; its `road_height` is then the highest possible one.
     """
 
     time_s: float
@@ -25,6 +26,7 @@ class Estimate:
     road_height: np.ndarray
     road_velocity: np.ndarray
     speed_m_s: float
+    contact: np.ndarray
 
     def is_finite(self) -> bool:
         """Whether every number of it is one."""

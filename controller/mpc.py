@@ -16,7 +16,7 @@ from controller.latency import Pipeline
 from controller.limits import Limits
 from controller.model import KILO, prediction_model
 from controller.qp import solve_box
-from controller.road_ahead import road_ahead
+from controller.road_ahead import RoadAhead
 from controller.settings import MpcSettings
 from controller.skyhook import Skyhook
 from controller.supervisor import Book, Fallback
@@ -52,6 +52,7 @@ class PredictiveController:
         self._limits = Limits.of(vehicle)
         self._filter = ComfortFilter(vehicle, period)
         self._pipeline = Pipeline(self._timing, self._limits.passive)
+        self._road = RoadAhead(vehicle.wheels, self._settings.road)
         self._fallback = Fallback(self._settings.patience)
         self._reactive = Skyhook(vehicle)
         self.reset()
@@ -61,6 +62,7 @@ class PredictiveController:
         self._plan = np.tile(self._limits.passive / KILO, (len(self._condense.states), 1))
         self._filter.reset()
         self._pipeline.reset()
+        self._road.reset()
         self._fallback.reset()
         self._book = Book()
 
@@ -81,22 +83,22 @@ class PredictiveController:
 
     def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return what prevented it, if something did."""
-        seen = preview if self._uses_preview else None
-        state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]), estimate, seen)
-        road = road_ahead(estimate, seen, self._node_times, self._settings.road)
-        problem = self._condense(state, self._plan, road)
+        self._road.look(estimate, preview if self._uses_preview else None)
+        state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
+        problem = self._condense(state, self._plan, self._road.heights(self._node_times))
         low, high = self._limits.low / KILO - self._plan, self._limits.high / KILO - self._plan
         solution = solve_box(problem.hessian, problem.gradient, low.ravel(), high.ravel())
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
         return solution.problem
 
-    def _predict(self, state: np.ndarray, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+    def _predict(self, state: np.ndarray) -> np.ndarray:
         """Carry the state forward through the commands that are still on their way."""
         for start, duration, command in self._pipeline.pending():
             times = start + duration * np.linspace(0.0, 1.0, self._model.substeps + 1)
-            road = road_ahead(estimate, preview, times, self._settings.road)
-            state = np.array(self._model.step(state, command / KILO, road, duration))[:, 0]
+            state = np.array(self._model.step(state, command / KILO, self._road.heights(times), duration))[
+                :, 0
+            ]
         return state
 
     def _answer(self, estimate: Estimate, problem: str | None) -> np.ndarray:

@@ -22,13 +22,15 @@ def truth_estimate(state: VehicleState) -> Estimate:
         road_height=np.array(state.road_height, dtype=float),
         road_velocity=np.array(state.road_velocity, dtype=float),
         speed_m_s=float(state.speed_m_s),
+        contact=np.ones(len(state.road_height), dtype=bool),
     )
 
 
 class Observer:
     """Estimates from the car's own sensors, with the road as unknown input; one `update` per reading.
 
-    Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road from
+    Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road
+    from
     the tyre: its force is what accelerates the car's masses, its deflection what that force asks for. Heights
     are relative to a mean road that follows slowly, the same for `x` and `road_height`.
     """
@@ -70,23 +72,26 @@ class Observer:
         self._motion = self._filter.step(self._motion, mean, reading)
         self._damping = self._damping + self._follow * (command - self._damping)
         before = self._road
-        self._road = self._road_under(acceleration - self._motion[4 * w : 6 * w], before)
+        road, contact = self._feel_road(acceleration - self._motion[4 * w : 6 * w])
+        self._road = np.where(contact, road, np.minimum(road, before))
         return Estimate(
             time_s=float(measurement.time_s),
             x=self._vehicle_state(),
             road_height=self._road,
             road_velocity=(self._road - before) / self._period_s,
             speed_m_s=self._smooth_speed(float(measurement.speed_m_s)),
+            contact=contact,
         )
 
-    def _road_under(self, acceleration: np.ndarray, before: np.ndarray) -> np.ndarray:
-        """Height of the road; under a wheel in the air it stays as it was last felt."""
+    def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Highest that the road can be, and whether it is there because the tyre touches it, (wheels,)
+        each."""
         force = self._mass @ acceleration
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection
         road = self._motion[self._wheels : 2 * self._wheels] + deflection
-        return np.where(force < -(1.0 - LIFTED) * self._static, np.minimum(before, road), road)
+        return road, force > -(1.0 - LIFTED) * self._static
 
     def _vehicle_state(self) -> np.ndarray:
         w = self._wheels

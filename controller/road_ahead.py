@@ -1,4 +1,4 @@
-"""The road that the plan counts on: previewed shape, anchored to what the wheel measures now."""
+"""The road that the plan counts on: the previewed shape, anchored to what the wheels feel."""
 
 import numpy as np
 
@@ -6,28 +6,55 @@ from controller.base import Estimate
 from controller.settings import RoadSettings
 from preview.horizon import RoadPreview
 
+_STILL_M_S = 0.1
+"""Speed under which the road does not move past the wheels."""
+_SOON_S = 1e-3
 
-def road_ahead(
-    estimate: Estimate, preview: RoadPreview | None, times_s: np.ndarray, settings: RoadSettings
-) -> np.ndarray:
-    """Return the expected height under each wheel (wheels, n), m, at `times_s` (n,) from now, in the
-    estimate's frame.
 
-    The measured height now plus the previewed change since; the measured slope in excess of the previewed one
-    decays. Without preview the road is flat but for that slope.
+class RoadAhead:
+    """Joins preview and measurement: call `look` once a period, then ask for `heights` at times from then on.
+
+    The road is the preview plus what the wheels feel in excess of it: a height that stays and a slope that
+    decays. While a wheel is in the air it feels nothing but that the road is no higher than the tyre, and the
+    excess is that of its last contact. Without preview the road ahead is taken as flat, and all that is felt
+    is excess.
     """
-    decay = settings.slope_decay_s
-    carry = decay * -np.expm1(-times_s / decay)
-    road = estimate.road_height[:, None] + estimate.road_velocity[:, None] * carry
-    if preview is None:
-        return road
-    speed = estimate.speed_m_s
-    for wheel in range(len(road)):
-        expected = expected_heights(preview, wheel, settings.sigmas_early)
-        here, soon = np.interp([0.0, max(speed, 0.1) * 1e-3], preview.distance_m, expected)
-        slope = (soon - here) / 1e-3 if speed > 0.1 else 0.0
-        road[wheel] += np.interp(speed * times_s, preview.distance_m, expected) - here - slope * carry
-    return road
+
+    def __init__(self, wheels: int, settings: RoadSettings):
+        self._wheels, self._settings = wheels, settings
+        self.reset()
+
+    def reset(self) -> None:
+        """Nothing felt yet, nothing seen."""
+        self._height, self._slope = np.zeros(self._wheels), np.zeros(self._wheels)
+        self._grid = np.array([0.0, 1.0])
+        self._expected = np.zeros((self._wheels, 2))
+        self._speed = 0.0
+
+    def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
+        """Take in what is felt and seen now."""
+        self._speed = estimate.speed_m_s if estimate.speed_m_s > _STILL_M_S else 0.0
+        if preview is None:
+            self._expected = np.zeros((self._wheels, len(self._grid)))
+        else:
+            self._grid = preview.distance_m
+            early = self._settings.sigmas_early
+            self._expected = np.stack([expected_heights(preview, i, early) for i in range(self._wheels)])
+        here, soon = self._previewed(np.array([0.0, _SOON_S])).T
+        excess = estimate.road_height - here
+        self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
+        self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
+
+    def heights(self, times_s: np.ndarray) -> np.ndarray:
+        """Return the expected height under each wheel (wheels, n), m, at `times_s` (n,) after the last
+        look."""
+        decay = self._settings.slope_decay_s
+        carried = -decay * np.expm1(-times_s / decay)
+        return self._previewed(times_s) + self._height[:, None] + self._slope[:, None] * carried
+
+    def _previewed(self, times_s: np.ndarray) -> np.ndarray:
+        distance = self._speed * times_s
+        return np.stack([np.interp(distance, self._grid, row) for row in self._expected])
 
 
 def expected_heights(preview: RoadPreview, wheel: int, sigmas_early: float) -> np.ndarray:
