@@ -18,11 +18,25 @@ from preview.settings import Settings
 class Measurement(Protocol):
     """What the car's sensors say at one moment; one entry a wheel, front first."""
 
-    body_acc: np.ndarray  # vertical, of the body over each wheel, without gravity
-    wheel_acc: np.ndarray
-    rattle_m: np.ndarray  # body minus wheel height, deviation from rest
-    pitch_rate: float  # nose-down positive
-    speed_m_s: float
+    @property
+    def body_acc(self) -> np.ndarray:
+        """Vertical acceleration of the body over each wheel, without gravity, m/s²."""
+
+    @property
+    def wheel_acc(self) -> np.ndarray:
+        """Vertical acceleration of each wheel, m/s²."""
+
+    @property
+    def rattle_m(self) -> np.ndarray:
+        """Body minus wheel height, deviation from rest."""
+
+    @property
+    def pitch_rate(self) -> float:
+        """Positive nose-down, rad/s."""
+
+    @property
+    def speed_m_s(self) -> float:
+        """Speed along the road."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from road.camera import Camera, CameraPose, project
 from road.features import Feature
 from road.profile import Road
 
-_ALONG, _ACROSS = 61, 31
+_ALONG, _ACROSS = 61, 61
 _LEAST_AHEAD_M = 0.3
 
 
@@ -62,7 +62,11 @@ def true_boxes(
         if box is not None:
             boxes.append(box)
             classes.append(feature.cls)
-    return Detections(np.array(boxes, np.float32).reshape(-1, 4), np.ones(len(boxes)), np.array(classes))
+    return Detections(
+        np.array(boxes, np.float32).reshape(-1, 4),
+        np.ones(len(boxes), np.float32),
+        np.array(classes, np.int64),
+    )
 
 
 def degrade(

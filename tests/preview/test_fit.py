@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+
+from preview.fit import GROUND, HEIGHT, LENGTH, OFFSET, Direct, Sight, X, _normal_equations, fit, silhouette
+from preview.settings import Settings
+from preview.shape import BUMP, HUMP, POTHOLE, relief
+
+SETTINGS = Settings()
+SIGMA = 1.0 / 457.0
+OFFSET_PRIOR = Direct(OFFSET, 0.0, np.deg2rad(0.25))
+
+
+def sights_of(kind, state, camera_x, noise=0.0, rng=None):
+    """Sights that an exact camera 1.3 m up would have of an object in `state`."""
+    camera_z = np.full(len(camera_x), 1.3)
+    ahead, below, _ = silhouette(kind, state, camera_x, camera_z)
+    bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET]
+    top = np.arctan2(below, ahead) - state[OFFSET]
+    if rng is not None:
+        bottom, top = bottom + noise * rng.normal(size=len(top)), top + noise * rng.normal(size=len(top))
+    return [
+        Sight(0.0, x, 1.3, float(b), float(t), SIGMA, SIGMA)
+        for x, b, t in zip(camera_x, bottom, top, strict=True)
+    ]
+
+
+def start_of(kind, x):
+    return np.array([x, 0.0, 0.0, kind.length_m, kind.height_m])
+
+
+@pytest.mark.parametrize("kind", [BUMP, HUMP, POTHOLE])
+def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
+    true = np.array([30.0, np.deg2rad(0.2), 0.0, kind.length_m, kind.height_m])
+    found = fit(
+        kind,
+        sights_of(kind, true, np.linspace(5.0, 26.0, 40)),
+        start_of(kind, 30.5),
+        OFFSET_PRIOR,
+        [],
+        SETTINGS,
+        iterations=8,
+    )
+    assert found.state[X] == pytest.approx(30.0, abs=0.02)
+    assert np.rad2deg(found.state[OFFSET]) == pytest.approx(0.2, abs=0.03)
+
+
+def test_without_the_offset_state_the_edge_is_wrong():
+    """0.2 degrees at 4 m is 4-5 cm: what the state is there to remove."""
+    true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m])
+    sights = sights_of(BUMP, true, np.linspace(5.0, 26.0, 40))
+    frozen = fit(BUMP, sights, start_of(BUMP, 30.0), Direct(OFFSET, 0.0, 1e-6), [], SETTINGS, iterations=8)
+    free = fit(BUMP, sights, start_of(BUMP, 30.0), OFFSET_PRIOR, [], SETTINGS, iterations=8)
+    assert abs(frozen.state[X] - 30.0) > 4 * abs(free.state[X] - 30.0)
+
+
+@pytest.mark.parametrize("kind", [BUMP, HUMP, POTHOLE])
+def test_gradient_agrees_with_differences_of_the_cost(kind):
+    """The Cauchy cost's gradient, by central differences, is minus the weighted gradient of the step."""
+    settings = Settings(correlation=1.0)
+    true = np.array([30.0, 0.002, 0.005, kind.length_m * 1.1, kind.height_m])
+    data = np.array(sights_of(kind, true, np.linspace(10.0, 26.0, 9)))
+    state = start_of(kind, 30.04)
+    _, gradient, _ = _normal_equations(kind, data, state, settings)
+    for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT):
+        step = np.zeros(5)
+        step[entry] = 1e-6
+        rise = _normal_equations(kind, data, state + step, settings)[2]
+        fall = _normal_equations(kind, data, state - step, settings)[2]
+        assert gradient[entry] == pytest.approx(-(rise - fall) / 2e-6, rel=2e-3, abs=0.3)
+
+
+def test_one_wrong_box_hardly_matters():
+    true = start_of(BUMP, 30.0)
+    sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 30))
+    wrong = sights[20]._replace(bottom=sights[20].bottom + 40 * SIGMA, top=sights[20].top + 40 * SIGMA)
+    clean = fit(BUMP, sights, true, OFFSET_PRIOR, [], SETTINGS)
+    dirty = fit(BUMP, [*sights[:20], wrong, *sights[21:]], true, OFFSET_PRIOR, [], SETTINGS)
+    assert dirty.state[X] == pytest.approx(clean.state[X], abs=0.01)
+
+
+def test_boxes_tell_a_bump_from_a_hump():
+    camera_x = np.linspace(8.0, 25.0, 30)
+    for true_kind, other in ((BUMP, HUMP), (HUMP, BUMP)):
+        sights = sights_of(true_kind, start_of(true_kind, 30.0), camera_x)
+        own = fit(true_kind, sights, start_of(true_kind, 30.0), OFFSET_PRIOR, [], SETTINGS, 6)
+        alien = fit(other, sights, start_of(other, 30.0), OFFSET_PRIOR, [], SETTINGS, 6)
+        assert own.cost < alien.cost
+
+
+def test_claimed_sigma_covers_the_scatter_and_is_not_vain():
+    """White noise of one pixel, inflated by `correlation`: NEES of X lies between that and 1."""
+    rng = np.random.default_rng(11)
+    nees = []
+    for _ in range(60):
+        true = start_of(BUMP, 30.0)
+        true[OFFSET] = np.deg2rad(0.25) * rng.normal()
+        true[LENGTH] += BUMP.length_sigma_m * rng.normal()
+        true[HEIGHT] += BUMP.height_sigma_m * rng.normal()
+        true[GROUND] = SETTINGS.edge_height_sigma_m * rng.normal()
+        sights = sights_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
+        found = fit(BUMP, sights, start_of(BUMP, 29.7), OFFSET_PRIOR, [], SETTINGS, 6)
+        nees.append((found.state[X] - 30.0) ** 2 / found.covariance[X, X])
+    assert 0.25 < np.mean(nees) < 1.3
+
+
+def test_cut_edges_are_left_out():
+    true = start_of(BUMP, 30.0)
+    sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 20))
+    cut = [s._replace(bottom=float("nan")) if i > 15 else s for i, s in enumerate(sights)]
+    found = fit(BUMP, cut, true, OFFSET_PRIOR, [], SETTINGS)
+    assert np.isfinite(found.state).all()
+    assert found.sigma_m > fit(BUMP, sights, true, OFFSET_PRIOR, [], SETTINGS).sigma_m
+
+
+def test_a_direct_measurement_pins_its_state():
+    sights = sights_of(BUMP, start_of(BUMP, 30.0), np.linspace(8.0, 20.0, 10))
+    found = fit(BUMP, sights, start_of(BUMP, 30.0), OFFSET_PRIOR, [Direct(X, 30.2, 1e-4)], SETTINGS, 6)
+    assert found.state[X] == pytest.approx(30.2, abs=1e-3)
+
+
+def test_silhouette_is_the_brute_force_maximum():
+    rng = np.random.default_rng(0)
+    for kind in (BUMP, HUMP, POTHOLE):
+        state = start_of(kind, 10.0)
+        camera_x = rng.uniform(-10.0, 7.0, 20)
+        ahead, below, _ = silhouette(kind, state, camera_x, np.full(20, 1.3))
+        share = np.linspace(0.0, 1.0, 4001)
+        fine = np.arctan2(
+            1.3 - state[HEIGHT] * relief(kind, share, state[LENGTH]),
+            state[X] + share * state[LENGTH] - camera_x[:, None],
+        ).min(axis=1)
+        np.testing.assert_allclose(np.arctan2(below, ahead), fine, atol=3e-4)  # a seventh of a pixel

@@ -1,0 +1,17 @@
+import pytest
+
+from files.errors import InputError
+from preview.settings import Settings
+
+
+def test_biases_may_have_any_sign():
+    assert Settings(bottom_bias_px=-1.0, top_bias_px=0.0).bottom_bias_px == -1.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("pixel_sigma", 0.0), ("offset_sigma_deg", -1.0), ("detection_probability", 1.0), ("hit_sigma_m", 0.0)],
+)
+def test_names_the_field_out_of_range(field, value):
+    with pytest.raises(InputError, match=f"^{field} must be"):
+        Settings(**{field: value})

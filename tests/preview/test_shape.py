@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from preview.shape import BUMP, HUMP, KINDS, POTHOLE, chord, depth_of, kinds_of, relief, tyre_profile
+from road.envelope import wheel_profile
+from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.profile import Road
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_relief_is_zero_at_both_ends_and_one_at_most(kind):
+    values = kind.sign * relief(kind, np.linspace(0.0, 1.0, 201), kind.length_m)
+    assert values[[0, -1]] == pytest.approx(0.0, abs=1e-12)
+    assert values.max() == pytest.approx(1.0, abs=1e-3)
+    assert values.min() >= -1e-12
+
+
+@pytest.mark.parametrize(
+    ("feature", "kind", "tolerance"),
+    [
+        (HalfSineBump(10.0, 0.08, 0.40), BUMP, 0.001),
+        (Pothole(10.0, 0.08, 0.60, 0.6, y_m=0.75, wall_m=0.06), POTHOLE, 0.002),
+        (WattsHump(10.0), HUMP, 0.021),  # between arc and flat top, which differ by 4 cm at the ramp
+        (FlatTopHump(10.0), HUMP, 0.021),
+    ],
+)
+def test_tyre_profile_is_what_the_road_package_makes_of_the_true_feature(feature, kind, tolerance):
+    truth = wheel_profile(Road(30.0, (feature,)), 0.75)
+    height = feature.depth_m if kind is POTHOLE else feature.height_m
+    x, felt = tyre_profile(kind, feature.length_m, height)
+    np.testing.assert_allclose(felt, truth.height(x + 10.0), atol=tolerance)
+    assert felt[[0, -1]] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_tyre_meets_a_bump_before_its_edge_and_a_hole_after():
+    x, bump = tyre_profile(BUMP, 0.4, 0.08)
+    assert x[np.argmax(bump > 0.005)] < 0.0
+    x, hole = tyre_profile(POTHOLE, 0.6, 0.08)
+    assert x[np.argmax(hole < -0.005)] > 0.0
+
+
+def test_a_detector_class_names_its_kinds():
+    assert kinds_of(0) == (BUMP, HUMP)
+    assert kinds_of(1) == (POTHOLE,)
+
+
+def test_longer_holes_are_deeper():
+    assert depth_of(0.3) < depth_of(0.6) < depth_of(0.9)
+    assert depth_of(0.4) == pytest.approx(0.06)
+
+
+def test_chord_of_an_ellipse():
+    assert chord(0.8, 0.6, 0.0) == pytest.approx(0.8)
+    assert chord(0.8, 0.6, 0.18) == pytest.approx(0.8 * 0.8)  # 3-4-5 triangle
+    assert chord(0.8, 0.6, 0.4) == 0.0
