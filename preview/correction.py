@@ -9,10 +9,11 @@ from preview.settings import Settings
 from preview.shape import tyre_profile
 from preview.track import Track
 
-_SHIFTS = np.arange(-0.6, 0.601, 0.01)
+_STEP_M = 0.01
+_BEFORE_M = 0.5  # road before the object that gives the level
+_FLANK_M = 0.6  # of the object's near part at most, before a light wheel takes off
+_CLIP_M = 0.02  # the tyre's static deflection: deeper than this a wheel hangs in the air and feels nothing
 _LEAST_EXPLAINED = 0.6
-_SCALES = (0.4, 1.8)
-_SPAN_M = 0.8  # of an object's near part, used to place it
 _KEPT_M = 12.0
 
 
@@ -30,43 +31,37 @@ class FrontWheel:
             self._path.popleft()
 
     def due(self, track: Track) -> bool:
-        """Tell whether the wheel has just passed the near part of a confirmed track not yet compared."""
-        if track.struck or not track.confirmed or not self._path:
+        """Tell whether the wheel has just passed the near flank of a confirmed track not yet compared."""
+        if track.struck or not track.confirmed:
             return False
-        return self._path[-1][0] > track.best.state[X] + self._span(track) + 0.6
+        return self._path[-1][0] > track.start_m + self._flank_m(track) + self.settings.hit_gate_m
 
-    def compare(self, track: Track) -> list[Direct]:
-        """Return near edge and height as the wheel felt them, or nothing if it did not feel the object.
+    def compare(self, track: Track) -> Direct | None:
+        """Return the near edge as the wheel felt it, or None if it did not feel the object.
 
-        The template slides over the measured height (least squares with free scale and level); a match must
-        explain most of the variance, with a plausible scale and a shift that the fit's sigma allows.
+        The tyre profile slides over the measured height; both are clipped to what a tyre can follow. A match
+        must explain most of what was measured, with a shift that the fit's sigma allows.
         """
         state = track.best.state
-        span = self._span(track)
-        path = np.array(self._path)
-        near = (path[:, 0] > state[X] - 0.6) & (path[:, 0] < state[X] + span + 0.6)
-        if near.sum() < 8:
-            return []
-        x, height = path[near].T
+        allowed = min(self.settings.hit_gate_m, max(0.1, 4.0 * track.best.sigma_m))
+        x, height = np.array(self._path).T
+        flat = (x > state[X] - allowed - _BEFORE_M) & (x < state[X] - allowed)
+        if not flat.any():
+            return None
+        near = (x >= state[X] - allowed - _BEFORE_M) & (x < state[X] + self._flank_m(track) + allowed)
+        level = height[flat].mean()
+        felt = np.clip(height[near] - level, -_CLIP_M, _CLIP_M)
         at, profile = tyre_profile(track.best.kind, state[LENGTH], state[HEIGHT])
-        template = np.interp(x - state[X] - _SHIFTS[:, None], at, profile)
-        template -= template.mean(axis=1, keepdims=True)
-        height = height - height.mean()
-        energy = (template**2).sum(axis=1) + 1e-12
-        product = template @ height
-        explained = np.where(product > 0, product**2 / energy, 0.0) / ((height**2).sum() + 1e-12)
+        shifts = np.arange(-allowed, allowed + _STEP_M / 2, _STEP_M)
+        ahead = x[near] - state[X] - shifts[:, None]
+        wanted = np.clip(np.interp(ahead, at, profile), -_CLIP_M, _CLIP_M)
+        counts = ahead < self._flank_m(track)
+        error = (np.where(counts, felt - wanted, 0.0) ** 2).sum(axis=1)
+        explained = 1.0 - error / (np.where(counts, felt, 0.0) ** 2).sum(axis=1).clip(1e-9)
         best = int(np.argmax(explained))
-        scale = float(product[best] / energy[best])
-        allowed = min(self.settings.hit_gate_m, max(0.15, 4.0 * track.best.sigma_m))
-        if not (
-            explained[best] > _LEAST_EXPLAINED
-            and _SCALES[0] < scale < _SCALES[1]
-            and abs(_SHIFTS[best]) < allowed
-        ):
-            return []
-        found = float(state[X] + _SHIFTS[best])
-        tall = float(scale * state[HEIGHT])
-        return [Direct(X, found, self.settings.hit_sigma_m), Direct(HEIGHT, tall, 0.1 * tall)]
+        if explained[best] < _LEAST_EXPLAINED or best in (0, len(shifts) - 1):
+            return None
+        return Direct(X, float(state[X] + shifts[best]), self.settings.hit_sigma_m)
 
-    def _span(self, track: Track) -> float:
-        return float(min(track.best.state[LENGTH], _SPAN_M))
+    def _flank_m(self, track: Track) -> float:
+        return float(min(0.5 * track.best.state[LENGTH], _FLANK_M))

@@ -17,6 +17,7 @@ from preview.tracker import Tracker
 from preview.view import view_of
 from road.camera import Camera, CameraMount, pose_of
 
+_CLEAR_M = 0.3  # around an object, where a wheel may be on it already or still
 _LEAST_OVERLAP = 0.02  # below this the wheel does not meet the object at all
 
 
@@ -64,7 +65,7 @@ class Estimator:
 
         road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
         """
-        state = self.motion.update(time_s, measurement)
+        state = self.motion.update(time_s, measurement, self._on_plane())
         height = self._road_height(state, measurement) if road_height_m is None else float(road_height_m[0])
         self._front.update(state.x_m + self.axle_x_m[0], height)
         for track in self.tracker.tracks:
@@ -145,32 +146,38 @@ class Estimator:
         return meets, start, felt, relative
 
     def _tall(self, track: Track) -> float:
-        """Height or depth: a hole's depth follows from its length until a wheel has felt it."""
+        """Height, or depth as a hole's length makes it likely."""
         state = track.best.state
-        return (
-            depth_of(float(state[LENGTH]))
-            if track.best.kind is POTHOLE and not track.directs
-            else state[HEIGHT]
-        )
+        return depth_of(float(state[LENGTH])) if track.best.kind is POTHOLE else float(state[HEIGHT])
 
     def _strike(self, track: Track, time_s: float) -> None:
         track.struck = True
-        directs = self._front.compare(track)
-        if directs:
-            before = float(track.best.state[X])
-            track.directs.extend(directs)
-            self.tracker.refit(track)
-            self.events.append(
-                {
-                    "event": "struck",
-                    "time_s": time_s,
-                    "track": track.identity,
-                    "moved_m": directs[0].value - before,
-                }
-            )
+        found = self._front.compare(track)
+        if found is None:
+            return
+        moved = found.value - track.start_m
+        track.directs.append(found)
+        self.tracker.refit(track)
+        self.tracker.log("struck", track, time_s, moved_m=moved)
 
     def _road_height(self, state: EgoState, measurement: Measurement) -> float:
-        """Road under the front wheel: its height, plus the tyre deflection that its acceleration betrays."""
+        """Road under the front wheel: its height, plus the tyre deflection that accelerations betray.
+
+        Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
+        """
         body = state.heave_m - self.axle_x_m[0] * state.pitch_rad
-        hop = 2.0 * np.pi * self.settings.wheel_hop_hz
-        return float(body - measurement.rattle_m[0] + measurement.wheel_acc[0] / hop**2)
+        wheel_hop, body_hop = (
+            2.0 * np.pi * self.settings.wheel_hop_hz,
+            2.0 * np.pi * self.settings.body_hop_hz,
+        )
+        tyre = measurement.wheel_acc[0] / wheel_hop**2 + measurement.body_acc[0] / body_hop**2
+        return float(body - measurement.rattle_m[0] + tyre)
+
+    def _on_plane(self) -> bool:
+        """Tell whether all wheels are off the objects that are known."""
+        x = self.motion.x_m
+        return not any(
+            track.confirmed and track.start_m - _CLEAR_M < x + axle < track.end_m + _CLEAR_M
+            for track in self.tracker.tracks
+            for axle in self.axle_x_m
+        )

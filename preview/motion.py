@@ -62,26 +62,29 @@ class EgoMotion:
             raise InputError(f"axle_x_m must have 1 or 2 entries, got {len(axle_x_m)}")
         self.axle_x_m = np.asarray(axle_x_m, dtype=float)
         self.settings = settings
-        self._x_m = x_m
+        self.x_m = x_m
         self._pitch = self._heave = self._heave_velocity = 0.0
         self._masked_until_s = -np.inf
         self._times: list[float] = []
         self._states: list[EgoState] = []
 
-    def update(self, time_s: float, measurement: Measurement) -> EgoState:
-        """Take one measurement in; time must advance, else `InputError`."""
+    def update(self, time_s: float, measurement: Measurement, on_plane: bool = True) -> EgoState:
+        """Take one measurement in; time must advance, else `InputError`.
+
+        on_plane: False while a wheel is known to be on an object, and so off the road plane.
+        """
         previous = self._states[-1] if self._states else None
         step = 0.0 if previous is None else time_s - previous.time_s
         if previous is not None:
             if step <= 0:
                 raise InputError(f"time_s must advance beyond {previous.time_s}, got {time_s}")
-            self._x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
+            self.x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
-        trust = 0.0 if time_s < self._masked_until_s else 1.0
+        trust = 1.0 if on_plane and time_s >= self._masked_until_s else 0.0
         self._update_pitch(measurement, step, trust)
         self._update_heave(measurement, step, trust)
-        state = EgoState(time_s, self._x_m, self._heave, self._pitch, measurement.speed_m_s)
+        state = EgoState(time_s, self.x_m, self._heave, self._pitch, measurement.speed_m_s)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:

@@ -45,7 +45,8 @@ class Settings:
     # Hit feedback
     hit_sigma_m: float = 0.03
     hit_gate_m: float = 0.5
-    wheel_hop_hz: float = 10.8
+    wheel_hop_hz: float = 10.8  # wheel on its tyre alone
+    body_hop_hz: float = 3.5  # body on the tyre alone
 
     # Preview
     background_sigma_m: float = 0.01  # road height where nothing was seen

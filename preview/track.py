@@ -60,6 +60,11 @@ class Track:
         return float(1.0 / (1.0 + np.exp(-self.log_odds)))
 
     @property
+    def start_m(self) -> float:
+        """Position of the near edge."""
+        return float(self.best.state[X])
+
+    @property
     def end_m(self) -> float:
         """Position of the far edge."""
         state = self.best.state

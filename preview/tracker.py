@@ -86,7 +86,7 @@ class Tracker:
             edge.update(seen.y_m, seen.variance)
         if not track.confirmed and track.existence > self.settings.confirm_existence:
             track.confirmed = True
-            self._log("confirmed", track, view.time_s)
+            self.log("confirmed", track, view.time_s)
 
     def _birth(self, view: View, box: np.ndarray, score: float, cls: int) -> None:
         sight = sight_of(view, box)
@@ -106,7 +106,7 @@ class Tracker:
         )
         self._next_identity += 1
         self.tracks.append(track)
-        self._log("born", track, view.time_s)
+        self.log("born", track, view.time_s)
 
     def _sides(self, track: Track, view: View, box: np.ndarray) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest on its near edge, a hole in its middle."""
@@ -120,9 +120,10 @@ class Tracker:
 
     def _remove(self, track: Track, time_s: float, event: str) -> None:
         self.tracks.remove(track)
-        self._log(event, track, time_s)
+        self.log(event, track, time_s)
 
-    def _log(self, event: str, track: Track, time_s: float) -> None:
+    def log(self, event: str, track: Track, time_s: float, **more: float) -> None:
+        """Append an event with the track's present state."""
         best = track.best
         self.events.append(
             {
@@ -135,5 +136,6 @@ class Tracker:
                 "sigma_m": best.sigma_m,
                 "age_s": time_s - track.born_s,
                 "existence": track.existence,
+                **more,
             }
         )
