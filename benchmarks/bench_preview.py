@@ -19,6 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from detector.detection import Detections  # noqa: E402
 from preview.estimator import Estimator  # noqa: E402
 from preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
 from preview.settings import Settings  # noqa: E402
@@ -77,7 +78,8 @@ def approach(
         pitch_deg=mount.pitch_deg + 0.2 * rng.standard_normal(),
     )
     estimator = Estimator(camera, mount, car.axle_x_m, (WHEEL_Y_M,) * 2, settings, x_m=START_M)
-    waiting, cost = [], []
+    waiting: list[tuple[int, Detections]] = []
+    cost = []
     passive = np.array(car.damping_passive_ns_m)
     for tick in range(0, 100_000, 5):
         state = plant.state
@@ -91,7 +93,7 @@ def approach(
             begun = perf_counter()
             estimator.update_boxes(exposed / 1000, boxes)
             cost.append(perf_counter() - begun)
-        if feature.start_m - state.x_m - car.front_axle_m <= before_m:
+        if feature.start_m - state.x_m - car.axle_x_m[0] <= before_m:
             break
         plant.step(passive, 5)
     rows = [row for row in estimator.stats() if row["confirmed"]]

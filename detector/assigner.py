@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from detector.heads import decode
+from detector.heads import Predictions, decode
 from detector.overlap import iou
 
 
@@ -54,8 +54,7 @@ def candidates(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
 
 
 def assign(
-    box_logits: Tensor,
-    class_logits: Tensor,
+    predictions: Predictions,
     points: Tensor,
     stride: Tensor,
     truths: Truths,
@@ -65,8 +64,8 @@ def assign(
 ) -> Assignment:
     """Match each object to its `top_k` best aligned points, alignment = score^alpha · IoU^beta.
 
-    box_logits (B, N, 4 · BINS), class_logits (B, N, classes), points (N, 2), stride (N,). A point wanted
-    by several objects goes to the one it overlaps most. The target score is the alignment scaled so that
+    predictions at N points, points (N, 2), stride (N,). A point wanted by several objects goes to the
+    one it overlaps most. The target score is the alignment scaled so that
     each object's best point gets the object's best IoU. IoU, as in TOOD, not CIoU: the aspect term of
     CIoU pushes every early guess at a thin bump below zero, and no point would be better than another.
     """
@@ -76,9 +75,9 @@ def assign(
         near = distance.argsort(stable=True)  # among equals, the nearer point in strides comes first
         truth, anchor = truth[near], anchor[near]
         image = truths.image[truth]
-        guess = decode(box_logits[image, anchor].float(), points[anchor], stride[anchor])
+        guess = decode(predictions.box_logits(image, anchor), points[anchor], stride[anchor])
         overlap = iou(guess, truths.boxes[truth])
-        score = class_logits[image, anchor, truths.classes[truth]].float().sigmoid()
+        score = predictions.class_logits[image, anchor, truths.classes[truth]].float().sigmoid()
         alignment = score**alpha * overlap**beta
 
         chosen = rank_within(truth, alignment) < top_k

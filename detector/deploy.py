@@ -22,11 +22,11 @@ class Deployed(nn.Module):
 
     def forward(self, image: Tensor) -> tuple[Tensor, Tensor]:
         pixels = image.permute(0, 3, 1, 2).to(torch.float32) * (1 / 255)
-        box_logits, class_logits = self.model(pixels)
+        predictions = self.model(pixels)
+        class_logits = predictions.class_logits
         points, stride = (t.to(image.device) for t in anchor_points(image.shape[1], image.shape[2], STRIDES))
         best = class_logits.amax(2).topk(min(CANDIDATES, class_logits.shape[1]), 1).indices
-        rows = torch.arange(len(image))[:, None]
-        boxes = decode(
-            box_logits[rows, best].float(), points.to(best.device)[best], stride.to(best.device)[best]
-        )
+        rows = torch.arange(len(image), device=best.device)[:, None].expand_as(best)
+        logits = predictions.box_logits(rows.flatten(), best.flatten()).unflatten(0, best.shape)
+        boxes = decode(logits, points[best], stride[best])
         return boxes, class_logits[rows, best].float().sigmoid()

@@ -7,9 +7,12 @@ rows, and a distance of -1 lets a point one stride outside the box still describ
 """
 
 import math
+from dataclasses import dataclass
+from typing import cast
 
 import torch
 from torch import Tensor, nn
+from torch.nn.functional import linear
 
 from detector.blocks import Conv
 
@@ -17,11 +20,40 @@ BINS = 16
 FIRST_BIN = -1.0
 
 
+@dataclass(frozen=True)
+class Predictions:
+    """What the head says of B images at N = Σ H_i·W_i points, levels in order, row by row within a level.
+
+    class_logits: (B, N, classes)
+    features: per level (B, H_i·W_i, C_i), what the box branch reads; branches: its 1×1 convolutions
+    """
+
+    class_logits: Tensor
+    features: list[Tensor]
+    branches: list[nn.Conv2d]
+
+    def box_logits(self, image: Tensor, point: Tensor) -> Tensor:
+        """Box logits (P, 4 · BINS), float32, at P pairs of image and point.
+
+        The branch is a 1×1 convolution, so it can be asked for single points; nothing needs it at all
+        of them: training only near objects, deployment only where the class score is high.
+        """
+        logits = self.class_logits.new_zeros(len(point), 4 * BINS, dtype=torch.float32)
+        start = 0
+        for feature, branch in zip(self.features, self.branches, strict=True):
+            end = start + feature.shape[1]
+            here = ((point >= start) & (point < end)).nonzero().squeeze(1)
+            rows = feature[image[here], point[here] - start].float()
+            found = linear(rows, branch.weight.flatten(1), branch.bias)
+            logits = logits.index_copy(0, here, found.float())
+            start = end
+        return logits
+
+
 class LEDH(nn.Module):
     """Per level two grouped 3×3 convolutions shared by a box and a class branch (eq. 8).
 
-    Takes one (B, C_i, H_i, W_i) map per level; gives box logits (B, N, 4 · BINS) and class logits
-    (B, N, classes), N = Σ H_i·W_i, levels in order and rows before columns within a level.
+    Takes one (B, C_i, H_i, W_i) map per level.
     """
 
     def __init__(self, channels: tuple[int, ...], strides: tuple[int, ...], classes: int):
@@ -34,11 +66,12 @@ class LEDH(nn.Module):
         rates = [math.log(5 / classes / (640 / stride) ** 2) for stride in strides]
         self.label = nn.ModuleList(_branch(c, classes, r) for c, r in zip(channels, rates, strict=True))
 
-    def forward(self, maps: list[Tensor]) -> tuple[Tensor, Tensor]:
+    def forward(self, maps: list[Tensor]) -> Predictions:
         features = [shared(x) for shared, x in zip(self.shared, maps, strict=True)]
-        boxes = [_rows(branch(x)) for branch, x in zip(self.box, features, strict=True)]
         labels = [_rows(branch(x)) for branch, x in zip(self.label, features, strict=True)]
-        return torch.cat(boxes, 1), torch.cat(labels, 1)
+        return Predictions(
+            torch.cat(labels, 1), [_rows(x) for x in features], cast(list[nn.Conv2d], list(self.box))
+        )
 
 
 def _branch(c_in: int, c_out: int, bias: float) -> nn.Conv2d:

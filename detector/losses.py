@@ -11,7 +11,7 @@ from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
 from detector.assigner import Assignment, Truths, assign, candidates
-from detector.heads import BINS, decode, encode
+from detector.heads import BINS, Predictions, decode, encode
 from detector.overlap import ciou, nwd
 
 
@@ -33,7 +33,7 @@ class LossWeights:
 
 
 def detection_loss(
-    predictions: tuple[Tensor, Tensor],
+    predictions: Predictions,
     truths: Truths,
     points: Tensor,
     stride: Tensor,
@@ -41,14 +41,14 @@ def detection_loss(
 ) -> Tensor:
     """The three weighted terms (3,): box, class, distribution. Their sum is to be minimised.
 
-    predictions: logits as `LEDH` gives them; points, stride: as `anchor_points` gives them.
+    points, stride: as `anchor_points` gives them for the size of the images.
     """
-    box_logits, class_logits = predictions
     wanted = truths.where(truths.classes >= 0)
-    matched = assign(box_logits, class_logits, points, stride, wanted)
+    matched = assign(predictions, points, stride, wanted)
     total = matched.score.sum().clamp(min=1)
-    label = _label_loss(class_logits.float(), matched, wanted, _ignored(truths, points, stride, class_logits))
-    box, distribution = _box_losses(box_logits, matched, wanted, points, stride, weights)
+    logits = predictions.class_logits.float()
+    label = _label_loss(logits, matched, wanted, _ignored(truths, points, stride, logits))
+    box, distribution = _box_losses(predictions, matched, wanted, points, stride, weights)
     terms = torch.stack((weights.box * box, weights.label * label, weights.distribution * distribution))
     return terms / total
 
@@ -71,14 +71,14 @@ def _ignored(truths: Truths, points: Tensor, stride: Tensor, like: Tensor) -> Te
 
 
 def _box_losses(
-    box_logits: Tensor,
+    predictions: Predictions,
     matched: Assignment,
     truths: Truths,
     points: Tensor,
     stride: Tensor,
     weights: LossWeights,
 ) -> tuple[Tensor, Tensor]:
-    logits = box_logits[matched.image, matched.anchor].float()
+    logits = predictions.box_logits(matched.image, matched.anchor)
     at, scale = points[matched.anchor], stride[matched.anchor]
     target = truths.boxes[matched.truth]
     guess = decode(logits, at, scale)

@@ -4,13 +4,13 @@ from torch import Tensor, cat, nn
 from torch.nn.functional import interpolate
 
 from detector.blocks import C2PSA, SPPF, C3k2, Conv, GhostConv, VoVGSCSPC
-from detector.heads import LEDH
+from detector.heads import LEDH, Predictions
 
 STRIDES = (4, 8, 16, 32)
 
 
 class SbpYolo(nn.Module):
-    """(B, 3, H, W) in 0..1, H and W multiples of 32, to the logits that `LEDH` describes.
+    """(B, 3, H, W) in 0..1, H and W multiples of 32, to the head's `Predictions`.
 
     `width` scales every channel count: 0.25 is the paper's model (n), 0.5 its teacher (s).
     """
@@ -53,7 +53,7 @@ class SbpYolo(nn.Module):
         o5 = self.out5(cat((self.down5(o4), p5), 1))
         return [o2, o3, o4, o5]
 
-    def forward(self, image: Tensor) -> tuple[Tensor, Tensor]:
+    def forward(self, image: Tensor) -> Predictions:
         return self.head(self.pyramid(image))
 
 

@@ -12,11 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from preview.calibration import Gaussian
 from preview.settings import Settings
 from preview.shape import Kind, relief
 
 Array = np.ndarray
 X, OFFSET, GROUND, LENGTH, HEIGHT = range(5)
+SHARED = slice(OFFSET, LENGTH)  # offset and ground height, of which objects have a part in common
 _SHARE = np.linspace(0.0, 1.0, 21)
 _LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01])
 _MOST = np.array([np.inf, 0.1, 0.2, 6.0, 0.3])
@@ -59,37 +61,46 @@ class Fit(NamedTuple):
         """Standard deviation of the near edge."""
         return float(np.sqrt(self.covariance[X, X]))
 
+    @property
+    def shared(self) -> Gaussian:
+        """Marginal of pitch offset and ground height."""
+        return Gaussian(self.state[SHARED], self.covariance[SHARED, SHARED])
+
 
 def fit(
     kind: Kind,
     sights: list[Sight],
     start: Array,
-    offset: Direct,
+    shared: Gaussian,
     directs: list[Direct],
     settings: Settings,
     iterations: int = 3,
 ) -> Fit:
-    """Return the most probable state for all `sights`, from `start`, under the priors of `kind` and `offset`.
+    """Return the most probable state for all `sights`, from `start`.
 
-    directs: further measurements of single states, such as where a wheel struck.
+    kind, shared: priors of length and height, and of offset and ground height. directs: further measurements of single states, such as where a wheel struck.
     """
     priors = [
-        offset,
-        Direct(GROUND, 0.0, settings.edge_height_sigma_m),
         Direct(LENGTH, kind.length_m, kind.length_sigma_m),
         Direct(HEIGHT, kind.height_m, kind.height_sigma_m),
         *directs,
     ]
     known = np.array(priors)
     index = known[:, 0].astype(int)
+    shared_information = np.linalg.inv(shared.covariance)
     data = np.array(sights)
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
+        away = shared.mean - state[SHARED]
+        information[SHARED, SHARED] += shared_information
+        gradient[SHARED] += shared_information @ away
+        cost += 0.5 * float(away @ shared_information @ away)
+        normal = (known[:, 1] - state[index]) / known[:, 2]
         np.add.at(information, (index, index), known[:, 2] ** -2)
-        np.add.at(gradient, index, (known[:, 1] - state[index]) / known[:, 2] ** 2)
+        np.add.at(gradient, index, normal / known[:, 2])
+        cost += 0.5 * float((normal**2).sum())
         state = np.clip(state + np.linalg.solve(information, gradient), _LEAST, _MOST)
-    cost += 0.5 * float((((known[:, 1] - state[index]) / known[:, 2]) ** 2).sum())
     # Laplace: the priors' normalisation and the width of the posterior weigh kinds against each other.
     cost += float(np.log(known[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))

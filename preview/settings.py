@@ -24,9 +24,10 @@ class Settings:
 
     # Geometry (section priors of the fit)
     pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
-    offset_sigma_deg: float = 0.25  # mounting pitch, before anything was learned
+    offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
-    edge_height_sigma_m: float = 0.015  # ground at the object over the local road plane
+    camera_height_sigma_m: float = 0.01  # mounting height, before anything was learned
+    edge_height_sigma_m: float = 0.01  # ground at the object over the local road plane, new with each
     odometry_sigma: float = 0.005  # relative error of travelled distance
 
     # Existence

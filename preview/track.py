@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from preview.fit import GROUND, HEIGHT, LENGTH, OFFSET, Direct, Fit, Sight, X, fit
+from preview.calibration import Gaussian
+from preview.fit import LENGTH, SHARED, Direct, Fit, Sight, X, fit
 from preview.settings import Settings
 from preview.shape import Kind, kinds_of
 
@@ -76,11 +77,11 @@ class Track:
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -_LOG_ODDS_LIMIT, _LOG_ODDS_LIMIT))
 
-    def refit(self, offset: Direct, settings: Settings) -> None:
+    def refit(self, shared: Gaussian, settings: Settings) -> None:
         """Fit every kind of the class to all sights, each from where its last fit ended."""
         del self.sights[: -settings.max_boxes]
         fits = [
-            fit(old.kind, self.sights, old.state, offset, self.directs, settings, iterations=2)
+            fit(old.kind, self.sights, old.state, shared, self.directs, settings, iterations=2)
             for old in self.fits
         ]
         self.fits = fits
@@ -97,18 +98,17 @@ class Track:
         return inside_right * inside_left
 
 
-def first_fits(cls: int, x_m: float, x_sigma_m: float, offset: Direct, settings: Settings) -> list[Fit]:
+def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:
     """Return fits of a new object from the ground position of its first box alone."""
-    return [_first_fit(kind, x_m, x_sigma_m, offset, settings) for kind in kinds_of(cls)]
+    return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in kinds_of(cls)]
 
 
 def _normal_cdf(value: float) -> float:
     return 0.5 * (1.0 + math.erf(value / math.sqrt(2.0)))
 
 
-def _first_fit(kind: Kind, x_m: float, x_sigma_m: float, offset: Direct, settings: Settings) -> Fit:
-    state, sigma = np.zeros(5), np.zeros(5)
-    state[[X, OFFSET, LENGTH, HEIGHT]] = x_m, offset.value, kind.length_m, kind.height_m
-    sigma[[X, OFFSET, GROUND]] = x_sigma_m, offset.sigma, settings.edge_height_sigma_m
-    sigma[[LENGTH, HEIGHT]] = kind.length_sigma_m, kind.height_sigma_m
-    return Fit(kind, state, np.diag(sigma**2), -float(np.log(kind.share)))
+def _first_fit(kind: Kind, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
+    state = np.array([x_m, *shared.mean, kind.length_m, kind.height_m])
+    covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m]) ** 2
+    covariance[SHARED, SHARED] = shared.covariance
+    return Fit(kind, state, covariance, -float(np.log(kind.share)))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from detector.detection import CLASS_NAMES, Detections
-from preview.offset import SharedOffset
+from preview.calibration import Calibration
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
 from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
@@ -17,12 +17,12 @@ _FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first bo
 
 
 class Tracker:
-    """All tracks, and the pitch offset they share. `events` logs births, confirmations and deaths."""
+    """All tracks, and the calibration they share. `events` logs births, confirmations and deaths."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.tracks: list[Track] = []
-        self.offset = SharedOffset(settings)
+        self.calibration = Calibration(settings)
         self.events: list[dict[str, Any]] = []
         self._next_identity = 0
 
@@ -46,15 +46,15 @@ class Tracker:
         self._bury(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
-        """Let go of tracks wholly behind the rear wheel, and learn the offset from the real ones."""
+        """Let go of tracks wholly behind the rear wheel, and learn the calibration from the real ones."""
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
-                self.offset.learn(track.best, self.offset.prior())
+                self.calibration.learn(track.best.shared, self.calibration.prior())
             self._remove(track, time_s, "passed")
 
     def refit(self, track: Track) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""
-        track.refit(self.offset.prior(), self.settings)
+        track.refit(self.calibration.prior(), self.settings)
 
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
@@ -90,11 +90,11 @@ class Tracker:
 
     def _birth(self, view: View, box: np.ndarray, score: float, cls: int) -> None:
         sight = sight_of(view, box)
-        prior = self.offset.prior()
-        x, sigma = ground_of(view, box, prior.sigma, prior.value)
+        prior = self.calibration.prior()
+        x, sigma = ground_of(view, box, prior)
         if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return
-        fits = first_fits(cls, x, sigma, prior, self.settings)
+        fits = first_fits(cls, x, sigma, prior)
         log_odds = 2.0 * score - 2.0
         unknown = Edge(0.0, np.inf)
         track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [sight])

@@ -1,10 +1,12 @@
 """Boxes as a camera at a known pose saw them, and where a track ought to appear in its image."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from detector.detection import Detections
+from preview.calibration import Gaussian
 from preview.distance import depression, depression_sigma, locate, row_of
 from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
 from preview.settings import Settings
@@ -63,15 +65,13 @@ def sight_of(view: View, box: Array) -> Sight:
     return Sight(view.time_s, view.pose.x, view.pose.z, *angles.tolist(), *sigmas.tolist())
 
 
-def ground_of(view: View, box: Array, offset_sigma: float, offset: float) -> tuple[float, float]:
+def ground_of(view: View, box: Array, shared: Gaussian) -> tuple[float, float]:
     """Return where the middle of a box's bottom meets the road: x and its sigma (m); nan above horizon."""
-    pose = view.pose
-    turned = CameraPose(pose.x, pose.y, pose.z, pose.roll, pose.pitch + offset, pose.yaw)
+    pitch, ground = shared.mean.tolist()
+    pitch_sigma, ground_sigma = np.sqrt(np.diag(shared.covariance)).tolist()
+    turned = replace(view.pose, pitch=view.pose.pitch + pitch)
     pixel = np.array([[0.5 * (box[0] + box[2]), box[3]]])
-    settings = view.settings
-    found = locate(
-        view.camera, turned, pixel, settings.pixel_sigma, offset_sigma, settings.edge_height_sigma_m
-    )
+    found = locate(view.camera, turned, pixel, view.settings.pixel_sigma, pitch_sigma, ground_sigma, ground)
     return float(found.position[0, 0]), float(np.sqrt(found.covariance[0, 0, 0]))
 
 

@@ -17,9 +17,9 @@ _HORIZON = int(ELEVATION_HIGH_DEG * CELLS_PER_DEG)
 
 # zenith colour, horizon colour, light on things that stand there
 _SKIES = {
-    "noon": ((0.30, 0.48, 0.85), (0.85, 0.92, 1.0), 0.8),
-    "overcast": ((0.75, 0.78, 0.82), (0.95, 0.95, 0.96), 0.5),
-    "sunset": ((0.28, 0.34, 0.50), (1.0, 0.66, 0.36), 0.28),
+    "noon": ((0.20, 0.36, 0.72), (0.62, 0.74, 0.88), 0.75),
+    "overcast": ((0.55, 0.58, 0.62), (0.78, 0.79, 0.80), 0.42),
+    "sunset": ((0.16, 0.21, 0.34), (0.62, 0.40, 0.22), 0.16),
     "night": ((0.006, 0.007, 0.012), (0.02, 0.018, 0.016), 0.012),
 }
 _WALLS = ((0.55, 0.50, 0.42), (0.62, 0.60, 0.56), (0.38, 0.20, 0.14), (0.30, 0.32, 0.34), (0.50, 0.42, 0.30))
@@ -58,8 +58,10 @@ def _clouds(image: np.ndarray, rng: np.random.Generator, look: Appearance) -> No
     field = fractal(rng, (_HORIZON // 4, _COLUMNS // 4), (0.5, 0.4, 0.3, 0.2, 0.12))
     field = cv2.resize(field, (_COLUMNS, _HORIZON), interpolation=cv2.INTER_CUBIC) + rng.uniform(-0.5, 0.4)
     cover = np.clip(field, 0, 1)[..., None] * 0.85
-    brightness = {"noon": 1.15, "overcast": 0.62, "sunset": 0.8, "night": 0.012}[look.light]
-    white = np.array((1.0, 0.86, 0.75) if look.light == "sunset" else (1.0, 1.0, 1.0), np.float32) * brightness
+    brightness = {"noon": 1.0, "overcast": 0.5, "sunset": 0.5, "night": 0.012}[look.light]
+    white = (
+        np.array((1.0, 0.86, 0.75) if look.light == "sunset" else (1.0, 1.0, 1.0), np.float32) * brightness
+    )
     image[:_HORIZON] = image[:_HORIZON] * (1 - cover) + white * cover
 
 
@@ -79,7 +81,9 @@ def _wood(image: np.ndarray, rng: np.random.Generator, light: float) -> None:
         return
     edge = fractal(rng, (1, _COLUMNS), (0.5, 0.5, 0.4, 0.35, 0.3, 0.25, 0.2))[0]
     away = np.abs(np.arange(_COLUMNS) / _COLUMNS - 0.5) * 2
-    top = _HORIZON - CELLS_PER_DEG * np.clip((0.8 + 7 * away * rng.uniform(0.2, 1.2)) * (1 + 0.5 * edge), 0.2, None)
+    top = _HORIZON - CELLS_PER_DEG * np.clip(
+        (0.8 + 7 * away * rng.uniform(0.2, 1.2)) * (1 + 0.5 * edge), 0.2, None
+    )
     mask = (np.arange(_ROWS)[:, None] >= top[None]) & (np.arange(_ROWS)[:, None] < _HORIZON + 3)
     leaves = np.clip(1 + 0.7 * fractal(rng, (_ROWS, _COLUMNS), (0.4, 0.4, 0.4, 0.3)), 0.3, 2)[mask]
     green = np.array((0.045, 0.07, 0.022), np.float32) * rng.uniform(0.6, 1.5) * light
@@ -118,18 +122,30 @@ def _house(
             image[row : row + pitch // 2, col : col + pitch // 3] = (0.5, 0.36, 0.16) if glow else wall * 0.4
 
 
-def _tree(image: np.ndarray, rng: np.random.Generator, column: int, half: int, top: int, light: float) -> None:
+def _tree(
+    image: np.ndarray, rng: np.random.Generator, column: int, half: int, top: int, light: float
+) -> None:
     height = _HORIZON - top
-    green = np.array((0.045, 0.075, 0.022)) * rng.uniform(0.6, 1.6) * np.array((rng.uniform(0.8, 1.6), 1, 1)) * light
+    green = (
+        np.array((0.045, 0.075, 0.022))
+        * rng.uniform(0.6, 1.6)
+        * np.array((rng.uniform(0.8, 1.6), 1, 1))
+        * light
+    )
     trunk = max(2, half // 10)
-    image[_HORIZON - height // 2 : _HORIZON + 4, max(column - trunk, 0) : max(column + trunk, 0)] = green * 0.7
+    image[_HORIZON - height // 2 : _HORIZON + 4, max(column - trunk, 0) : max(column + trunk, 0)] = (
+        green * 0.7
+    )
     leaves = int(np.clip(half * height / 60, 30, 160))
     angle, radius = rng.uniform(0, 2 * np.pi, leaves), np.sqrt(rng.uniform(0, 1, leaves))
     columns = column + half * radius * np.cos(angle)
     rows = _HORIZON - 0.62 * height - 0.42 * height * radius * np.sin(angle)
     sizes = rng.uniform(0.08, 0.2, leaves) * max(half, 12)
     for c, r, size in zip(columns, rows, sizes, strict=True):
-        shade = float(np.clip(1.3 + 0.9 * (_HORIZON - 0.6 * height - r) / max(height, 1), 0.4, 2) * rng.uniform(0.6, 1.4))
+        shade = float(
+            np.clip(1.3 + 0.9 * (_HORIZON - 0.6 * height - r) / max(height, 1), 0.4, 2)
+            * rng.uniform(0.6, 1.4)
+        )
         cv2.circle(image, (int(c), int(r)), int(size) + 1, tuple(float(v) for v in green * shade), -1)
 
 

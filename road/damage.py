@@ -1,15 +1,12 @@
 """Things on a road that are neither bump nor pothole: patches, cracks, manhole covers, stains."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 
 from road.appearance import Appearance
-
-if TYPE_CHECKING:
-    from road.surface import Block
+from road.block import CELL_M, Block
 
 MANHOLE_RADIUS_M = 0.32
 
@@ -57,22 +54,23 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
     return Damage(patches, cracks, manholes, stains)
 
 
-def paint(block: "Block", damage: Damage) -> None:
+def paint(block: Block, damage: Damage) -> None:
     """Draw the damage into the block's albedo."""
     for patch in damage.patches:
-        if _near(block, patch.outline):
+        if block.reaches(patch.outline[:, 0].min(), patch.outline[:, 0].max(), 0.1):
             _paint_patch(block, patch)
     for x, y, radius, factor in damage.stains:
-        if _near(block, np.array([[x - 2 * radius, y], [x + 2 * radius, y]])):
+        if block.reaches(x - 4 * radius, x + 4 * radius):
             _paint_stain(block, x, y, radius, factor)
     gain = np.ones(block.height.shape, np.float32)
     for crack in damage.cracks:
-        if _near(block, crack.line):
-            width = max(1, round(crack.width_m / _cell(block)))
+        if block.reaches(crack.line[:, 0].min(), crack.line[:, 0].max(), 0.1):
+            width = max(1, round(crack.width_m / CELL_M))
             cv2.polylines(gain, [_points(block, crack.line)], False, crack.factor, width, cv2.LINE_AA, 4)
-    block.albedo *= gain[..., None]
+    darkened = gain < 1
+    block.albedo[darkened] *= gain[darkened][:, None]
     for centre in damage.manholes:
-        if _near(block, centre[None]):
+        if block.reaches(centre[0], centre[0], 0.5):
             _paint_manhole(block, centre)
 
 
@@ -97,29 +95,27 @@ def _crack(rng: np.random.Generator, start: np.ndarray) -> Crack:
     return Crack(walk, float(width), float(rng.uniform(0.3, 0.6) if sealed else rng.uniform(0.35, 0.75)))
 
 
-def _paint_patch(block: "Block", patch: Patch) -> None:
-    cover = np.zeros(block.height.shape, np.float32)
-    points = _points(block, patch.outline)
+def _paint_patch(block: Block, patch: Patch) -> None:
+    rows = block.rows(patch.outline[:, 0].min() - 0.1, patch.outline[:, 0].max() + 0.1)
+    cover = np.zeros(block.height[rows].shape, np.float32)
+    points = _points(block, patch.outline) - np.array([0, rows.start * 16], np.int32)
     cv2.fillPoly(cover, [points], 1.0, cv2.LINE_AA, 4)
-    block.albedo *= (1 + (patch.factor - 1) * cover * (1 + 0.5 * block.noise["tone"]))[..., None]
+    block.albedo[rows] *= (1 + (patch.factor - 1) * cover)[..., None]
     if patch.sealed:
         seam = np.zeros_like(cover)
         cv2.polylines(seam, [points], True, 1.0, 3, cv2.LINE_AA, 4)
-        block.albedo *= (1 - 0.55 * seam)[..., None]
+        block.albedo[rows] *= (1 - 0.55 * seam)[..., None]
 
 
-def _paint_stain(block: "Block", x: float, y: float, radius: float, factor: float) -> None:
-    distance = np.hypot((block.x - x) / 1.6, block.y - y) / radius + 0.6 * block.noise["wear"]
-    block.albedo *= (1 - (1 - factor) * np.clip(1.3 - distance, 0, 1))[..., None].astype(np.float32)
+def _paint_stain(block: Block, x: float, y: float, radius: float, factor: float) -> None:
+    rows = block.rows(x - 4 * radius, x + 4 * radius)
+    distance = np.hypot((block.x[rows] - x) / 1.6, block.y - y) / radius + 0.6 * block.noise["wear"][rows]
+    block.albedo[rows] *= (1 - (1 - factor) * np.clip(1.3 - distance, 0, 1))[..., None].astype(np.float32)
 
 
-def _paint_manhole(block: "Block", centre: np.ndarray) -> None:
-    radius = np.hypot(block.x - centre[0], block.y - centre[1])
-    part = np.flatnonzero((radius < MANHOLE_RADIUS_M + 0.1).any(axis=1))
-    if not len(part):
-        return
-    rows = slice(part[0], part[-1] + 1)
-    radius = radius[rows]
+def _paint_manhole(block: Block, centre: np.ndarray) -> None:
+    rows = block.rows(centre[0] - 0.5, centre[0] + 0.5)
+    radius = np.hypot(block.x[rows] - centre[0], block.y - centre[1])
     grid = (np.mod(block.x[rows], 0.09) < 0.035) ^ (np.mod(block.y, 0.09) < 0.035)
     iron = np.where(grid, 0.09, 0.14).astype(np.float32)[..., None] * np.ones(3, np.float32)
     frame = np.abs(radius - MANHOLE_RADIUS_M) < 0.025
@@ -128,15 +124,7 @@ def _paint_manhole(block: "Block", centre: np.ndarray) -> None:
     here[frame] = 0.05
 
 
-def _cell(block: "Block") -> float:
-    return float(block.x[1, 0] - block.x[0, 0])
-
-
-def _near(block: "Block", points: np.ndarray) -> bool:
-    return bool(points[:, 0].max() > block.x[0, 0] - 0.5 and points[:, 0].min() < block.x[-1, 0] + 0.5)
-
-
-def _points(block: "Block", outline: np.ndarray) -> np.ndarray:
+def _points(block: Block, outline: np.ndarray) -> np.ndarray:
     """Columns and rows in 1/16 cell, as the `shift=4` of OpenCV's drawing wants them."""
     origin = np.array([block.y[0, 0], block.x[0, 0]])
-    return np.rint((outline[:, ::-1] - origin) / _cell(block) * 16).astype(np.int32)
+    return np.rint((outline[:, ::-1] - origin) / CELL_M * 16).astype(np.int32)

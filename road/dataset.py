@@ -1,4 +1,4 @@
-"""Seeded, labelled image sets in YOLO layout: python -m road.dataset --out DIR --seed S --train N --val N --test N."""
+"""Seeded, labelled image sets in YOLO layout; from the command line: python -m road.dataset --out DIR."""
 
 import argparse
 import hashlib
@@ -25,7 +25,8 @@ from road.scenes import random_positions, random_road, random_view
 FORMAT = 1
 NAMES = ("speed_bump", "pothole")
 SPLITS = ("train", "val", "test")
-VIEWS_PER_ROAD = 6
+_ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
+VIEWS_PER_ROAD = 8
 LANE_HALF_WIDTH_M = 1.2
 _JPEG_QUALITY = (80, 95)
 
@@ -62,7 +63,7 @@ def write_dataset(
         raise InputError(f"{out}: already holds a data set; choose an empty folder")
     began = time.monotonic()
     digest, done, total = hashlib.sha256(), 0, sum(counts.values())
-    for split in SPLITS:
+    for split in _ORDER:
         lines = []
         for rows in _run(_jobs(out, split, counts.get(split, 0), seed), workers):
             for row in rows:
@@ -79,7 +80,11 @@ def write_dataset(
         "counts": {split: counts.get(split, 0) for split in SPLITS},
         "seed": seed,
         "views_per_road": VIEWS_PER_ROAD,
-        "label_minimum": {"height_px": MIN_BOX_HEIGHT_PX, "width_px": MIN_BOX_WIDTH_PX, "pixels": MIN_VISIBLE_PX},
+        "label_minimum": {
+            "height_px": MIN_BOX_HEIGHT_PX,
+            "width_px": MIN_BOX_WIDTH_PX,
+            "pixels": MIN_VISIBLE_PX,
+        },
         "hash": digest.hexdigest(),
     }
     write_text(out / "dataset.json", json.dumps(summary, indent=1) + "\n")
@@ -87,7 +92,7 @@ def write_dataset(
 
 
 def render_road(job: Job) -> list[dict]:
-    """Render and write the views of one road; rows for objects.jsonl, each with the image's sha256 besides."""
+    """Render and write the views of one road; rows for objects.jsonl, with each image's sha256 besides."""
     cv2.setNumThreads(1)
     rng = np.random.default_rng((job.seed, job.split, job.road))
     look = random_appearance(rng)
@@ -164,7 +169,9 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     counts = {split: getattr(options, split) for split in SPLITS}
     try:
-        summary = write_dataset(options.out, counts, options.seed, options.workers, lambda s: print(s, flush=True))
+        summary = write_dataset(
+            options.out, counts, options.seed, options.workers, lambda s: print(s, flush=True)
+        )
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

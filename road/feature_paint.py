@@ -1,149 +1,129 @@
 """What bumps and potholes look like: paint, rubber, rubble, mud and water on their footprints."""
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
 from road.appearance import Appearance
+from road.block import CELL_M, Block
 from road.features import Feature, Pothole
 from road.texture import fractal
 
-if TYPE_CHECKING:
-    from road.surface import Block
-
-_WHITE, _YELLOW = (0.62, 0.62, 0.60), (0.58, 0.40, 0.05)
-_BLACK, _RED = (0.035, 0.035, 0.035), (0.24, 0.10, 0.07)
+MARGIN_M = 0.6  # debris lies this far around a pothole
+_WHITE, _YELLOW = np.array((0.62, 0.62, 0.60), np.float32), np.array((0.58, 0.40, 0.05), np.float32)
+_BLACK, _RED = np.array((0.035, 0.035, 0.035), np.float32), np.array((0.24, 0.10, 0.07), np.float32)
 _FILLS = {"asphalt": (0.09, 0.085, 0.08), "rubble": (0.20, 0.18, 0.15), "mud": (0.19, 0.13, 0.08)}
+_WATER = np.array((0.15, 0.10, 0.065), np.float32)
 
 
-def paint(block: "Block", feature: Feature, number: int, seed: int, look: Appearance) -> None:
-    """Paint one feature into the block and enter its id (`number`); `seed` fixes all that is random in it."""
-    margin = 0.5
-    inside = (block.x[:, 0] > feature.start_m - margin) & (
-        block.x[:, 0] < feature.start_m + feature.length_m + margin
+@dataclass(frozen=True)
+class Spot:
+    """The part of a block around one feature: index into its fields, x (n, 1), y (1, m), footprint (n, m)."""
+
+    part: tuple[slice, slice]
+    x: np.ndarray
+    y: np.ndarray
+    inside: np.ndarray
+
+
+def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator, look: Appearance) -> None:
+    """Paint one feature into the block, if they meet, and enter its id `number`.
+
+    All that is random comes from `rng`, in the same order for every block that shares the feature.
+    """
+    low, high = feature.start_m - MARGIN_M, feature.end_m + MARGIN_M
+    cols = np.flatnonzero(
+        (block.y[0] > feature.y_min_m - MARGIN_M) & (block.y[0] < feature.y_max_m + MARGIN_M)
     )
-    across = (block.y[0] > feature.y_min_m - margin) & (block.y[0] < feature.y_max_m + margin)
-    if not inside.any() or not across.any():
+    if not block.reaches(low, high) or not len(cols):
         return
-    rows, cols = np.flatnonzero(inside), np.flatnonzero(across)
-    part = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
+    part = (block.rows(low, high), slice(int(cols[0]), int(cols[-1]) + 1))
     x, y = block.x[part[0]], block.y[:, part[1]]
-    footprint = np.asarray(feature.footprint(x, y))
-    block.ids[part][footprint] = number
-    rng = np.random.default_rng(seed)
+    spot = Spot(part, x, y, np.asarray(feature.footprint(x, y)))
+    block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
-        _pothole(block, part, feature, footprint, rng)
+        _pothole(block, spot, feature, rng)
     else:
-        _bump(block, part, feature, footprint, rng, look)
+        _bump(block, spot, feature, rng, look)
 
 
-def _bump(
-    block: "Block",
-    part: tuple[slice, slice],
-    feature: Feature,
-    footprint: np.ndarray,
-    rng: np.random.Generator,
-    look: Appearance,
-) -> None:
-    along = (block.x[part[0]] - feature.start_m) / feature.length_m
-    across = block.y[:, part[1]] - feature.y_min_m
-    base = np.float32(look.brightness * rng.uniform(0.7, 1.25)) * np.ones(3, np.float32)
-    cover, colour, ground = _pattern(getattr(feature, "paint", "plain"), along, across, feature, base, rng)
-    worn = np.clip(1.2 - 0.8 * look.wear + (0.2 + 0.7 * look.wear) * block.noise["wear"][part], 0.1, 1)
-    share = (cover * worn)[..., None].astype(np.float32)
-    tone = (1 + block.noise["tone"][part])[..., None]
-    skin = (ground * (1 - share) + colour * share) * tone
-    block.albedo[part] = np.where(footprint[..., None], skin, block.albedo[part])
+def _bump(block: Block, spot: Spot, feature: Feature, rng: np.random.Generator, look: Appearance) -> None:
+    # Laid later than the road around it: darker or lighter, with a joint at either edge.
+    factor = rng.uniform(0.55, 0.85) if rng.random() < 0.6 else rng.uniform(1.12, 1.4)
+    base = np.full(3, look.brightness * factor, np.float32)
+    along = (spot.x - feature.start_m) / feature.length_m
+    along, across = np.broadcast_arrays(along, spot.y - feature.y_min_m)
+    cover, over, under = _pattern(feature, along, across, base, rng)
+    worn = 1.2 - 0.8 * look.wear + (0.2 + 0.7 * look.wear) * block.noise["wear"][spot.part]
+    share = (cover * np.clip(worn, 0.1, 1)).astype(np.float32)[..., None]
+    joint = np.minimum(along, 1 - along) * feature.length_m < 0.025
+    tone = (1 + block.noise["tone"][spot.part]) * (1 - rng.uniform(0.1, 0.5) * joint).astype(np.float32)
+    skin = (under * (1 - share) + over * share) * tone[..., None]
+    np.copyto(block.albedo[spot.part], skin, where=spot.inside[..., None])
 
 
 def _pattern(
-    paint_name: str,
-    along: np.ndarray,
-    across: np.ndarray,
-    feature: Feature,
-    base: np.ndarray,
-    rng: np.random.Generator,
+    feature: Feature, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cover (0..1) of the second colour, that colour, and the ground colour beneath, for a bump's paint."""
-    along, across = np.broadcast_arrays(along, across)
-    bar = rng.uniform(0.25, 0.55)
-    slant = float(rng.choice((0.0, 0.5, -0.5)))
-    flip = along > 0.5 if rng.random() < 0.3 else np.zeros_like(along, bool)
+    """Cover (n, m) in 0..1 of the upper colour (3,), and the lower colour (3,), for a bump's paint.
+
+    along: 0..1 from the near to the far edge; across: metres from the right end.
+    """
+    name = getattr(feature, "paint", "plain")
+    bar, slant = rng.uniform(0.25, 0.55), rng.choice((0.0, 0.5, -0.5))
+    flip = (along > 0.5) & (rng.random() < 0.3)  # rubber humps whose two halves alternate
     bars = np.mod(np.floor(across / bar + slant * along), 2) == 0
-    white, yellow = np.array(_WHITE, np.float32), np.array(_YELLOW, np.float32)
-    if paint_name == "yellow_black":
-        seam = np.mod(across, bar) < 0.02
-        black = np.array(_BLACK, np.float32)
-        return (bars ^ flip) & ~seam, yellow * np.float32(rng.uniform(0.7, 1.15)), black * np.ones(3, np.float32)
-    if paint_name == "white_stripes":
-        return bars, white, base
-    if paint_name == "white_triangles":
-        edge = np.minimum(along, 1 - along) * 2 if rng.random() < 0.5 else 1 - np.abs(2 * along - 1)
+    strength, pointed = np.float32(rng.uniform(0.7, 1.15)), rng.random() < 0.5
+    if name == "yellow_black":
+        return (bars ^ flip) & (np.mod(across, bar) > 0.02), _YELLOW * strength, _BLACK
+    if name == "white_stripes":
+        return bars, _WHITE, base
+    if name == "zebra":
+        return bars & (along > 0.18) & (along < 0.82), _WHITE, base
+    if name == "white_triangles":
+        ramp = 1 - 2 * np.minimum(along, 1 - along) if pointed else np.abs(2 * along - 1)
         width = min(0.9, max(0.35, 0.5 * feature.length_m))
-        return np.abs(np.mod(across / width, 1.0) - 0.5) < 0.5 * (1 - edge), white, base
-    if paint_name == "zebra":
-        middle = (along > 0.18) & (along < 0.82)
-        return bars & middle, white, base
-    if paint_name == "red":
+        return np.abs(np.mod(across / width, 1.0) - 0.5) < 0.5 * (1 - ramp), _WHITE, base
+    if name == "red":
         brick = (np.mod(across, 0.2) < 0.02) | (np.mod(along * feature.length_m, 0.1) < 0.02)
-        return 0.9 - 0.3 * brick, np.array(_RED, np.float32), base
-    return np.zeros(along.shape, bool), white, base
+        return 0.9 - 0.3 * brick, _RED, base
+    return np.zeros(along.shape, np.float32), base, base
 
 
-def _pothole(
-    block: "Block",
-    part: tuple[slice, slice],
-    hole: Pothole,
-    footprint: np.ndarray,
-    rng: np.random.Generator,
-) -> None:
-    x, y = block.x[part[0]], block.y[:, part[1]]
-    sink = np.clip(-np.asarray(hole.height(x, y)) / hole.depth_m, 0, 1)
-    shape = footprint.shape
-    lumps = _local_noise(hole, x, y, (0.5, 0.5, 0.5, 0.5), rng)
-    fill = _FILLS[str(rng.choice(list(_FILLS), p=(0.45, 0.35, 0.2)))]
-    inner = np.array(fill, np.float32) * np.float32(rng.uniform(0.7, 1.2))
-    inner = inner * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
-    wall = np.clip(sink * 3, 0, 1)[..., None]
+def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator) -> None:
+    sink = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
+    lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
+    fill = np.array(_FILLS[str(rng.choice(list(_FILLS), p=(0.6, 0.25, 0.15)))], np.float32)
+    inner = fill * np.float32(rng.uniform(0.7, 1.2)) * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
     rim = np.float32(rng.uniform(0.55, 0.9))  # freshly broken asphalt is darker than the worn top
-    skin = block.albedo[part] * rim * (1 - wall) + inner * wall
-    block.albedo[part] = np.where(footprint[..., None], skin, block.albedo[part]).astype(np.float32)
-    _debris(block, part, hole, footprint, lumps, rng)
+    wall = np.clip(sink * 3, 0, 1)[..., None]
+    albedo = block.albedo[spot.part]
+    np.copyto(albedo, albedo * rim * (1 - wall) + inner * wall, where=spot.inside[..., None])
+    _scatter_debris(albedo, spot, hole, lumps, rng)
     if rng.random() < 0.25:
-        level = rng.uniform(0.45, 0.85)
-        water = np.clip((sink - level) / 0.12, 0, 1).reshape(shape).astype(np.float32)
-        mud = np.array(_FILLS["mud"], np.float32) * 0.8
-        block.albedo[part] = block.albedo[part] * (1 - water[..., None]) + mud * water[..., None]
-        block.wet[part] = np.maximum(block.wet[part], water)
+        water = np.clip((sink - rng.uniform(0.45, 0.85)) / 0.12, 0, 1)
+        albedo += (_WATER - albedo) * water[..., None]
+        block.wet[spot.part] = np.maximum(block.wet[spot.part], water)
 
 
-def _debris(
-    block: "Block",
-    part: tuple[slice, slice],
-    hole: Pothole,
-    footprint: np.ndarray,
-    lumps: np.ndarray,
-    rng: np.random.Generator,
+def _scatter_debris(
+    albedo: np.ndarray, spot: Spot, hole: Pothole, lumps: np.ndarray, rng: np.random.Generator
 ) -> None:
-    """Loose gravel and dust thinning out around the rim."""
-    x, y = block.x[part[0]], block.y[:, part[1]]
-    reach = np.hypot(
-        (x - hole.start_m - hole.length_m / 2) / (hole.length_m / 2), (y - hole.y_m) / (hole.width_m / 2)
-    )
-    near = np.clip(1.9 - reach, 0, 1) * ~footprint
-    speckle = _local_noise(hole, x, y, (1.0,), rng)
-    amount = rng.uniform(0, 0.5)
-    gain = 1 + amount * near * np.clip(speckle * 0.9 + 0.3 * lumps, -0.8, 1.6)
-    block.albedo[part] *= gain[..., None].astype(np.float32)
+    """Loose gravel and dust, thinning out around the rim."""
+    u = (spot.x - hole.start_m - hole.length_m / 2) / (hole.length_m / 2)
+    v = (spot.y - hole.y_m) / (hole.width_m / 2)
+    near = np.clip(1.9 - np.hypot(u, v), 0, 1) * ~spot.inside
+    speckle = np.clip(0.9 * _noise_at(hole, spot, (1.0,), rng) + 0.3 * lumps, -0.8, 1.6)
+    albedo *= (1 + rng.uniform(0, 0.5) * near * speckle)[..., None].astype(np.float32)
 
 
-def _local_noise(
-    hole: Pothole, x: np.ndarray, y: np.ndarray, amplitudes: tuple[float, ...], rng: np.random.Generator
+def _noise_at(
+    hole: Pothole, spot: Spot, amplitudes: tuple[float, ...], rng: np.random.Generator
 ) -> np.ndarray:
-    """Noise tied to the hole, so that it does not depend on which block paints it."""
-    cell = float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.02
-    span = (int((hole.length_m + 1.2) / cell) + 2, int((hole.width_m + 1.2) / cell) + 2)
-    field = fractal(rng, span, amplitudes)
-    i = np.clip(np.rint((x[:, 0] - hole.start_m + 0.55) / cell).astype(int), 0, span[0] - 1)
-    j = np.clip(np.rint((y[0] - hole.y_m + hole.width_m / 2 + 0.55) / cell).astype(int), 0, span[1] - 1)
+    """Noise (n, m) tied to the hole, not to the block that paints it."""
+    corner = (hole.start_m - MARGIN_M, hole.y_min_m - MARGIN_M)
+    size = tuple(int((extent + 2 * MARGIN_M) / CELL_M) + 2 for extent in (hole.length_m, hole.width_m))
+    field = fractal(rng, (size[0], size[1]), amplitudes)
+    i = np.clip(((spot.x[:, 0] - corner[0]) / CELL_M).astype(int), 0, size[0] - 1)
+    j = np.clip(((spot.y[0] - corner[1]) / CELL_M).astype(int), 0, size[1] - 1)
     return field[i[:, None], j[None]]

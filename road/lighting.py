@@ -1,16 +1,13 @@
 """Light on the road map: sun with cast shadows, sky with occlusion, and the encoding of the result."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
 from numba import njit
 
 from road.appearance import Appearance
-
-if TYPE_CHECKING:
-    from road.surface import Block
+from road.block import CELL_M, Block
 
 WHITE = 2.0  # radiance that the 8-bit maps can hold
 _SUN = {
@@ -20,9 +17,9 @@ _SUN = {
     "night": (0.0, (1.0, 1.0, 1.0)),
 }
 _SKY = {
-    "noon": (0.36, (0.86, 0.97, 1.15)),
+    "noon": (0.36, (0.93, 0.99, 1.07)),
     "overcast": (0.80, (0.98, 1.0, 1.03)),
-    "sunset": (0.30, (0.92, 0.95, 1.12)),
+    "sunset": (0.30, (0.98, 0.97, 1.03)),
     "night": (1.0, (1.0, 0.95, 0.85)),  # scaled by `ambient` at render time, where the headlights are added
 }
 _OVERCAST_WEATHER = ("rain", "fog")
@@ -53,38 +50,53 @@ def plan(look: Appearance) -> Light:
     if look.weather in _OVERCAST_WEATHER and look.light != "night":
         sun, sky = 0.05 * sun, sky + 0.3 * sun
     return Light(
-        np.array(sun_colour) * sun, np.array(sky_colour) * sky, direction, look.tree_shadow if sun > 0.1 else 0.0
+        np.array(sun_colour) * sun,
+        np.array(sky_colour) * sky,
+        direction,
+        look.tree_shadow if sun > 0.1 else 0.0,
     )
 
 
-def shade(light: Light, block: "Block", cell_m: float) -> np.ndarray:
-    """Radiance (n, m, 3) of a painted block: albedo x (sun cos(theta) visibility + sky openness)."""
+def shade(light: Light, block: Block) -> np.ndarray:
+    """Encoded radiance and wetness (n, m, 4) uint8 of a painted block.
+
+    Radiance = albedo x (sun cos(theta) visibility + sky openness); 0..WHITE is stored as its square root,
+    to be decoded by (v / 255)**2 * WHITE.
+    """
     height = block.height
-    slope_x = _slope(height, 0, cell_m)
-    slope_y = _slope(height, 1, cell_m)
-    openness = 1 - 5 * np.clip(cv2.blur(height, (31, 31)) - height, 0, 1)
-    openness -= 7 * np.clip(cv2.blur(height, (7, 7)) - height, 0, 1)
-    norm = 1 / np.sqrt(1 + slope_x**2 + slope_y**2)
-    irradiance = np.clip(openness, 0.25, 1)[..., None] * light.sky.astype(np.float32)
+    hollow = 5 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
+    hollow += 7 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
+    visible = _dapple(light.foliage, block)
     if light.sun.any():
-        d = light.direction
-        cosine = np.clip((d[2] - d[0] * slope_x - d[1] * slope_y) * norm, 0, None)
-        visible = _visibility(height, d, cell_m) * _dapple(light.foliage, block)
-        irradiance = irradiance + (cosine * visible).astype(np.float32)[..., None] * light.sun.astype(np.float32)
-    return block.albedo * irradiance
+        visible = visible * _visibility(height, light.direction)
+    out = np.empty((*height.shape, 4), np.uint8)
+    vectors = np.stack((light.sun, light.sky, light.direction)).astype(np.float32)
+    _shade(height, hollow, visible, block.albedo, block.wet, vectors, np.float32(CELL_M), out)
+    return out
 
 
-def encode(radiance: np.ndarray) -> np.ndarray:
-    """Radiance 0..WHITE to 0..255, square root; decode with (v/255)**2 * WHITE."""
-    return np.rint(255 * np.sqrt(np.clip(radiance / WHITE, 0, 1)))
+@njit(cache=True, nogil=True)
+def _shade(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
+    rows, cols = height.shape
+    sun, sky, direction = vectors
+    for i in range(rows):
+        for j in range(cols):
+            up, down = min(i + 1, rows - 1), max(i - 1, 0)
+            slope_x = (height[up, j] - height[down, j]) / ((up - down) * cell)
+            left, right = min(j + 1, cols - 1), max(j - 1, 0)
+            slope_y = (height[i, left] - height[i, right]) / ((left - right) * cell)
+            square = 1 / (1 + slope_x * slope_x + slope_y * slope_y)
+            # A tilted face sees less of the bright zenith: cos^2 stands for the CIE overcast sky's gradient.
+            open_sky = max(1 - hollow[i, j], np.float32(0.25)) * square
+            cosine = direction[2] - direction[0] * slope_x - direction[1] * slope_y
+            beam = max(cosine, np.float32(0)) * np.sqrt(square) * visible[i, j]
+            for q in range(3):
+                radiance = albedo[i, j, q] * (sun[q] * beam + sky[q] * open_sky) / WHITE
+                out[i, j, q] = np.uint8(255 * np.sqrt(min(max(radiance, 0.0), 1.0)) + 0.5)
+            out[i, j, 3] = np.uint8(255 * min(max(wet[i, j], 0.0), 1.0) + 0.5)
 
 
-def _slope(height: np.ndarray, axis: int, cell_m: float) -> np.ndarray:
-    kernel = np.array([[-0.5, 0, 0.5]], np.float32) / cell_m
-    return cv2.filter2D(height, -1, kernel.T if axis == 0 else kernel)
-
-
-def _dapple(foliage: float, block: "Block") -> np.ndarray:
+def _dapple(foliage: float, block: Block) -> np.ndarray:
     """Share of sunlight that trees beside the road let through."""
     if foliage == 0:
         return np.ones(block.height.shape, np.float32)
@@ -92,13 +104,15 @@ def _dapple(foliage: float, block: "Block") -> np.ndarray:
     return 0.08 + 0.92 * leaf
 
 
-def _visibility(height: np.ndarray, direction: np.ndarray, cell_m: float) -> np.ndarray:
+def _visibility(height: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """1 in the sun, 0 in the shadow of the height field, with a penumbra of about 2 cm."""
     flat = float(np.hypot(direction[0], direction[1]))
     if flat < 1e-3 or float(height.max() - height.min()) < 5e-3:
         return np.ones(height.shape, np.float32)
     step = direction[:2] / flat
-    return _march(height, float(step[0]), float(step[1]), float(direction[2] / flat) * cell_m, float(height.max()))
+    return _march(
+        height, float(step[0]), float(step[1]), float(direction[2] / flat) * CELL_M, float(height.max())
+    )
 
 
 @njit(cache=True, nogil=True)

@@ -1,14 +1,11 @@
 """Lane lines, stop lines and pedestrian crossings, with their wear."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from road.appearance import Appearance
-
-if TYPE_CHECKING:
-    from road.surface import Block
+from road.block import CELL_M, Block
 
 _COLOURS = {"white": (0.62, 0.62, 0.60), "yellow": (0.56, 0.38, 0.06)}
 
@@ -60,28 +57,28 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
     for _ in range(rng.poisson(1.2 * look.distractors * length_m / 60)):
         start = rng.uniform(4, length_m)
         if rng.random() < 0.6:
-            bars.append(Bars(start, start + rng.uniform(2, 4), right + 0.4, left - 0.4, rng.uniform(0.4, 0.6)))
+            bars.append(
+                Bars(start, start + rng.uniform(2, 4), right + 0.4, left - 0.4, rng.uniform(0.4, 0.6))
+            )
         else:
             bars.append(Bars(start, start + rng.uniform(0.25, 0.5), right + 0.3, middle, 0.0))
     return Markings(tuple(lines), tuple(bars), _COLOURS[look.line_colour], look.wear)
 
 
-def paint(block: "Block", marks: Markings) -> None:
+def paint(block: Block, marks: Markings) -> None:
     """Draw the markings into the block's albedo; edges are anti-aliased over one cell."""
-    cell = float(block.x[1, 0] - block.x[0, 0])
     worn = np.clip(1.15 - 0.75 * marks.wear + (0.3 + 0.9 * marks.wear) * block.noise["wear"], 0.0, 1.0)
     for line in marks.lines:
-        columns = np.flatnonzero(np.abs(block.y[0] - line.y_m) < line.width_m / 2 + cell)
+        columns = np.flatnonzero(np.abs(block.y[0] - line.y_m) < line.width_m / 2 + CELL_M)
         if len(columns):
             part = (slice(None), slice(columns[0], columns[-1] + 1))
-            across = _cover(line.width_m / 2 - np.abs(block.y[part[0], part[1]] - line.y_m), cell)
-            _blend(block, part, across * _dashes(block.x, line, cell), worn, marks.colour)
+            across = _cover(line.width_m / 2 - np.abs(block.y[part] - line.y_m))
+            _blend(block, part, across * _dashes(block.x, line), worn, marks.colour)
     for bar in marks.bars:
-        rows = np.flatnonzero((block.x[:, 0] > bar.x0_m - cell) & (block.x[:, 0] < bar.x1_m + cell))
-        if len(rows):
-            part = (slice(rows[0], rows[-1] + 1), slice(None))
-            along = _cover(np.minimum(block.x[part[0]] - bar.x0_m, bar.x1_m - block.x[part[0]]), cell)
-            across = _cover(np.minimum(block.y - bar.y0_m, bar.y1_m - block.y), cell)
+        if block.reaches(bar.x0_m, bar.x1_m, CELL_M):
+            part = (block.rows(bar.x0_m - CELL_M, bar.x1_m + CELL_M), slice(None))
+            along = _cover(np.minimum(block.x[part[0]] - bar.x0_m, bar.x1_m - block.x[part[0]]))
+            across = _cover(np.minimum(block.y - bar.y0_m, bar.y1_m - block.y))
             if bar.bar_m:
                 across = across * (np.mod(block.y - bar.y0_m, 2 * bar.bar_m) < bar.bar_m)
             _blend(block, part, along * across, worn, _COLOURS["white"])
@@ -94,20 +91,20 @@ def _divider(right: float, left: float) -> float:
     return 1.75 if left > -right else -1.75
 
 
-def _dashes(x: np.ndarray, line: Line, cell: float) -> np.ndarray:
+def _dashes(x: np.ndarray, line: Line) -> np.ndarray:
     if line.gap_m == 0:
         return np.ones_like(x)
     place = np.mod(x + line.phase_m, line.dash_m + line.gap_m)
-    return _cover(np.minimum(place, line.dash_m - place), cell)
+    return _cover(np.minimum(place, line.dash_m - place))
 
 
-def _cover(inside_m: np.ndarray, cell: float) -> np.ndarray:
+def _cover(inside_m: np.ndarray) -> np.ndarray:
     """Share of a cell covered, from the signed distance of its centre to the edge."""
-    return np.clip(inside_m / cell + 0.5, 0, 1)
+    return np.clip(inside_m / CELL_M + 0.5, 0, 1)
 
 
 def _blend(
-    block: "Block", part: tuple[slice, slice], cover: np.ndarray, worn: np.ndarray, colour: tuple[float, ...]
+    block: Block, part: tuple[slice, slice], cover: np.ndarray, worn: np.ndarray, colour: tuple[float, ...]
 ) -> None:
     share = (cover * worn[part]).astype(np.float32)[..., None]
     paint_colour = np.array(colour, np.float32) * (1 + block.noise["tone"][part])[..., None]

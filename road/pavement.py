@@ -1,13 +1,10 @@
 """Base colours: the carriageway, what lies beside it, and water on it."""
 
-from typing import TYPE_CHECKING
-
+import cv2
 import numpy as np
 
 from road.appearance import Appearance
-
-if TYPE_CHECKING:
-    from road.surface import Block
+from road.block import Block
 
 KERB_WIDTH_M = 0.16
 KERB_HEIGHT_M = 0.10
@@ -17,11 +14,11 @@ _CONTRAST = {"grass": 0.9, "soil": 0.45, "pavement": 0.15}
 _WETNESS = {"dry": 0.0, "wet": 0.5, "rain": 0.75, "fog": 0.15}
 
 
-def paint(block: "Block", look: Appearance, edges: tuple[float, float]) -> None:
+def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
     """Fill the block's albedo; raise a kerb where the verge is a pavement (outside the carriageway)."""
     tone = 1 + block.noise["tone"] * (1 + look.wear) + _tracks(block.y, look)
     base = np.float32(look.brightness) * np.array(_TINTS[look.surface], np.float32)
-    block.albedo[:] = base * tone[..., None]
+    block.albedo[:] = cv2.merge([tone * v for v in base])
     if look.surface == "concrete":
         joint = (np.abs(np.mod(block.x, 5.0) - 2.5) < 0.02) | (np.abs(block.y - sum(edges) / 2) < 0.02)
         block.albedo[np.broadcast_to(joint, tone.shape)] *= 0.55
@@ -29,7 +26,7 @@ def paint(block: "Block", look: Appearance, edges: tuple[float, float]) -> None:
         _verge(block, look, side, edge)
 
 
-def soak(block: "Block", look: Appearance, edges: tuple[float, float]) -> None:
+def soak(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
     """Spread the weather's water over the carriageway and darken what is wet."""
     water = _WETNESS[look.weather]
     if water:
@@ -37,7 +34,8 @@ def soak(block: "Block", look: Appearance, edges: tuple[float, float]) -> None:
         film = np.clip(water + 0.35 * block.noise["dirt"], 0, 1) * np.where(inside, 1.0, 0.25)
         block.wet[:] = np.maximum(block.wet, film.astype(np.float32))
     if block.wet.any():
-        block.albedo *= (1 - 0.45 * block.wet)[..., None]
+        dark = 1 - 0.45 * block.wet
+        block.albedo *= cv2.merge([dark] * 3)
 
 
 def _tracks(y: np.ndarray, look: Appearance) -> np.ndarray:
@@ -46,17 +44,18 @@ def _tracks(y: np.ndarray, look: Appearance) -> np.ndarray:
     return (0.10 * (look.wear - 0.35) * tracks).astype(np.float32)
 
 
-def _verge(block: "Block", look: Appearance, side: int, edge: float) -> None:
+def _verge(block: Block, look: Appearance, side: int, edge: float) -> None:
     beyond = side * (block.y - edge)
     columns = np.flatnonzero(beyond[0] > -0.3)
     if not len(columns):
         return
     part = (slice(None), slice(columns[0], columns[-1] + 1))
-    distance = np.broadcast_to(beyond[part], block.height[part].shape)
+    distance = np.broadcast_to(beyond[part].astype(np.float32), block.height[part].shape)
     ragged = 0.0 if look.verge == "pavement" else 0.10
-    outside = distance + ragged * block.noise["wear"][part] > 0
-    rough = _CONTRAST[look.verge] * (block.noise["wear"][part] + 0.5 * block.noise["dirt"][part])
-    colour = np.array(_VERGES[look.verge], np.float32) * np.clip(1 + rough, 0.25, 2.2)[..., None]
+    wear = block.noise["wear"][part]
+    outside = distance + ragged * wear > 0
+    rough = np.clip(1 + _CONTRAST[look.verge] * (wear + 0.5 * block.noise["dirt"][part]), 0.25, 2.2)
+    colour = cv2.merge([rough * np.float32(v) for v in _VERGES[look.verge]])
     if look.verge == "pavement":
         slab = (np.mod(block.x, 0.5) < 0.02) | (np.mod(block.y[part], 0.5) < 0.02)
         colour[np.broadcast_to(slab, outside.shape)] *= 0.7
@@ -65,4 +64,4 @@ def _verge(block: "Block", look: Appearance, side: int, edge: float) -> None:
         colour[kerb & band] = (0.42, 0.42, 0.40)
         colour[kerb & ~band] = (0.06, 0.06, 0.06)
         block.height[part][outside] += KERB_HEIGHT_M
-    block.albedo[part] = np.where(outside[..., None], colour, block.albedo[part])
+    np.copyto(block.albedo[part], colour, where=outside[..., None])

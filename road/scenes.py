@@ -24,10 +24,10 @@ _GAP_M = 1.0
 def random_road(rng: np.random.Generator, look: Appearance) -> Road:
     """A road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
     features: list[Feature] = []
-    if rng.random() > 0.14:
-        for _ in range(int(rng.choice((0, 1, 2, 3, 4), p=(0.25, 0.27, 0.25, 0.15, 0.08)))):
+    if rng.random() > 0.08:
+        for _ in range(int(rng.choice((0, 1, 2, 3, 4), p=(0.15, 0.25, 0.27, 0.2, 0.13)))):
             _add(features, random_bump(rng, look))
-        for _ in range(int(rng.choice((0, 1, 2, 3, 5), p=(0.2, 0.2, 0.2, 0.2, 0.2)))):
+        for _ in range(int(rng.choice((0, 1, 2, 4, 6), p=(0.15, 0.2, 0.25, 0.22, 0.18)))):
             for hole in random_potholes(rng, look):
                 _add(features, hole)
     roughness = None
@@ -43,18 +43,32 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
     if rng.random() < 0.12:
         right, left = (right, min(left, 0.2 + abs(right))) if rng.random() < 0.6 else (max(right, -1.0), left)
     paint = str(rng.choice(list(_PAINT_SHARES), p=list(_PAINT_SHARES.values())))
-    common = {"y_min_m": right, "y_max_m": left, "paint": paint}
     kind = rng.choice(3, p=(0.5, 0.25, 0.25))
     if kind == 0:
         length = float(np.exp(rng.uniform(np.log(0.25), np.log(0.65))))
         height = float(np.clip(rng.uniform(0.03, 0.105), 0.08 * length, 0.3 * length))
-        return HalfSineBump(_start(rng, length), height, length, **common)
+        return HalfSineBump(_start(rng, length), height, length, y_min_m=right, y_max_m=left, paint=paint)
     if kind == 1:
         length = float(rng.uniform(1.0, 4.2))
-        return WattsHump(_start(rng, length), float(rng.uniform(0.05, 0.11)), length, **common)
+        return WattsHump(
+            _start(rng, length),
+            float(rng.uniform(0.05, 0.11)),
+            length,
+            y_min_m=right,
+            y_max_m=left,
+            paint=paint,
+        )
     length = float(rng.uniform(2.0, 5.2))
     ramp = float(rng.uniform(0.35, min(1.2, length / 3)))
-    return FlatTopHump(_start(rng, length), float(rng.uniform(0.05, 0.11)), length, ramp, **common)
+    return FlatTopHump(
+        _start(rng, length),
+        float(rng.uniform(0.05, 0.11)),
+        length,
+        ramp,
+        y_min_m=right,
+        y_max_m=left,
+        paint=paint,
+    )
 
 
 def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]:
@@ -72,14 +86,14 @@ def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]
         hole_y = float(np.clip(y, look.right_edge_m + width / 2 + 0.1, look.left_edge_m - width / 2 - 0.1))
         wall = float(rng.uniform(0.03, 0.45 * min(width, length)))
         start = float(np.clip(x, 1.0, ROAD_M - 2))
-        shape = {"irregularity": float(rng.uniform(0.05, 0.5)), "seed": int(rng.integers(1 << 31))}
-        holes.append(Pothole(start, depth, length, width, hole_y, wall_m=min(wall, 0.2), **shape))
+        ragged, seed = float(rng.uniform(0.05, 0.5)), int(rng.integers(1 << 31))
+        holes.append(Pothole(start, depth, length, width, hole_y, min(wall, 0.2), ragged, seed))
         x, y = x + rng.uniform(-1.2, 1.2), y + rng.normal(0, 0.7)
     return holes
 
 
 def random_view(rng: np.random.Generator, x_m: float) -> tuple[Camera, CameraPose]:
-    """A camera at about x: the closed loop's own on a moving body in half of the cases, any sensible otherwise."""
+    """A camera at about x: in half of the cases the default one, on a moving body."""
     if rng.random() < 0.5:
         camera, mount = Camera(), CameraMount()
         pitch, roll, yaw = rng.normal(0, 0.008), rng.normal(0, 0.004), rng.normal(0, 0.01)
@@ -89,17 +103,22 @@ def random_view(rng: np.random.Generator, x_m: float) -> tuple[Camera, CameraPos
         mount = CameraMount(height_m=float(rng.uniform(1.0, 1.6)), pitch_deg=float(rng.uniform(2, 10)))
         pitch, roll, yaw = 0.0, rng.uniform(-0.026, 0.026), rng.uniform(-0.052, 0.052)
         heave, y = 0.0, rng.uniform(-0.6, 0.6)
-    return camera, pose_of(mount, x_m, float(heave), float(pitch), y_cg=float(y), roll=float(roll), yaw=float(yaw))
+    return camera, pose_of(
+        mount, x_m, float(heave), float(pitch), y_cg=float(y), roll=float(roll), yaw=float(yaw)
+    )
 
 
 def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
-    """Camera positions along the road: most of them 2.5 to 30 m before some feature, so that near ones abound."""
+    """Camera positions along the road: most of them not far before some feature."""
     positions = []
     for _ in range(count):
         x = rng.uniform(0, VIEWS_TO_M)
-        if road.features and rng.random() < 0.75:
-            target = road.features[int(rng.integers(len(road.features)))]
-            x = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(26)))
+        if road.features and rng.random() < 0.9:
+            holes = [f for f in road.features if f.cls == 1]
+            pool = holes if holes and rng.random() < 0.55 else road.features
+            target = pool[int(rng.integers(len(pool)))]
+            reach = 12 if target.cls == 1 else 24
+            x = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(reach)))
         positions.append(float(np.clip(x, 0.4, ROAD_M - 12)))
     return sorted(positions)
 

@@ -46,12 +46,25 @@ def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.nda
     for _ in range(int(rng.integers(60, 160))):
         x, y = int(rng.integers(width)), int(rng.integers(-10, height))
         length = int(rng.integers(6, 22))
-        cv2.line(veil, (x, y), (x + int(rng.normal(0, 2)), y + length), float(rng.uniform(0.06, 0.2)), 1, cv2.LINE_AA)
+        cv2.line(
+            veil,
+            (x, y),
+            (x + int(rng.normal(0, 2)), y + length),
+            float(rng.uniform(0.06, 0.2)),
+            1,
+            cv2.LINE_AA,
+        )
     image += veil[..., None] * brightness
 
 
-def develop(image: np.ndarray, look: Appearance, exposure: float, pool: np.ndarray, rng: np.random.Generator,
-            curve: np.ndarray) -> np.ndarray:
+def develop(
+    image: np.ndarray,
+    look: Appearance,
+    exposure: float,
+    pool: np.ndarray,
+    rng: np.random.Generator,
+    curve: np.ndarray,
+) -> np.ndarray:
     """Blur by the lens, expose, add shot and read noise, apply the tone curve: (H, W, 3) uint8."""
     if look.blur_px > 0.2:
         image = cv2.GaussianBlur(image, (0, 0), look.blur_px)

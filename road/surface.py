@@ -1,48 +1,38 @@
-"""The lit map of a road: height, object ids and radiance on a 2 cm grid, filled as the camera advances."""
-
-from dataclasses import dataclass
+"""The lit map of a road: height, feature ids and radiance on a 2 cm grid, filled as the camera advances."""
 
 import cv2
 import numpy as np
 
 from road import damage, feature_paint, lighting, markings, pavement
 from road.appearance import Appearance
+from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, MASK_CELLS, START_M, Block
 from road.profile import Road
 from road.texture import fractal
 
-CELL_M = 0.02
-HALF_WIDTH_M = 8.0
 COLUMNS = int(2 * HALF_WIDTH_M / CELL_M)
 BLOCK_ROWS = 640
 APRON_ROWS = 40  # shadows and shading look this far past a block
 COARSE = 4  # the smooth random fields live on a grid this much coarser
-START_M = -2.0
 BEYOND_END_M = 50.0  # the map goes on past the road's end so that the view never stops
-# One mip level halves the rows; columns halve more rarely because a grazing view shrinks lengths along
-# the road by distance/height more than widths.
-COLUMN_SHIFTS = (0, 0, 0, 0, 1, 1, 2)
-MASK_CELLS = 10  # one cell of the march mask covers this many map cells each way
-
-
-@dataclass
-class Block:
-    """A stretch of road being painted: `x` (n, 1) and `y` (1, m) cell centres, fields (n, m) or (n, m, 3)."""
-
-    x: np.ndarray
-    y: np.ndarray
-    height: np.ndarray
-    albedo: np.ndarray
-    ids: np.ndarray
-    wet: np.ndarray
-    noise: dict[str, np.ndarray]
+_STEEP = 0.3  # slope across the road (a kerb) that the ray caster must not step over
+_OCTAVES = {
+    "tone": (0.05, 0.05, 0.04, 0.04, 0.03, 0.03, 0.03),
+    "wear": (0.1, 0.15, 0.2, 0.3, 0.35),
+    "dirt": (0.3, 0.3, 0.25, 0.2, 0.15, 0.1),
+    "foliage": (0.6, 0.5, 0.4, 0.35, 0.25),
+}
 
 
 class Surface:
-    """Maps of one scene. `extend(x)` makes sure that they are filled up to x; order of calls is immaterial.
+    """Maps of one scene, rows along x from START_M, columns along y from -HALF_WIDTH_M.
 
-    height (rows, cols) float32 metres; ids (rows, cols) int16, 0 none, k feature k-1; textures: mip levels
-    (rows, cols, 4) uint8 of sqrt-encoded radiance (see lighting.WHITE) and wetness; mask (rows, cols)/10 uint8,
-    1 near features, where a view ray has to be marched finely.
+    height: (rows, cols) float32, m. ids: (rows, cols) int16, 0 none, k for feature k - 1.
+    atlas: (rows x 127/64, cols, 4) uint8, mip levels of encoded radiance and wetness (see `lighting.shade`)
+    one below the other; level k has rows >> k rows and cols >> LEVEL_COLUMN_SHIFTS[k] columns.
+    strip: (cols, 4) float32, the last level's average along the road's beginning.
+    mask: one cell per MASK_CELLS x MASK_CELLS, uint8, 1 where a view ray has to be marched finely.
+
+    Blocks of the map are painted when `extend` first asks for them; what they show does not depend on when.
     """
 
     def __init__(self, road: Road, look: Appearance, seed: int) -> None:
@@ -51,98 +41,123 @@ class Surface:
         self.rows = blocks * BLOCK_ROWS
         self.height = np.zeros((self.rows, COLUMNS), np.float32)
         self.ids = np.zeros((self.rows, COLUMNS), np.int16)
-        self.textures = tuple(
-            np.zeros((self.rows >> k, COLUMNS >> s, 4), np.uint8) for k, s in enumerate(COLUMN_SHIFTS)
-        )
         self.mask = np.zeros((self.rows // MASK_CELLS, COLUMNS // MASK_CELLS), np.uint8)
-        self.strip = np.zeros((COLUMNS >> COLUMN_SHIFTS[-1], 4), np.float32)
-        self._filled = np.zeros(blocks, bool)
-        rng = np.random.default_rng((seed, 1))
+        self.atlas, self._levels = _empty_atlas(self.rows)
+        self.strip = np.zeros((COLUMNS >> LEVEL_COLUMN_SHIFTS[-1], 4), np.float32)
+        self._ranges = np.zeros((self.rows // MASK_CELLS, 2), np.float32)
+        self._filled = 0
         self._edges = _carriageway(road, look)
-        self._fields = self._smooth_fields(rng)
         self._light = lighting.plan(look)
+        rng = np.random.default_rng((seed, 1))
+        coarse = ((self.rows + 2 * APRON_ROWS) // COARSE, COLUMNS // COARSE)
+        self._fields = {name: fractal(rng, coarse, octaves) for name, octaves in _OCTAVES.items()}
         length = self.rows * CELL_M
         self._damage = damage.plan(rng, look, self._edges, length)
         self._markings = markings.plan(rng, look, self._edges, length)
-        self._paints = [np.random.default_rng((seed, 2, k)).integers(2**63) for k in range(len(road.features))]
+        self._paint_seeds = [(seed, 2, number) for number in range(len(road.features))]
 
     def extend(self, x_m: float) -> None:
-        """Fill every block from the start of the map to `x_m`."""
-        last = int(np.clip((x_m - START_M) / (BLOCK_ROWS * CELL_M), 0, len(self._filled) - 1))
-        for index in np.flatnonzero(~self._filled[: last + 1]):
-            self._fill(int(index))
-        if not self.strip.any():
-            self.strip[:] = self.textures[-1][: BLOCK_ROWS >> (len(COLUMN_SHIFTS) - 1)].mean(axis=0)
+        """Fill the map from its start up to `x_m`, or to its end."""
+        wanted = int(np.ceil((x_m - START_M) / (BLOCK_ROWS * CELL_M)))
+        for index in range(self._filled, min(max(wanted, 1), self.rows // BLOCK_ROWS)):
+            self._fill(index)
+            self._filled = index + 1
+            if index == 0:
+                self.strip[:] = self._levels[-1][: BLOCK_ROWS >> len(LEVEL_COLUMN_SHIFTS) - 1].mean(axis=0)
 
-    def _smooth_fields(self, rng: np.random.Generator) -> dict[str, np.ndarray]:
-        shape = ((self.rows + 2 * APRON_ROWS) // COARSE, COLUMNS // COARSE)
-        return {
-            "tone": fractal(rng, shape, (0.05, 0.05, 0.04, 0.04, 0.03, 0.03, 0.03)),
-            "wear": fractal(rng, shape, (0.1, 0.15, 0.2, 0.3, 0.35)),
-            "dirt": fractal(rng, shape, (0.3, 0.3, 0.25, 0.2, 0.15, 0.1)),
-            "foliage": fractal(rng, shape, (0.6, 0.5, 0.4, 0.35, 0.25)),
-        }
+    def height_range(self, low_m: float, high_m: float) -> tuple[float, float]:
+        """Lowest and highest height (m) of the filled map between two x."""
+        first = min(max(int((low_m - START_M) / CELL_M), 0), self.rows - 1)
+        last = max(int((high_m - START_M) / CELL_M), first + 1)
+        part = self._ranges[first // MASK_CELLS : last // MASK_CELLS + 1]
+        return float(part[:, 0].min()) - 1e-3, float(part[:, 1].max()) + 1e-3
 
     def _fill(self, index: int) -> None:
         block = self._paint(index)
-        radiance = lighting.shade(self._light, block, CELL_M)
         inner = slice(APRON_ROWS, -APRON_ROWS)
         rows = slice(index * BLOCK_ROWS, (index + 1) * BLOCK_ROWS)
         self.height[rows] = block.height[inner]
         self.ids[rows] = block.ids[inner]
-        level = np.dstack((lighting.encode(radiance[inner]), np.rint(255 * np.clip(block.wet[inner], 0, 1))))
-        level = level.astype(np.uint8)
-        for k, shift in enumerate(COLUMN_SHIFTS):
+        lit = lighting.shade(self._light, block)[inner]
+        for k, (level, shift) in enumerate(zip(self._levels, LEVEL_COLUMN_SHIFTS, strict=True)):
             if k:
-                size = (COLUMNS >> shift, BLOCK_ROWS >> k)
-                level = cv2.resize(level, size, interpolation=cv2.INTER_AREA)
-            self.textures[k][index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = level
-        self._mark(index)
-        self._filled[index] = True
+                lit = cv2.resize(lit, (COLUMNS >> shift, BLOCK_ROWS >> k), interpolation=cv2.INTER_AREA)
+            level[index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = lit
+        self._mark(rows)
 
     def _paint(self, index: int) -> Block:
-        first = index * BLOCK_ROWS - APRON_ROWS
-        rows = BLOCK_ROWS + 2 * APRON_ROWS
-        x = START_M + (first + 0.5 + np.arange(rows))[:, None] * CELL_M
-        y = -HALF_WIDTH_M + (0.5 + np.arange(COLUMNS))[None] * CELL_M
-        noise = {name: self._noise(field, first, rows) for name, field in self._fields.items()}
-        shape = (rows, COLUMNS)
-        block = Block(
-            x=x,
-            y=y,
-            height=np.asarray(self.road.height(x, y), np.float32).copy(),
-            albedo=np.empty((*shape, 3), np.float32),
-            ids=np.zeros(shape, np.int16),
-            wet=np.zeros(shape, np.float32),
-            noise=noise,
-        )
+        block = self._blank(index)
         pavement.paint(block, self.look, self._edges)
         damage.paint(block, self._damage)
         markings.paint(block, self._markings)
-        for number, feature in enumerate(self.road.features):
-            if feature.start_m < x[-1, 0] and feature.start_m + feature.length_m > x[0, 0]:
-                feature_paint.paint(block, feature, number + 1, int(self._paints[number]), self.look)
+        for number, (feature, seed) in enumerate(zip(self.road.features, self._paint_seeds, strict=True)):
+            feature_paint.paint(block, feature, number + 1, np.random.default_rng(seed), self.look)
         pavement.soak(block, self.look, self._edges)
         return block
 
-    def _noise(self, field: np.ndarray, first: int, rows: int) -> np.ndarray:
-        start = (first + APRON_ROWS) // COARSE
-        low, high = max(start - 2, 0), min(start + rows // COARSE + 2, len(field))
-        fine = cv2.resize(field[low:high], (COLUMNS, (high - low) * COARSE), interpolation=cv2.INTER_LINEAR)
-        skip = (start - low) * COARSE
-        return fine[skip : skip + rows]
+    def _blank(self, index: int) -> Block:
+        first = index * BLOCK_ROWS - APRON_ROWS
+        shape = (BLOCK_ROWS + 2 * APRON_ROWS, COLUMNS)
+        x = START_M + (first + 0.5 + np.arange(shape[0]))[:, None] * CELL_M
+        y = -HALF_WIDTH_M + (0.5 + np.arange(COLUMNS))[None] * CELL_M
+        return Block(
+            x=x,
+            y=y,
+            height=_heights(self.road, x, y),
+            albedo=np.empty((*shape, 3), np.float32),
+            ids=np.zeros(shape, np.int16),
+            wet=np.zeros(shape, np.float32),
+            noise={name: _refined(field, first, shape[0]) for name, field in self._fields.items()},
+        )
 
-    def _mark(self, index: int) -> None:
-        """Have the march look closely where features are and where the height jumps (kerbs)."""
-        per_block = BLOCK_ROWS // MASK_CELLS
-        ids = self.ids[index * BLOCK_ROWS : (index + 1) * BLOCK_ROWS]
-        height = self.height[index * BLOCK_ROWS : (index + 1) * BLOCK_ROWS]
-        uneven = (ids > 0) | (np.abs(np.diff(height, axis=1, prepend=height[:, :1])) > 0.3 * CELL_M)
-        tiles = uneven.reshape(per_block, MASK_CELLS, -1, MASK_CELLS).any(axis=(1, 3))
-        low, high = index * per_block, (index + 1) * per_block
-        self.mask[low:high] |= tiles.astype(np.uint8)
-        grown = cv2.dilate(tiles.astype(np.uint8), np.ones((3, 3), np.uint8))
-        self.mask[low:high] |= grown
+    def _mark(self, rows: slice) -> None:
+        """Note the height range, and where the march must look closely: at features and kerbs."""
+        height = self.height[rows]
+        across = np.abs(np.diff(height, axis=1, prepend=height[:, :1]))
+        uneven = (self.ids[rows] > 0) | (across > _STEEP * CELL_M)
+        tiles = uneven.reshape(BLOCK_ROWS // MASK_CELLS, MASK_CELLS, -1, MASK_CELLS).any(axis=(1, 3))
+        part = slice(rows.start // MASK_CELLS, rows.stop // MASK_CELLS)
+        self.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), np.ones((3, 3), np.uint8))
+        bands = height.reshape(BLOCK_ROWS // MASK_CELLS, -1)
+        self._ranges[part] = np.stack((bands.min(axis=1), bands.max(axis=1)), axis=1)
+
+
+def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The atlas and views of its levels."""
+    sizes = [rows >> k for k in range(len(LEVEL_COLUMN_SHIFTS))]
+    atlas = np.zeros((sum(sizes), COLUMNS, 4), np.uint8)
+    starts = np.cumsum([0, *sizes])
+    levels = [
+        atlas[start : start + size, : COLUMNS >> shift]
+        for start, size, shift in zip(starts[:-1], sizes, LEVEL_COLUMN_SHIFTS, strict=True)
+    ]
+    return atlas, levels
+
+
+def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The road's height (n, m) float32 at x (n, 1), y (1, m).
+
+    Between features it is sampled COARSE times more thinly across the road and interpolated, as roughness
+    itself is between its tracks.
+    """
+    plain = np.ones(len(x), bool)
+    for feature in road.features:
+        plain &= (x[:, 0] < feature.start_m) | (x[:, 0] > feature.end_m)
+    height = np.zeros((len(x), y.shape[1]), np.float32)
+    if road.roughness is not None and plain.any():
+        thin = road.height(x[plain], y.reshape(1, -1, COARSE).mean(axis=2)).astype(np.float32)
+        height[plain] = cv2.resize(thin, (y.shape[1], len(thin)), interpolation=cv2.INTER_LINEAR)
+    if not plain.all():
+        height[~plain] = road.height(x[~plain], y)
+    return height
+
+
+def _refined(field: np.ndarray, first: int, rows: int) -> np.ndarray:
+    """Rows of a coarse field at the resolution of the map; `first` counts map rows from the map's start."""
+    start = (first + APRON_ROWS) // COARSE
+    low, high = max(start - 2, 0), min(start + rows // COARSE + 2, len(field))
+    fine = cv2.resize(field[low:high], (COLUMNS, (high - low) * COARSE), interpolation=cv2.INTER_LINEAR)
+    return fine[(start - low) * COARSE :][:rows]
 
 
 def _carriageway(road: Road, look: Appearance) -> tuple[float, float]:

@@ -74,4 +74,4 @@ def photograph(
     frame: Frame = scene.render(scenario.camera.intrinsics, pose, index)
     if detector is not None:
         return frame.image, detector(frame.image)
-    return frame.image, Detections(frame.boxes, np.ones(len(frame.boxes)), frame.classes)
+    return frame.image, Detections(frame.boxes, np.ones(len(frame.boxes), np.float32), frame.classes)

@@ -40,7 +40,7 @@ def write_overview(path: Path, runs: Sequence[Run]) -> None:
     figure = Figure(figsize=(5.2 * len(groups), 10.5), layout="constrained")
     axes = figure.subplots(4, len(groups), squeeze=False, height_ratios=(1, 2.2, 1.8, 1.6))
     for column, group in enumerate(groups):
-        _event_column(axes[:3, column], group)
+        _event_column(list(axes[:3, column]), group)
         _bars(axes[3, column], group)
     axes[1, 0].legend(fontsize=8, loc="upper right")
     save(figure, path)
@@ -50,7 +50,7 @@ def write_event_figure(path: Path, runs: Sequence[Run]) -> None:
     """Road, body acceleration and damping of the runs of one scenario."""
     figure = Figure(figsize=(9, 7.5), layout="constrained")
     axes = figure.subplots(3, 1, height_ratios=(1, 2.2, 1.8))
-    _event_column(axes, runs)
+    _event_column(list(axes), runs)
     axes[1].legend(fontsize=8, loc="upper right")
     save(figure, path)
 
@@ -72,9 +72,9 @@ def _event_column(axes: Sequence[Axes], runs: Sequence[Run]) -> None:
     road.set_ylabel("road under\nfront wheel (mm)")
     road.set_title(runs[0].case.scenario.title, fontsize=10)
     for index, run in enumerate(runs):
-        style = {"color": colour_of(run.case.controller, index), "lw": 1.3, "label": label_of(run)}
-        acceleration.plot(time, run.signals["seat_acc_0"][part], **style)
-        damping.plot(time, run.signals["damping_0"][part] / 1e3, **style)
+        colour, label = colour_of(run.case.controller, index), label_of(run)
+        acceleration.plot(time, run.signals["seat_acc_0"][part], color=colour, lw=1.3, label=label)
+        damping.plot(time, run.signals["damping_0"][part] / 1e3, color=colour, lw=1.3)
     acceleration.set_ylabel("body acceleration\nat the front seat (m/s²)")
     damping.set_ylabel("front damping (kN·s/m)")
     damping.set_xlabel("time (s)")

@@ -79,7 +79,7 @@ def draw(run: Run, tick: int, view: View, colour: Colour, title: str) -> np.ndar
     for index, axle in enumerate(axles):
         wheel = min(index, vehicle.wheels - 1)
         lift = float(signals[f"wheel_z_{wheel}"][tick]) * HEIGHT_SCALE
-        centre = view.column(axle), view.row(vehicle.wheel_radius_m + lift)
+        centre = float(view.column(axle)), float(view.row(vehicle.wheel_radius_m + lift))
         _disc(image, *centre, vehicle.wheel_radius_m * view.scale, DARK)
         _disc(image, *centre, 0.55 * vehicle.wheel_radius_m * view.scale, (205, 208, 212))
     cv2.putText(image, title, (12, 26), cv2.FONT_HERSHEY_SIMPLEX, 0.62, DARK, 1, cv2.LINE_AA)
