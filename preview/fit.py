@@ -78,7 +78,8 @@ def fit(
 ) -> Fit:
     """Return the most probable state for all `sights`, from `start`.
 
-    kind, shared: priors of length and height, and of offset and ground height. directs: further measurements of single states, such as where a wheel struck.
+    kind and shared hold the priors; directs are further measurements of single states, such as where a
+    wheel struck.
     """
     priors = [
         Direct(LENGTH, kind.length_m, kind.length_sigma_m),

@@ -103,7 +103,7 @@ def test_the_offset_is_learned_from_object_to_object():
     camera_off = replace(conditions, mount_pitch_error_deg=0.4)
     shots, estimator = drive(road, camera_off)
     true = np.deg2rad(0.4) * np.random.default_rng(3).standard_normal(2)[1]
-    assert estimator.tracker.offset.mean == pytest.approx(true, abs=np.deg2rad(0.08))
+    assert estimator.tracker.calibration.mean[0] == pytest.approx(true, abs=np.deg2rad(0.08))
     assert abs(shots[-1].error_m) < 0.06
 
 

@@ -1,13 +1,16 @@
 import numpy as np
 import pytest
 
+from preview.calibration import Gaussian
 from preview.fit import GROUND, HEIGHT, LENGTH, OFFSET, Direct, Sight, X, _normal_equations, fit, silhouette
 from preview.settings import Settings
 from preview.shape import BUMP, HUMP, POTHOLE, relief
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0
-OFFSET_PRIOR = Direct(OFFSET, 0.0, np.deg2rad(0.25))
+GROUND_SIGMA = 0.015
+PRIOR = Gaussian(np.zeros(2), np.diag([np.deg2rad(0.25), GROUND_SIGMA]) ** 2)
+FROZEN = Gaussian(np.zeros(2), np.diag([1e-6, GROUND_SIGMA]) ** 2)
 
 
 def sights_of(kind, state, camera_x, noise=0.0, rng=None):
@@ -35,7 +38,7 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
         kind,
         sights_of(kind, true, np.linspace(5.0, 26.0, 40)),
         start_of(kind, 30.5),
-        OFFSET_PRIOR,
+        PRIOR,
         [],
         SETTINGS,
         iterations=8,
@@ -48,8 +51,8 @@ def test_without_the_offset_state_the_edge_is_wrong():
     """0.2 degrees at 4 m is 4-5 cm: what the state is there to remove."""
     true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m])
     sights = sights_of(BUMP, true, np.linspace(5.0, 26.0, 40))
-    frozen = fit(BUMP, sights, start_of(BUMP, 30.0), Direct(OFFSET, 0.0, 1e-6), [], SETTINGS, iterations=8)
-    free = fit(BUMP, sights, start_of(BUMP, 30.0), OFFSET_PRIOR, [], SETTINGS, iterations=8)
+    frozen = fit(BUMP, sights, start_of(BUMP, 30.0), FROZEN, [], SETTINGS, iterations=8)
+    free = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [], SETTINGS, iterations=8)
     assert abs(frozen.state[X] - 30.0) > 4 * abs(free.state[X] - 30.0)
 
 
@@ -73,8 +76,8 @@ def test_one_wrong_box_hardly_matters():
     true = start_of(BUMP, 30.0)
     sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 30))
     wrong = sights[20]._replace(bottom=sights[20].bottom + 40 * SIGMA, top=sights[20].top + 40 * SIGMA)
-    clean = fit(BUMP, sights, true, OFFSET_PRIOR, [], SETTINGS)
-    dirty = fit(BUMP, [*sights[:20], wrong, *sights[21:]], true, OFFSET_PRIOR, [], SETTINGS)
+    clean = fit(BUMP, sights, true, PRIOR, [], SETTINGS)
+    dirty = fit(BUMP, [*sights[:20], wrong, *sights[21:]], true, PRIOR, [], SETTINGS)
     assert dirty.state[X] == pytest.approx(clean.state[X], abs=0.01)
 
 
@@ -82,8 +85,8 @@ def test_boxes_tell_a_bump_from_a_hump():
     camera_x = np.linspace(8.0, 25.0, 30)
     for true_kind, other in ((BUMP, HUMP), (HUMP, BUMP)):
         sights = sights_of(true_kind, start_of(true_kind, 30.0), camera_x)
-        own = fit(true_kind, sights, start_of(true_kind, 30.0), OFFSET_PRIOR, [], SETTINGS, 6)
-        alien = fit(other, sights, start_of(other, 30.0), OFFSET_PRIOR, [], SETTINGS, 6)
+        own = fit(true_kind, sights, start_of(true_kind, 30.0), PRIOR, [], SETTINGS, 6)
+        alien = fit(other, sights, start_of(other, 30.0), PRIOR, [], SETTINGS, 6)
         assert own.cost < alien.cost
 
 
@@ -96,9 +99,9 @@ def test_claimed_sigma_covers_the_scatter_and_is_not_vain():
         true[OFFSET] = np.deg2rad(0.25) * rng.normal()
         true[LENGTH] += BUMP.length_sigma_m * rng.normal()
         true[HEIGHT] += BUMP.height_sigma_m * rng.normal()
-        true[GROUND] = SETTINGS.edge_height_sigma_m * rng.normal()
+        true[GROUND] = GROUND_SIGMA * rng.normal()
         sights = sights_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
-        found = fit(BUMP, sights, start_of(BUMP, 29.7), OFFSET_PRIOR, [], SETTINGS, 6)
+        found = fit(BUMP, sights, start_of(BUMP, 29.7), PRIOR, [], SETTINGS, 6)
         nees.append((found.state[X] - 30.0) ** 2 / found.covariance[X, X])
     assert 0.25 < np.mean(nees) < 1.3
 
@@ -107,14 +110,14 @@ def test_cut_edges_are_left_out():
     true = start_of(BUMP, 30.0)
     sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 20))
     cut = [s._replace(bottom=float("nan")) if i > 15 else s for i, s in enumerate(sights)]
-    found = fit(BUMP, cut, true, OFFSET_PRIOR, [], SETTINGS)
+    found = fit(BUMP, cut, true, PRIOR, [], SETTINGS)
     assert np.isfinite(found.state).all()
-    assert found.sigma_m > fit(BUMP, sights, true, OFFSET_PRIOR, [], SETTINGS).sigma_m
+    assert found.sigma_m > fit(BUMP, sights, true, PRIOR, [], SETTINGS).sigma_m
 
 
 def test_a_direct_measurement_pins_its_state():
     sights = sights_of(BUMP, start_of(BUMP, 30.0), np.linspace(8.0, 20.0, 10))
-    found = fit(BUMP, sights, start_of(BUMP, 30.0), OFFSET_PRIOR, [Direct(X, 30.2, 1e-4)], SETTINGS, 6)
+    found = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [Direct(X, 30.2, 1e-4)], SETTINGS, 6)
     assert found.state[X] == pytest.approx(30.2, abs=1e-3)
 
 
