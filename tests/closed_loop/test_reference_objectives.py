@@ -1,0 +1,112 @@
+"""Objectives on reference events, relative to the passive car, against independent measurements.
+
+The expected values come from a prototype with its own integrator, controller and comfort filter: quarter car
+with exact states, true preview, one tuning for all events, 0.2 s of horizon. Within 5 %, or better.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from comfort.metrics import ride_metrics
+from controller.base import Controller, Timing
+from controller.observer import truth_estimate
+from controller.registry import build
+from preview.horizon import distance_grid, oracle_preview
+from road.envelope import wheel_profile
+from road.features import Feature, FlatTopHump, HalfSineBump, Pothole
+from road.profile import Road
+from vehicle.parameters import Car, load_vehicle
+from vehicle.plant import Plant
+from vehicle.state import VehicleState
+
+PROMPT = Timing()
+APPROACH_M = 12.0
+AFTER_S = 2.5
+GRID = distance_grid(0.5, 6.0)
+
+
+EVENTS: dict[str, tuple[Feature, float]] = {
+    "bump_8x40_30": (HalfSineBump(APPROACH_M, 0.08, 0.40), 30.0),
+    "hump_flat_30": (FlatTopHump(APPROACH_M, 0.09, 3.6, 0.6), 30.0),
+    "pothole_60x8_40": (Pothole(APPROACH_M, 0.08, 0.60, 0.70, -0.75, seed=2), 40.0),
+}
+
+
+def drive(event: str, car: Car, controller: Controller, timing: Timing, shift_m: float = 0.0) -> VehicleState:
+    """Drive over the event with the true profile in view, or one that comes `shift_m` too early."""
+    feature, speed_kmh = EVENTS[event]
+    speed = speed_kmh / 3.6
+    length = feature.end_m + AFTER_S * speed
+    profiles = [wheel_profile(Road(length + 5.0, (feature,)), -0.75)] * car.wheels
+    plant = Plant(car)
+    plant.reset(profiles, 2.0, speed)
+    period, delay = round(1e3 * timing.period_s), round(1e3 * timing.delay_s)
+    acting = np.array([corner.damping_passive_ns_m for corner in car.corners])
+    for _ in range(int((length - 2.0) / speed / timing.period_s)):
+        state = plant.state
+        seen = [state.x_m + axle + shift_m for axle in car.axle_x_m]
+        asked = controller.step(truth_estimate(state), oracle_preview(profiles, seen, state.time_s, GRID))
+        for command, ticks in ((acting, delay), (asked, period - delay)):
+            if ticks:
+                plant.step(command, ticks)
+        acting = asked
+    return plant.signals
+
+
+def objective(signals: VehicleState) -> float:
+    return ride_metrics(
+        1000,
+        seat_acc=signals.seat_acc,
+        rattle=signals.rattle_m,
+        tyre_force=signals.tyre_force,
+        static_tyre_force=signals.static_tyre_force[:, 0],
+        damper_power=-signals.damper_force * signals.rattle_velocity,
+        stop_gap_m=np.full(len(signals.rattle_m), 0.08),
+    )["objective"]
+
+
+@cache
+def relative_objective(
+    event: str, name: str, car_name: str = "quarter", timing: Timing = PROMPT, shift_m: float = 0.0
+) -> float:
+    """J of the controller over J of the passive car."""
+    car = load_vehicle(car_name)
+    passive = drive(event, car, build("passive", car), PROMPT)
+    return objective(drive(event, car, build(name, car, timing=timing), timing, shift_m)) / objective(passive)
+
+
+@pytest.mark.parametrize(
+    ("event", "preview", "reactive"),
+    [("bump_8x40_30", 0.640, 0.650), ("hump_flat_30", 0.171, 0.213), ("pothole_60x8_40", 0.606, 0.727)],
+)
+def test_quarter_car_reaches_the_reference(event: str, preview: float, reactive: float) -> None:
+    assert relative_objective(event, "mpc_preview") < 1.05 * preview
+    assert relative_objective(event, "mpc_reactive") < 1.05 * reactive
+
+
+@pytest.mark.parametrize("event", EVENTS)
+@pytest.mark.parametrize("car", ["quarter", "half"])
+def test_seeing_beats_feeling_and_feeling_beats_nothing(event: str, car: str) -> None:
+    preview, reactive = (relative_objective(event, f"mpc_{kind}", car) for kind in ("preview", "reactive"))
+    assert preview < reactive < 1.0
+
+
+@pytest.mark.parametrize(("event", "preview"), [("bump_8x40_30", 0.629), ("pothole_60x8_40", 0.621)])
+def test_half_car_reaches_the_reference(event: str, preview: float) -> None:
+    assert relative_objective(event, "mpc_preview", "half") < 1.05 * preview
+
+
+@pytest.mark.parametrize("event", EVENTS)
+def test_a_known_delay_costs_little(event: str) -> None:
+    """5 ms from asking to acting, known to the controller, which applies the plan's element for that
+    moment."""
+    late = relative_objective(event, "mpc_preview", timing=Timing(0.01, 0.005))
+    assert late < 1.05 * relative_objective(event, "mpc_preview")
+
+
+def test_late_preview_hurts_more_than_early_preview() -> None:
+    early = relative_objective("bump_8x40_30", "mpc_preview", shift_m=0.2)
+    late = relative_objective("bump_8x40_30", "mpc_preview", shift_m=-0.2)
+    assert relative_objective("bump_8x40_30", "mpc_preview") < early < late

@@ -1,0 +1,127 @@
+"""The condensed quadratic program against finite differences and against a sparse formulation."""
+
+import casadi
+import numpy as np
+import pytest
+
+from controller.condense import Condenser
+from controller.limits import Limits
+from controller.model import KILO, PredictionModel, prediction_model
+from controller.qp import solve_box
+from controller.terminal import TerminalCost, terminal_cost
+from vehicle.equations import rest_state
+from vehicle.parameters import load_vehicle
+
+INTERVALS = 8
+
+
+@pytest.fixture(params=["quarter", "half"])
+def model(request: pytest.FixtureRequest) -> PredictionModel:
+    return prediction_model(load_vehicle(request.param), 0.01, 2)
+
+
+@pytest.fixture
+def terminal(model: PredictionModel) -> TerminalCost:
+    return terminal_cost(model)
+
+
+def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A moving car, an uneven plan and a bumpy road ahead."""
+    rng = np.random.default_rng(seed)
+    rest = rest_state(model.vehicle)
+    scale = np.where(rest > 0, 300.0, 0.02) * np.where(np.arange(len(rest)) % 2, 10.0, 1.0)
+    state = np.concatenate(
+        [rest + scale * rng.uniform(-1, 1, len(rest)), rng.normal(0, 1e-3, model.n_x - len(rest))]
+    )
+    state[len(rest) - model.vehicle.wheels : len(rest)] = 1200.0
+    plan = rng.uniform(0.5, 3.0, (INTERVALS, model.vehicle.wheels))
+    steps = rng.normal(0, 0.01, (model.vehicle.wheels, INTERVALS * model.substeps + 1))
+    return state, plan, np.cumsum(steps, axis=1)
+
+
+def rollout(
+    model: PredictionModel, terminal: TerminalCost, state: np.ndarray, plan: np.ndarray, road: np.ndarray
+) -> np.ndarray:
+    """All residuals, one interval after the other, without the condenser."""
+    parts = []
+    for k, u in enumerate(plan):
+        first = k * model.substeps
+        outputs = model.linearised(state, u, road[:, first : first + model.substeps + 1])
+        state, residuals = (np.array(value)[:, 0] for value in outputs[:2])
+        parts.append(residuals)
+    parts.append(terminal.root @ (state - terminal.rest @ road[:, -1]))
+    return np.concatenate(parts)
+
+
+def test_gradient_and_hessian_agree_with_finite_differences(
+    model: PredictionModel, terminal: TerminalCost
+) -> None:
+    state, plan, road = situation(model)
+    condenser = Condenser(model, terminal, INTERVALS)
+    condensed = condenser(state, plan, road)
+    step = 1e-5
+    columns = []
+    for index in range(plan.size):
+        shift = np.zeros(plan.size)
+        shift[index] = step
+        ahead = rollout(model, terminal, state, plan + shift.reshape(plan.shape), road)
+        back = rollout(model, terminal, state, plan - shift.reshape(plan.shape), road)
+        columns.append((ahead - back) / (2 * step))
+    jacobian = np.stack(columns, axis=1)
+    residuals = rollout(model, terminal, state, plan, road)
+    scale = np.abs(jacobian.T @ jacobian).max()
+    np.testing.assert_allclose(condensed.gradient, jacobian.T @ residuals, rtol=1e-5, atol=1e-6 * scale)
+    np.testing.assert_allclose(condensed.hessian, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
+    assert condenser.cost(road) == pytest.approx(residuals @ residuals)
+
+
+def test_hessian_is_symmetric_and_positive_definite(model: PredictionModel, terminal: TerminalCost) -> None:
+    hessian = Condenser(model, terminal, INTERVALS)(*situation(model)).hessian
+    np.testing.assert_allclose(hessian, hessian.T, rtol=1e-12)
+    assert np.linalg.eigvalsh(hessian).min() > 0
+
+
+def test_correction_agrees_with_a_sparse_program(model: PredictionModel, terminal: TerminalCost) -> None:
+    """States kept as variables and tied by equalities, solved by another solver: the same correction."""
+    state, plan, road = situation(model)
+    limits = Limits.of(model.vehicle)
+    low, high = limits.low / KILO - plan, limits.high / KILO - plan
+    condensed = Condenser(model, terminal, INTERVALS)(state, plan, road)
+    ours = solve_box(condensed.hessian, condensed.gradient, low.ravel(), high.ravel())
+    assert ours.problem is None
+    sparse = sparse_correction(model, terminal, (state, plan, road), (low, high))
+    np.testing.assert_allclose(ours.x.reshape(plan.shape), sparse, atol=1e-5)
+    assert np.any(np.isclose(ours.x, low.ravel()) | np.isclose(ours.x, high.ravel()))
+
+
+def sparse_correction(
+    model: PredictionModel,
+    terminal: TerminalCost,
+    situation: tuple[np.ndarray, np.ndarray, np.ndarray],
+    bounds: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    state, plan, road = situation
+    opti = casadi.Opti("conic")
+    scale = np.ones(model.n_x)
+    n = len(rest_state(model.vehicle))
+    scale[n - model.vehicle.wheels : n] = KILO  # keeps the sparse program as well conditioned as ours
+    dx = opti.variable(model.n_x, INTERVALS + 1)
+    du = opti.variable(model.vehicle.wheels, INTERVALS)
+    opti.subject_to(dx[:, 0] == 0)
+    cost = 0
+    for k in range(INTERVALS):
+        first = k * model.substeps
+        outputs = model.linearised(state, plan[k], road[:, first : first + model.substeps + 1])
+        after, r, a, b, r_x, r_u = (np.array(value) for value in outputs)
+        change = a @ (scale * dx[:, k]) + b @ du[:, k]
+        opti.subject_to(dx[:, k + 1] == change / scale)
+        opti.subject_to(opti.bounded(bounds[0][k], du[:, k], bounds[1][k]))
+        cost += casadi.sumsqr(r + r_x @ (scale * dx[:, k]) + r_u @ du[:, k])
+        state = after[:, 0]
+    ending = state - terminal.rest @ road[:, -1]
+    cost += casadi.sumsqr(terminal.root @ (ending + scale * dx[:, -1]))
+    opti.minimize(0.5 * cost)
+    opti.solver(
+        "qrqp", {"print_iter": False, "print_header": False, "print_info": False, "print_time": False}
+    )
+    return np.array(opti.solve().value(du)).reshape(model.vehicle.wheels, INTERVALS).T

@@ -1,0 +1,67 @@
+"""Passive and skyhook: values that can be worked out by hand."""
+
+import numpy as np
+import pytest
+
+from controller.passive import Passive
+from controller.settings import PassiveSettings, SkyhookSettings
+from controller.skyhook import Skyhook
+from files.errors import InputError
+from tests.controller.cars import estimate
+from vehicle.parameters import load_vehicle
+
+QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
+
+
+def quarter(body_m_s: float, wheel_m_s: float) -> np.ndarray:
+    return np.array([0.0, body_m_s, 0.0, wheel_m_s, 1500.0])
+
+
+def skyhook(sky: float, ground: float = 0.0) -> Skyhook:
+    return Skyhook(QUARTER, SkyhookSettings(sky, ground, floor_ns_m=300.0, smoothing_m_s=1e-4))
+
+
+def test_passive_keeps_the_vehicles_coefficients() -> None:
+    np.testing.assert_array_equal(Passive(HALF).step(estimate(HALF), None), [1500.0, 1500.0])
+    fixed = Passive(HALF, PassiveSettings(2000.0))
+    np.testing.assert_array_equal(fixed.step(estimate(HALF), None), [2000.0, 2000.0])
+
+
+def test_passive_refuses_what_the_damper_cannot_do() -> None:
+    with pytest.raises(InputError, match=r"damping_ns_m must lie in 300 \.\.\. 4500 N·s/m, got 9000"):
+        Passive(QUARTER, PassiveSettings(9000.0))
+
+
+@pytest.mark.parametrize(
+    ("body", "wheel", "sky", "ground", "expected"),
+    [
+        (0.4, -0.2, 2000.0, 0.0, 2000.0 * 0.4 / 0.6),  # the force of the skyhook can be had
+        (0.4, 0.6, 2000.0, 0.0, 300.0),  # the damper would push the wrong way: least
+        (0.4, 0.39, 2000.0, 0.0, 4500.0),  # asks for more than there is: most
+        (0.0, -0.5, 2000.0, 1000.0, 1000.0),  # groundhook alone: c·(v_s − v_u) = −ground·v_u
+        (0.1, -0.5, 3000.0, 1000.0, (300.0 + 500.0) / 0.6),  # both add up
+        (0.2, 0.2, 2000.0, 0.0, 300.0),  # nothing to damp
+    ],
+)
+def test_skyhook_by_hand(body: float, wheel: float, sky: float, ground: float, expected: float) -> None:
+    command = skyhook(sky, ground).step(estimate(QUARTER, quarter(body, wheel)), None)
+    assert command == pytest.approx([expected], rel=1e-4)
+
+
+def test_skyhook_of_a_pitching_body_acts_by_corner() -> None:
+    """Nose going down: front corner sinks with 1.25·ω, rear rises with 1.45·ω; both wheels still."""
+    x = np.zeros(10)
+    x[3] = 0.3
+    x[8:] = 1500.0
+    command = Skyhook(HALF, SkyhookSettings(1200.0, 0.0, smoothing_m_s=1e-4)).step(estimate(HALF, x), None)
+    np.testing.assert_allclose(command, [1200.0, 1200.0], rtol=1e-4)
+    x[1] = 0.3 * 1.25  # heave that cancels the sinking of the front
+    command = Skyhook(HALF, SkyhookSettings(1200.0, 0.0, smoothing_m_s=1e-4)).step(estimate(HALF, x), None)
+    np.testing.assert_allclose(command, [300.0, 1200.0], rtol=1e-4)
+
+
+@pytest.mark.parametrize("field", ["sky_ns_m", "ground_ns_m", "floor_ns_m", "smoothing_m_s"])
+@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf")])
+def test_skyhook_settings_are_checked(field: str, value: float) -> None:
+    with pytest.raises(InputError, match=rf"^{field} must"):
+        SkyhookSettings(**{field: value})

@@ -1,0 +1,107 @@
+"""The prediction model against an independent integration of the equations and of the comfort filter."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.signal import StateSpace, lsim
+
+from comfort.metrics import ride_metrics
+from comfort.weighting import wk_second_order
+from controller.limits import Limits
+from controller.model import KILO, prediction_model
+from vehicle import equations
+from vehicle.parameters import Car, load_vehicle
+
+
+def strike(vehicle: Car) -> np.ndarray:
+    """A state just after an edge: wheels rising fast, body still."""
+    x = equations.rest_state(vehicle)
+    body = len(vehicle.body_inertia)
+    x[2 * body + 1 : 2 * (body + vehicle.wheels) : 2] = 1.5
+    return x
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+@pytest.mark.parametrize("jounce_m", [0.0, 0.09])
+def test_step_agrees_with_an_adaptive_integrator(name: str, jounce_m: float) -> None:
+    """Also on the bump stop, which is stiff; heights are straight lines in between."""
+    vehicle = load_vehicle(name)
+    model = prediction_model(vehicle, 0.01, 2)
+    x = strike(vehicle)
+    x[2 * len(vehicle.body_inertia)] += jounce_m
+    command = np.full(vehicle.wheels, 3.0)
+    road = np.repeat([[0.0, 0.01, 0.02]], vehicle.wheels, axis=0)
+    rate = np.full(vehicle.wheels, 2.0)
+
+    def f(t: float, state: np.ndarray) -> np.ndarray:
+        height = np.full(vehicle.wheels, 2.0 * t)
+        return equations.derivative(vehicle, state, KILO * command, height, rate)
+
+    exact = solve_ivp(f, (0.0, 0.01), x, rtol=1e-10, atol=1e-12, max_step=1e-4).y[:, -1]
+    start = np.concatenate([x, np.zeros(model.n_x - len(x))])
+    ours = np.array(model.step(start, command, road, 0.01))[: len(x), 0]
+    scale = np.where(equations.rest_state(vehicle) > 0, KILO, 1.0)
+    np.testing.assert_allclose(ours / scale, exact / scale, atol=6e-3)
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+def test_two_half_intervals_make_a_whole_one(name: str) -> None:
+    vehicle = load_vehicle(name)
+    model = prediction_model(vehicle, 0.01, 2)
+    start = np.concatenate([strike(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
+    command, road = np.full(vehicle.wheels, 2.0), np.zeros((vehicle.wheels, 3))
+    half = model.step(model.step(start, command, road, 0.005), command, road, 0.005)
+    whole = model.step(start, command, road, 0.01)
+    np.testing.assert_allclose(np.array(half), np.array(whole), rtol=5e-3, atol=5e-3)
+
+
+def test_comfort_states_follow_the_second_order_filter() -> None:
+    """Rolling out the model gives the weighted acceleration that lsim gives for the body's acceleration."""
+    vehicle = load_vehicle("quarter")
+    model = prediction_model(vehicle, 0.001, 1)
+    state = np.concatenate([strike(vehicle), [0.0, 0.0]])
+    command, road, rest = np.array([1.5]), np.zeros((1, 2)), np.zeros(1)
+    felt, weighted = [], []
+    for _ in range(400):
+        felt.append(equations.body_acceleration(vehicle, state[:5], rest, rest)[0])
+        weighted.append(float(model.outputs(state)[0]))
+        state = np.array(model.step(state, command, road, 0.001))[:, 0]
+    a, b, c = wk_second_order().state_space()
+    reference = lsim(StateSpace(a, b[:, None], c[None], 0.0), felt, 0.001 * np.arange(400))[1]
+    np.testing.assert_allclose(weighted, reference, atol=0.01 * np.abs(reference).max())
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> None:
+    """A 2 s drive over an uneven road: n·J from the model, J from the comfort metrics (true Wk), within 15
+    %."""
+    vehicle = load_vehicle(name)
+    model = prediction_model(vehicle, 0.005, 1, rho=3.0, input_weight=0.0)
+    rng = np.random.default_rng(1)
+    n = 1200
+    nodes = 0.02 * np.cumsum(rng.normal(0, 0.1, (vehicle.wheels, n + 1)), axis=1)
+    passive = Limits.of(vehicle).passive / KILO
+    state = np.concatenate([equations.rest_state(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
+    total, seats, tyres = 0.0, [], []
+    for k in range(n):
+        fine = nodes[:, k, None] + (nodes[:, k + 1] - nodes[:, k])[:, None] * np.linspace(0, 1, 6)
+        rate = (nodes[:, k + 1] - nodes[:, k]) / 0.005
+        inner = state
+        for i in range(5):
+            x = inner[: len(equations.rest_state(vehicle))]
+            seats.append(equations.body_acceleration(vehicle, x, fine[:, i], rate, vehicle.seat_x_m))
+            tyres.append(equations.forces(vehicle, x, fine[:, i], rate).tyre)
+            inner = np.array(model.step(inner, passive, fine[:, [i, i + 1]], 0.001))[:, 0]
+        residuals = np.array(model.linearised(state, passive, nodes[:, k : k + 2])[1])
+        total += float(np.sum(residuals**2))
+        state = inner
+    metrics = ride_metrics(
+        1000,
+        seat_acc=np.array(seats).T,
+        rattle=np.zeros((vehicle.wheels, 5 * n)),
+        tyre_force=np.array(tyres).T,
+        static_tyre_force=[corner.static_tyre_n for corner in vehicle.corners],
+        damper_power=np.zeros((vehicle.wheels, 5 * n)),
+        stop_gap_m=0.08,
+    )
+    assert total / n == pytest.approx(metrics["objective"], rel=0.15)

@@ -1,0 +1,152 @@
+"""The predictive controller: its limits, its fallbacks, and the moment for which it plans."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import controller.mpc as mpc
+from controller.base import Timing
+from controller.mpc import PredictiveController
+from controller.qp import Solution
+from controller.settings import MpcSettings
+from controller.skyhook import Skyhook
+from tests.controller.cars import estimate, step_preview
+from vehicle.equations import rest_state
+from vehicle.parameters import Car, load_vehicle
+
+QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
+
+
+def moving(vehicle: Car = QUARTER, seed: int = 0) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    x = rest_state(vehicle)
+    n = len(x) - vehicle.wheels
+    x[:n] += rng.normal(0, 1, n) * np.where(np.arange(n) % 2, 0.3, 0.02)
+    return x
+
+
+@pytest.mark.parametrize("vehicle", [QUARTER, HALF], ids=["quarter", "half"])
+def test_commands_stay_inside_what_the_damper_can_do(vehicle: Car) -> None:
+    controller = PredictiveController(vehicle)
+    seen = []
+    for seed in range(30):
+        command = controller.step(
+            estimate(vehicle, moving(vehicle, seed)), step_preview(0.5, 0.1, vehicle.wheels)
+        )
+        assert command.shape == (vehicle.wheels,)
+        seen.append(command)
+    assert np.min(seen) >= 300.0
+    assert np.max(seen) <= 4500.0
+    assert np.ptp(seen) > 1000.0
+    assert controller.stats["solves"] == 30
+    assert controller.stats["fallbacks"] == 0
+
+
+def test_dear_inputs_keep_to_the_nominal_damping() -> None:
+    controller = PredictiveController(QUARTER, MpcSettings(input_weight=1e8))
+    for seed in range(3):
+        command = controller.step(estimate(QUARTER, moving(seed=seed)), step_preview(0.5, 0.1))
+        np.testing.assert_allclose(command, 1000.0, atol=0.1)
+
+
+def test_a_damper_without_choice_is_a_passive_one() -> None:
+    fixed = replace(QUARTER, damping_min_ns_m=1500.0, damping_max_ns_m=1500.0)
+    controller = PredictiveController(fixed)
+    for seed in range(3):
+        command = controller.step(estimate(fixed, moving(fixed, seed)), step_preview(0.5, 0.1))
+        np.testing.assert_allclose(command, 1500.0, atol=1e-6)
+
+
+def test_only_the_previewing_one_reacts_before_the_edge() -> None:
+    """At rest 0.5 m before an 8 cm step at 10 m/s: the edge comes in 50 ms."""
+    seeing, blind = PredictiveController(QUARTER), PredictiveController(QUARTER, uses_preview=False)
+    near, none = step_preview(0.3, 0.08), step_preview(0.3, 0.0)
+    assert (
+        abs(
+            seeing.step(estimate(QUARTER), near) - PredictiveController(QUARTER).step(estimate(QUARTER), none)
+        )
+        > 50
+    )
+    np.testing.assert_array_equal(
+        blind.step(estimate(QUARTER), near),
+        PredictiveController(QUARTER, uses_preview=False).step(estimate(QUARTER), None),
+    )
+
+
+def test_the_same_inputs_give_the_same_commands() -> None:
+    one, other = PredictiveController(HALF), PredictiveController(HALF)
+    inputs = [(estimate(HALF, moving(HALF, seed)), step_preview(0.5, 0.1, 2)) for seed in range(4)]
+    first = [one.step(*pair) for pair in inputs]
+    np.testing.assert_array_equal(first, [other.step(*pair) for pair in inputs])
+    one.reset()
+    np.testing.assert_array_equal(first, [one.step(*pair) for pair in inputs])
+
+
+def fail(*_: object) -> Solution:
+    return Solution(np.full(20, 99.0), "infeasible")
+
+
+def test_a_failed_solve_is_bridged_by_the_plan_then_by_skyhook(monkeypatch: pytest.MonkeyPatch) -> None:
+    controller = PredictiveController(QUARTER, MpcSettings(patience=2))
+    car = estimate(QUARTER, moving())
+    controller.step(car, step_preview(0.5, 0.1))
+    plan = controller._plan.copy()
+    monkeypatch.setattr(mpc, "solve_box", fail)
+    for shift in (1, 2):
+        np.testing.assert_allclose(controller.step(car, None), 1e3 * plan[shift])
+    np.testing.assert_array_equal(controller.step(car, None), Skyhook(QUARTER).step(car, None))
+    assert controller.stats["reasons"] == {"infeasible": 3}
+    assert controller.stats["fallbacks"] == 3
+    assert controller.stats["solves"] == 1
+
+
+def test_before_any_plan_a_failure_falls_back_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mpc, "solve_box", fail)
+    car = estimate(QUARTER, moving())
+    np.testing.assert_array_equal(
+        PredictiveController(QUARTER).step(car, None), Skyhook(QUARTER).step(car, None)
+    )
+
+
+def test_recovers_after_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    controller = PredictiveController(QUARTER)
+    with monkeypatch.context() as broken:
+        broken.setattr(mpc, "solve_box", fail)
+        controller.step(estimate(QUARTER, moving()), None)
+    controller.step(estimate(QUARTER, moving()), None)
+    assert controller.stats["solves"] == 1
+    assert controller.stats["fallbacks"] == 1
+
+
+def test_an_estimate_of_nan_ends_in_passive_damping_and_leaves_no_trace() -> None:
+    controller = PredictiveController(QUARTER, MpcSettings(patience=0))
+    broken = estimate(QUARTER, np.full(5, np.nan))
+    np.testing.assert_array_equal(controller.step(broken, None), [1500.0])
+    assert controller.stats["reasons"] == {"estimate not finite": 1}
+    assert np.isfinite(controller.step(estimate(QUARTER, moving()), None)).all()
+    assert controller.stats["solves"] == 1
+
+
+def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
+    """Told the state 20 ms early, it decides what it would decide without delay at the later state."""
+    timing = Timing(0.01, 0.02)
+    late = PredictiveController(QUARTER, timing=timing, uses_preview=False)
+    model = late._model
+    start = np.concatenate([moving(), np.zeros(2)])
+    later = start
+    for _ in range(2):
+        later = np.array(model.step(later, 1.5, np.zeros((1, 3)), 0.01))[:, 0]
+    np.testing.assert_allclose(planned_from(late, start[:5]), later[:5], rtol=1e-9)
+
+
+def planned_from(controller: PredictiveController, x: np.ndarray) -> np.ndarray:
+    controller.step(estimate(QUARTER, x), None)
+    return controller._condense._state[:5]
+
+
+def test_run_times_are_told_but_there_are_none_before_the_first_step() -> None:
+    controller = PredictiveController(QUARTER)
+    assert controller.stats["median_ms"] is None
+    controller.step(estimate(QUARTER), None)
+    assert 0.0 < controller.stats["median_ms"] <= controller.stats["max_ms"]

@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from controller.qp import solve_box
+
+
+def problem(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=(2 * n, n)), rng.normal(size=2 * n)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_agrees_with_bounded_least_squares(seed: int) -> None:
+    a, b = problem(20, seed)
+    low, high = np.full(20, -0.2), np.full(20, 0.1)
+    solution = solve_box(a.T @ a, -a.T @ b, low, high)
+    assert solution.problem is None
+    np.testing.assert_allclose(solution.x, lsq_linear(a, b, (low, high), tol=1e-13).x, atol=1e-6)
+
+
+def test_without_active_bounds_it_is_the_linear_solution() -> None:
+    a, b = problem(6, 1)
+    wide = np.full(6, 1e3)
+    np.testing.assert_allclose(
+        solve_box(a.T @ a, -a.T @ b, -wide, wide).x, np.linalg.lstsq(a, b, rcond=None)[0], atol=1e-8
+    )
+
+
+def test_equal_bounds_leave_no_choice() -> None:
+    a, b = problem(6, 2)
+    fixed = np.linspace(-1, 1, 6)
+    np.testing.assert_allclose(solve_box(a.T @ a, -a.T @ b, fixed, fixed).x, fixed, atol=1e-9)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_numbers_that_are_none_are_refused(bad: float) -> None:
+    hessian, gradient = np.eye(3), np.array([0.0, bad, 0.0])
+    assert solve_box(hessian, gradient, -np.ones(3), np.ones(3)).problem == "not finite"
+
+
+def test_crossed_bounds_are_told_as_infeasible() -> None:
+    assert solve_box(np.eye(3), np.zeros(3), np.ones(3), -np.ones(3)).problem == "infeasible"

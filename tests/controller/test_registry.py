@@ -1,0 +1,114 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from controller.base import Timing
+from controller.registry import CONTROLLERS, build, load_user_controller, sees_ahead
+from controller.settings import ControllerSettings
+from files.errors import InputError
+from files.strict import structure
+from tests.controller.cars import estimate, step_preview
+from vehicle.parameters import load_vehicle
+
+OWN = """
+import numpy as np
+
+class Steady:
+    def __init__(self, vehicle, timing, damping=1000.0):
+        self.damping = np.full(vehicle.wheels, damping)
+
+    def reset(self):
+        pass
+
+    def step(self, estimate, preview):
+        return self.damping
+
+def broken(vehicle, timing):
+    raise RuntimeError("no such luck")
+
+def nothing(vehicle, timing):
+    return object()
+
+number = 3
+"""
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Path:
+    path = tmp_path / "own.py"
+    path.write_text(OWN)
+    return path
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("car", ["quarter", "half"])
+def test_every_name_builds_a_working_controller(name: str, car: str) -> None:
+    vehicle = load_vehicle(car)
+    controller = build(name, vehicle, timing=Timing(0.01, 0.005))
+    controller.reset()
+    command = controller.step(estimate(vehicle), step_preview(0.5, 0.05, vehicle.wheels))
+    assert command.shape == (vehicle.wheels,)
+    assert np.all((command >= 300.0) & (command <= 4500.0))
+
+
+def test_only_preview_controllers_see_ahead() -> None:
+    assert sees_ahead("mpc_preview")
+    assert sees_ahead("own.py:Steady")
+    assert not any(sees_ahead(name) for name in ("passive", "skyhook", "mpc_reactive"))
+
+
+@pytest.mark.parametrize("ask", [lambda name: build(name, load_vehicle("quarter")), sees_ahead])
+def test_an_unknown_name_is_answered_with_the_known_ones(ask: Callable[[str], object]) -> None:
+    with pytest.raises(InputError, match=r"^controller must be one of passive, skyhook, .*got 'skyhok'$"):
+        ask("skyhok")
+
+
+def test_settings_reach_their_controller() -> None:
+    settings = structure(ControllerSettings, {"passive": {"damping_ns_m": 900}}, "test")
+    np.testing.assert_array_equal(
+        build("passive", load_vehicle("half"), settings).step(None, None),  # type: ignore[arg-type]
+        [900.0, 900.0],
+    )
+
+
+def test_a_mistyped_setting_is_refused_with_its_place() -> None:
+    with pytest.raises(InputError, match="horizont_s"):
+        structure(ControllerSettings, {"mpc": {"horizont_s": 0.2}}, "test")
+
+
+def test_a_users_own_controller(own: Path) -> None:
+    vehicle = load_vehicle("half")
+    settings = ControllerSettings(user={"damping": 700.0})
+    np.testing.assert_array_equal(
+        build(f"{own}:Steady", vehicle, settings).step(estimate(vehicle), None), [700.0, 700.0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("Absent", "must define a class or function called 'Absent'"),
+        ("number", "must define a class or function called 'number'"),
+        ("broken", "cannot be built .RuntimeError: no such luck"),
+        ("nothing", r"must have reset\(\) and step\(\), lacks reset, step"),
+    ],
+)
+def test_what_is_wrong_with_an_own_controller_is_told(own: Path, name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        build(f"{own}:{name}", load_vehicle("quarter"))
+
+
+def test_wrong_keyword_of_an_own_controller_is_told(own: Path) -> None:
+    with pytest.raises(InputError, match="unexpected keyword argument 'gain'"):
+        build(f"{own}:Steady", load_vehicle("quarter"), ControllerSettings(user={"gain": 1.0}))
+
+
+def test_files_that_do_not_load_are_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"must be an existing \.py file"):
+        load_user_controller(f"{tmp_path}/absent.py:Own")
+    bad = tmp_path / "bad.py"
+    bad.write_text("def f(:\n")
+    with pytest.raises(InputError, match=r"bad\.py does not load .SyntaxError"):
+        load_user_controller(f"{bad}:f")
