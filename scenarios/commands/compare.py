@@ -20,7 +20,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run the cases and print their table; `--out` keeps the run folders too."""
     runs = simulate_all(cases_of(arguments, arguments.scenarios))
-    console.print(comparison(runs))
+    console.print(comparison(runs, width=console.width))
     for run in runs if arguments.out else ():
         write(run, arguments.out / folder_name(run))
     if arguments.json:

@@ -31,7 +31,8 @@ def execute(arguments: argparse.Namespace) -> int:
     out = arguments.out or Path("runs/demo")
     wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
     runs = simulate_all(wanted, keep_images=True)
-    console.print(comparison(runs, title="Half car, noisy sensors, 20 Hz camera, 50 ms latency"))
+    title = "Half car, noisy sensors, 20 Hz camera, 50 ms latency"
+    console.print(comparison(runs, title, console.width))
     for run in runs:
         write(run, out / folder_name(run))
     metrics = {folder_name(run): run.metrics for run in runs}

@@ -21,7 +21,16 @@ from scenarios.closed_loop import Run, simulate
 from scenarios.loading import load
 from scenarios.runfolder import environment, row, to_json
 
-console = Console()
+_FILE_WIDTH = 130
+
+
+def _console() -> Console:
+    """The terminal; a file or a pipe is given room for every column."""
+    terminal = Console()
+    return terminal if terminal.is_terminal else Console(width=_FILE_WIDTH)
+
+
+console = _console()
 
 
 def comma_list(text: str) -> list[str]:

@@ -20,7 +20,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run the cases, print their table, write one folder for each."""
     runs = simulate_all(cases_of(arguments, [arguments.scenario]))
-    console.print(comparison(runs))
+    console.print(comparison(runs, width=console.width))
     out = arguments.out or Path("runs")
     for run in runs:
         write(run, out / folder_name(run))

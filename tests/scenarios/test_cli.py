@@ -1,0 +1,120 @@
+"""The command line: results, exit codes, and one line for each mistake."""
+
+import json
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from scenarios.cli import main
+
+SHORT = """
+title: A short drive
+speed_kmh: 40
+road:
+  length_m: 16
+  features:
+    - {kind: half_sine_bump, start_m: 8, height_m: 0.05, length_m: 0.5}
+vehicle: {model: quarter}
+"""
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> str:
+    path = tmp_path / "short.yaml"
+    path.write_text(SHORT)
+    return str(path)
+
+
+def test_run_writes_the_run_folder(short: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", short, "--perception", "oracle", "--out", str(out)]) == 0
+    folder = out / "short-quarter-mpc_preview-oracle-seed0"
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"manifest.json", "metrics.json", "signals.parquet", "events.jsonl"}
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["schema"] == 1
+    assert manifest["seed"] == 0
+    assert len(manifest["scenario_hash"]) == 64
+    assert manifest["definition"]["speed_kmh"] == 40
+    signals = pq.read_table(folder / "signals.parquet")
+    assert signals.num_rows == int((16 - 2) / (40 / 3.6) * 1000) + 1
+    assert {"time_s", "x_m", "seat_acc_0", "tyre_force_0", "damping_0"} <= set(signals.column_names)
+    metrics = json.loads((folder / "metrics.json").read_text())
+    assert metrics["objective"] == pytest.approx(metrics["wk_rms"] ** 2 + 3 * metrics["tyre_load_rms"] ** 2)
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(short: str, tmp_path: Path) -> None:
+    folder = "short-half-mpc_preview-boxes-seed{}"
+    texts = []
+    for out, seed in (("a", 0), ("b", 0), ("c", 1)):
+        arguments = ["run", short, "--vehicle", "half", "--perception", "boxes", "--seeds", str(seed)]
+        assert main([*arguments, "--out", str(tmp_path / out)]) == 0
+        run = tmp_path / out / folder.format(seed)
+        texts.append((run / "metrics.json").read_bytes() + (run / "signals.parquet").read_bytes())
+    assert texts[0] == texts[1]
+    assert texts[0] != texts[2]
+
+
+def test_compare_writes_rows(short: str, tmp_path: Path) -> None:
+    path = tmp_path / "numbers.json"
+    arguments = ["compare", short, "--controllers", "passive,mpc_preview", "--perception", "none,oracle"]
+    assert main([*arguments, "--seeds", "0,1", "--json", str(path)]) == 0
+    document = json.loads(path.read_text())
+    assert document["schema"] == 1
+    assert "versions" in document["manifest"]
+    cases = [(row["controller"], row["perception"], row["seed"]) for row in document["rows"]]
+    one = [("passive", "none"), ("mpc_preview", "none"), ("mpc_preview", "oracle")]
+    assert cases == [(*case, seed) for seed in (0, 1) for case in one]
+    keys = {"scenario", "vehicle", "controller", "perception", "seed", "metrics", "timing", "solver"}
+    assert all(keys | {"perception_stats"} == set(row) for row in document["rows"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--controllers", "skyhok"], "skyhok"),
+        (["--perception", "radar"], "radar"),
+        (["--seeds", "-1"], "seeds"),
+        (["--set", "speed_kmh=0"], "speed_kmh"),
+        (["--set", "vehicle.parameters.sprung_mass_kg=-400"], "sprung_mass_kg"),
+        (["--vehicle", "tricycle"], "tricycle"),
+        (["--controllers", "nowhere.py:Mine"], "nowhere.py"),
+        (["--perception", "camera", "--set", "detection.weights=missing.onnx"], "missing.onnx"),
+    ],
+)
+def test_bad_input_ends_with_one_line_and_code_2(
+    short: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], told: str
+) -> None:
+    out = tmp_path / "out"
+    assert main(["run", short, "--out", str(out), *arguments]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1
+    assert told in lines[0]
+    assert not out.exists()
+
+
+def test_corrupt_weights_are_refused_before_anything_is_written(
+    short: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    weights, out = tmp_path / "corrupt.onnx", tmp_path / "out"
+    weights.write_bytes(b"not a model")
+    arguments = ["run", short, "--perception", "camera", "--set", f"detection.weights={weights}"]
+    assert main([*arguments, "--out", str(out)]) == 2
+    assert "corrupt.onnx" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_an_own_controller_is_driven(short: str, tmp_path: Path) -> None:
+    own = tmp_path / "mine.py"
+    own.write_text(
+        "import numpy as np\n"
+        "class Stiff:\n"
+        "    def __init__(self, vehicle, timing): self.wheels = vehicle.wheels\n"
+        "    def reset(self): pass\n"
+        "    def step(self, estimate, preview): return np.full(self.wheels, 4000.0)\n"
+    )
+    path = tmp_path / "numbers.json"
+    assert main(["compare", short, "--controllers", f"passive,{own}:Stiff", "--json", str(path)]) == 0
+    passive, stiff = json.loads(path.read_text())["rows"]
+    assert stiff["metrics"]["rattle_rms"] < 0.7 * passive["metrics"]["rattle_rms"]
