@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from files.errors import InputError
+from road.checks import check_choice, check_number
+
+from files.errors import InputError
 
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog")
@@ -47,7 +50,8 @@ class Appearance:
     Azimuth is measured from straight ahead, positive left (ISO 8855). `brightness` is the albedo of the
     carriageway; `wear`, `cracks`, `patches`, `distractors` and `tree_shadow` are densities in 0..1;
     `bonnet` is the share of the image height that the bonnet hides at the image centre; `exposure`
-    multiplies the scene's own exposure; `noise` is the read noise as a share of full scale.
+    multiplies the scene's own exposure; `warmth` shifts the white balance from blue (-) to red (+); `noise` is
+    that of a bright pixel as a share of full scale. Raises InputError for values out of range.
     """
 
     light: str = "overcast"
@@ -75,12 +79,11 @@ class Appearance:
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
-            if getattr(self, name) not in allowed:
-                raise InputError(f"{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}")
+            check_choice(name, getattr(self, name), allowed)
         for name, (low, high) in _RANGES.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise InputError(f"{name} must be in {low} .. {high}, got {value}")
+            check_number(name, getattr(self, name), low, high)
+        if not isinstance(self.edge_lines, bool):
+            raise InputError(f"edge_lines must be true or false, got {self.edge_lines!r}")
 
 
 def random_appearance(rng: np.random.Generator) -> Appearance:

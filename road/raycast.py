@@ -7,8 +7,11 @@ from numba import njit
 
 from road.block import CELL_M, HALF_WIDTH_M, MASK_CELLS, START_M
 
-FINE_STEP_M = 0.05  # along the ground, where features are; well below the shortest of them
-COARSE_STEP_M = 0.3
+COARSE_STEP_M = 0.3  # along the ground, where there is only roughness
+FINE_STEP_M = 0.05  # where features are: well below the shortest of them
+# Nearer to the surface than a fine step, the march goes on by its distance to it, so as not to jump over a
+# pothole's lip, but by no less than half of the road's length in a pixel (this times distance squared).
+_HALF_PIXEL_PER_M2 = 8e-4
 FAR_M = 46.0  # beyond it the road is a plane
 HORIZON_M = 1500.0  # beyond it there is no ground
 _WIDTH = 2 * HALF_WIDTH_M / CELL_M
@@ -88,7 +91,11 @@ def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top):  # type: ignore[
         i, j = int(row) // MASK_CELLS, int(col) // MASK_CELLS
         near = 0 <= i < mask_rows and 0 <= j < mask_cols and mask[i, j] != 0
         last_z, last_gap = z, gap
-        z = max(bottom, z - (FINE_STEP_M if near else COARSE_STEP_M) / reach)
+        step = COARSE_STEP_M
+        if near:
+            least = _HALF_PIXEL_PER_M2 * (reach * (pz - z)) ** 2
+            step = min(max(gap, least), FINE_STEP_M)
+        z = max(bottom, z - step / reach)
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -7,6 +7,7 @@ from road import damage, feature_paint, lighting, markings, pavement
 from road.appearance import Appearance
 from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, MASK_CELLS, START_M, Block
 from road.profile import Road
+from road.raycast import COARSE_STEP_M
 from road.texture import fractal
 
 COLUMNS = int(2 * HALF_WIDTH_M / CELL_M)
@@ -83,7 +84,7 @@ class Surface:
             if k:
                 lit = cv2.resize(lit, (COLUMNS >> shift, BLOCK_ROWS >> k), interpolation=cv2.INTER_AREA)
             level[index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = lit
-        self._mark(rows)
+        self._mark(block, rows)
 
     def _paint(self, index: int) -> Block:
         block = self._blank(index)
@@ -110,15 +111,17 @@ class Surface:
             noise={name: _refined(field, first, shape[0]) for name, field in self._fields.items()},
         )
 
-    def _mark(self, rows: slice) -> None:
-        """Note the height range, and where the march must look closely: at features and kerbs."""
-        height = self.height[rows]
-        across = np.abs(np.diff(height, axis=1, prepend=height[:, :1]))
-        uneven = (self.ids[rows] > 0) | (across > _STEEP * CELL_M)
-        tiles = uneven.reshape(BLOCK_ROWS // MASK_CELLS, MASK_CELLS, -1, MASK_CELLS).any(axis=(1, 3))
+    def _mark(self, block: Block, rows: slice) -> None:
+        """Note the height range, and where the march must look closely: around features and at kerbs."""
+        across = np.abs(np.diff(block.height, axis=1, prepend=block.height[:, :1]))
+        uneven = (block.ids > 0) | (across > _STEEP * CELL_M)
+        tiles = uneven.reshape(-1, MASK_CELLS, COLUMNS // MASK_CELLS, MASK_CELLS).any(axis=(1, 3))
+        margin = int(np.ceil(COARSE_STEP_M / (MASK_CELLS * CELL_M)))
+        around = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
         part = slice(rows.start // MASK_CELLS, rows.stop // MASK_CELLS)
-        self.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), np.ones((3, 3), np.uint8))
-        bands = height.reshape(BLOCK_ROWS // MASK_CELLS, -1)
+        apron = APRON_ROWS // MASK_CELLS
+        self.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), around)[apron:-apron]
+        bands = self.height[rows].reshape(BLOCK_ROWS // MASK_CELLS, -1)
         self._ranges[part] = np.stack((bands.min(axis=1), bands.max(axis=1)), axis=1)
 
 
