@@ -7,8 +7,6 @@ import numpy as np
 from files.errors import InputError
 from road.checks import check_choice, check_number
 
-from files.errors import InputError
-
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog")
 SURFACES = ("asphalt", "old_asphalt", "concrete")
@@ -50,8 +48,8 @@ class Appearance:
     Azimuth is measured from straight ahead, positive left (ISO 8855). `brightness` is the albedo of the
     carriageway; `wear`, `cracks`, `patches`, `distractors` and `tree_shadow` are densities in 0..1;
     `bonnet` is the share of the image height that the bonnet hides at the image centre; `exposure`
-    multiplies the scene's own exposure; `warmth` shifts the white balance from blue (-) to red (+); `noise` is
-    that of a bright pixel as a share of full scale. Raises InputError for values out of range.
+    multiplies the scene's own exposure; `warmth` shifts the white balance from blue (-) to red (+);
+    `noise` is that of a bright pixel as a share of full scale. Raises InputError for values out of range.
     """
 
     light: str = "overcast"
