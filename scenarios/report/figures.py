@@ -31,7 +31,9 @@ def colour_of(controller: str, index: int) -> str:
 
 def label_of(run: Run) -> str:
     """How a run is named in a legend."""
-    return run.case.controller + ("" if run.case.perception == "none" else f" ({run.case.perception})")
+    return run.case.controller.rpartition(":")[2] + (
+        "" if run.case.perception == "none" else f" ({run.case.perception})"
+    )
 
 
 def write_overview(path: Path, runs: Sequence[Run]) -> None:

@@ -52,7 +52,11 @@ def _add_scenario(table: Table, scenario: str, runs: Sequence[Run], columns: Seq
         fallbacks = sum(int(run.solver.get("fallbacks", 0)) for run in members)
         first = scenario if index == 0 else ""
         last = index == len(variants) - 1
-        table.add_row(first, *variant, *cells, str(fallbacks) if fallbacks else "-", end_section=last)
+        controller, perception = variant
+        shown = controller.rpartition(":")[2]
+        table.add_row(
+            first, shown, perception, *cells, str(fallbacks) if fallbacks else "-", end_section=last
+        )
 
 
 def _cell(runs: Sequence[Run], metric: str, style: str, passive: dict[int, float]) -> str:
