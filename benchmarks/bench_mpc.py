@@ -1,4 +1,4 @@
-"""Run time of one step of the predictive controllers, by part: `python -m benchmarks.bench_mpc [--json FILE]`.
+"""Run time of the predictive controllers' step, by part: `python -m benchmarks.bench_mpc [--json FILE]`.
 
 Each row is a car and a control period with a horizon of 0.2 s; times are medians in milliseconds on one core.
 """
@@ -46,7 +46,7 @@ def median_ms(calls: list[Callable[[], object]]) -> float:
     return 1e3 * float(np.median(times[len(times) // 10 :]))
 
 
-def measure(car: str, period_s: float, count: int) -> dict[str, float | str]:
+def measure(car: str, period_s: float, count: int) -> dict[str, object]:
     """One row: the whole step, and within it preparation (rollout, condensing) and the quadratic program."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))

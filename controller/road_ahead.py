@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from controller.alignment import Alignment
 from controller.base import Estimate
 from controller.settings import RoadSettings
 from preview.horizon import RoadPreview
@@ -12,12 +13,12 @@ _SOON_S = 1e-3
 
 
 class RoadAhead:
-    """Joins preview and measurement: call `look` once a period, then ask for `heights` at times from then on.
+    """Joins preview and measurement: `look` once a period, then ask for `heights` at times from then on.
 
-    The road is the preview plus what the wheels feel in excess of it: a height that stays and a slope that
-    decays. While a wheel is in the air it feels nothing but that the road is no higher than the tyre, and the
-    excess is that of its last contact. Without preview the road ahead is taken as flat, and all that is felt
-    is excess.
+    The preview is moved to where it fits what the wheels felt (`controller.alignment`); what they feel now in
+    excess of it stays as a height and fades as a slope. While a wheel is in the air it feels nothing but that
+    the road is no higher than its tyre, and the excess is that of its last contact. Without preview the road
+    ahead is taken as flat, and all that is felt is excess.
     """
 
     def __init__(self, wheels: int, settings: RoadSettings):
@@ -27,30 +28,38 @@ class RoadAhead:
     def reset(self) -> None:
         """Nothing felt yet, nothing seen."""
         self._height, self._slope = np.zeros(self._wheels), np.zeros(self._wheels)
-        self._grid = np.array([0.0, 1.0])
-        self._expected = np.zeros((self._wheels, 2))
+        self._alignments = [Alignment(wheel) for wheel in range(self._wheels)]
         self._speed = 0.0
+        self._see(None)
 
     def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
         """Take in what is felt and seen now."""
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STILL_M_S else 0.0
-        if preview is None:
-            self._expected = np.zeros((self._wheels, len(self._grid)))
-        else:
-            self._grid = preview.distance_m
-            early = self._settings.sigmas_early
-            self._expected = np.stack([expected_heights(preview, i, early) for i in range(self._wheels)])
+        for alignment in self._alignments:
+            alignment.feel(estimate)
+        self._see(preview)
         here, soon = self._previewed(np.array([0.0, _SOON_S])).T
         excess = estimate.road_height - here
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
         self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
-        """Return the expected height under each wheel (wheels, n), m, at `times_s` (n,) after the last
+        """Return the expected height under each wheel (wheels, n), m, at `times_s` (n,) from the last
         look."""
         decay = self._settings.slope_decay_s
         carried = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[:, None] + self._slope[:, None] * carried
+
+    def _see(self, preview: RoadPreview | None) -> None:
+        if preview is None:
+            self._grid, self._expected = np.array([0.0, 1.0]), np.zeros((self._wheels, 2))
+            return
+        self._grid, rows = preview.distance_m, []
+        for wheel, alignment in enumerate(self._alignments):
+            earlier_m, doubt = alignment.shift(preview)
+            heights = expected_heights(preview, wheel, doubt * self._settings.sigmas_early)
+            rows.append(np.interp(self._grid + earlier_m, self._grid, heights) if earlier_m else heights)
+        self._expected = np.stack(rows)
 
     def _previewed(self, times_s: np.ndarray) -> np.ndarray:
         distance = self._speed * times_s
@@ -58,8 +67,7 @@ class RoadAhead:
 
 
 def expected_heights(preview: RoadPreview, wheel: int, sigmas_early: float) -> np.ndarray:
-    """Return heights (n,) on the preview's grid: scaled by existence, shifted towards the car by their
-    sigmas.
+    """Return heights (n,) on the preview's grid: scaled by existence, moved towards the car by their sigmas.
 
     What lies between keeps its order: a feature that is moved up squeezes the road before it.
     """
