@@ -129,7 +129,7 @@ def _march(height: np.ndarray, row_step: float, col_step: float, rise: float, to
                 if a < 0 or b < 0 or a >= rows or b >= cols:
                     break
                 worst = max(worst, height[a, b] - start - k * rise)
-                k += 1.0 + 0.15 * k
+                k += 1.0
             if worst > 0:
                 result[i, j] = max(0.0, 1 - worst * 80)
     return result

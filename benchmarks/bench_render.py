@@ -1,0 +1,82 @@
+"""CPU time of the renderer by look: `python -m benchmarks.bench_render [--json FILE]`."""
+
+import argparse
+import json
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from files.atomic import write_text
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount, pose_of
+from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.profile import Road
+from road.render import Scene
+from road.roughness import Roughness
+from road.surface import BEYOND_END_M, Surface
+
+FEATURES = (
+    Pothole(6.0, 0.08, 0.6, 0.6, y_m=-0.75),
+    HalfSineBump(10.0, 0.08, 0.4, paint="yellow_black"),
+    Pothole(14.0, 0.05, 0.3, 0.4, y_m=0.7, seed=3),
+    WattsHump(18.0, 0.09, 3.6, paint="white_triangles"),
+    FlatTopHump(35.0, 0.09, 3.6, 0.6, paint="zebra"),
+)
+LOOKS = {
+    "overcast": Appearance(),
+    "noon": Appearance(light="noon", tree_shadow=0.5, verge="pavement"),
+    "night": Appearance(light="night"),
+    "rain": Appearance(weather="rain"),
+}
+ROAD_M = 60.0
+
+
+def milliseconds(work: Callable[[], object], repeats: int) -> float:
+    """Median CPU time of one call."""
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        work()
+        times.append(1e3 * (time.process_time() - start))
+    return statistics.median(times)
+
+
+def measure(name: str, look: Appearance, repeats: int) -> dict[str, object]:
+    """Set up a scene, paint 50 m of its map, photograph it: median ms of each."""
+    road, camera, mount = Road(ROAD_M, FEATURES, Roughness("B", 1)), Camera(), CameraMount()
+    scene = Scene(road, look, 0)
+    scene.render(camera, pose_of(mount, ROAD_M, 0.0, 0.0))  # compiles, and fills the map
+    positions = iter(np.linspace(1.0, 25.0, repeats))
+    map_m = ROAD_M + BEYOND_END_M
+    return {
+        "look": name,
+        "scene_ms": milliseconds(lambda: Scene(road, look, 0), 3),
+        "map_50m_ms": milliseconds(lambda: Surface(road, look, 0).extend(map_m), 3) * 50 / map_m,
+        "frame_ms": milliseconds(
+            lambda: scene.render(camera, pose_of(mount, float(next(positions)), 0.0, 0.0)), repeats
+        ),
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeats", type=int, default=20, help="frames per look (default 20)")
+    parser.add_argument("--json", type=Path, help="also write the rows to this file")
+    options = parser.parse_args()
+    cv2.setNumThreads(1)
+    table = [measure(name, look, options.repeats) for name, look in LOOKS.items()]
+    print(f"{'look':10} {'scene ms':>9} {'map 50 m ms':>12} {'frame ms':>9}")
+    for row in table:
+        print(f"{row['look']:10} {row['scene_ms']:9.0f} {row['map_50m_ms']:12.0f} {row['frame_ms']:9.1f}")
+    if options.json:
+        write_text(options.json, json.dumps(table, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

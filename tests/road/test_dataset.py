@@ -1,0 +1,88 @@
+"""The data set: reproducible to the byte, split by road, labels that fit their images."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from files.errors import InputError
+from road.dataset import VIEWS_PER_ROAD, main, write_dataset
+
+COUNTS = {"train": VIEWS_PER_ROAD + 2, "val": 3, "test": 3}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("data") / "set"
+    write_dataset(out, COUNTS, seed=3)
+    return out
+
+
+def rows_of(folder: Path, split: str) -> list[dict]:
+    return [json.loads(line) for line in (folder / split / "objects.jsonl").read_text().splitlines()]
+
+
+def test_counts_and_manifest(folder: Path) -> None:
+    manifest = json.loads((folder / "dataset.json").read_text())
+    assert manifest["names"] == ["speed_bump", "pothole"]
+    assert manifest["counts"] == COUNTS
+    assert manifest["seed"] == 3
+    for split, count in COUNTS.items():
+        images = {p.stem for p in (folder / split / "images").iterdir()}
+        assert len(images) == count
+        assert images == {p.stem for p in (folder / split / "labels").iterdir()}
+        assert images == {Path(row["image"]).stem for row in rows_of(folder, split)}
+
+
+def test_same_seed_same_hash_whatever_the_workers(folder: Path, tmp_path: Path) -> None:
+    again = write_dataset(tmp_path / "again", COUNTS, seed=3, workers=2)
+    assert again == json.loads((folder / "dataset.json").read_text())
+    other = write_dataset(tmp_path / "other", {"val": 2}, seed=4)
+    assert other["hash"] != again["hash"]
+
+
+def test_splits_show_different_roads(folder: Path) -> None:
+    poses = {split: {json.dumps(row["pose"]) for row in rows_of(folder, split)} for split in COUNTS}
+    assert not poses["train"] & poses["val"]
+    assert not poses["train"] & poses["test"]
+    assert not poses["val"] & poses["test"]
+
+
+def test_labels_are_the_objects_and_lie_in_the_image(folder: Path) -> None:
+    seen = 0
+    for split in COUNTS:
+        for row in rows_of(folder, split):
+            image = cv2.imread(str(folder / split / "images" / row["image"]))
+            assert image is not None
+            height, width = image.shape[:2]
+            lines = (folder / split / "labels" / f"{Path(row['image']).stem}.txt").read_text().splitlines()
+            assert (width, height) == (640, 384)
+            assert len(lines) == len(row["objects"])
+            for line, thing in zip(lines, row["objects"], strict=True):
+                cls, *values = line.split()
+                cx, cy, w, h = map(float, values)
+                box = np.array([cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2])
+                box *= (width, height, width, height)
+                np.testing.assert_allclose(box, thing["box"], atol=0.01)
+                assert int(cls) == thing["class"]
+                assert box.min() >= -0.01
+                assert box[2] <= width + 0.01
+                assert box[3] <= height + 0.01
+                assert thing["height_px"] >= 3
+                seen += 1
+    assert seen > 5
+
+
+def test_a_full_folder_is_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="already holds a data set"):
+        write_dataset(folder, {"train": 1}, seed=0)
+    assert main(["--out", str(folder)]) == 2
+
+
+def test_bad_counts_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="counts must map"):
+        write_dataset(tmp_path / "x", {"training": 1}, seed=0)
+    with pytest.raises(InputError, match="counts must map"):
+        write_dataset(tmp_path / "x", {"train": -1}, seed=0)
