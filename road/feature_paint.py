@@ -12,7 +12,12 @@ from road.texture import fractal
 MARGIN_M = 0.6  # debris lies this far around a pothole
 _WHITE, _YELLOW = np.array((0.62, 0.62, 0.60), np.float32), np.array((0.58, 0.40, 0.05), np.float32)
 _BLACK, _RED = np.array((0.035, 0.035, 0.035), np.float32), np.array((0.24, 0.10, 0.07), np.float32)
-_FILLS = {"asphalt": (0.09, 0.085, 0.08), "rubble": (0.20, 0.18, 0.15), "mud": (0.19, 0.13, 0.08)}
+# What lies in a pothole: tint, and its brightness relative to the road's, from least to most.
+_FILLS = {
+    "broken_asphalt": ((1.06, 1.0, 0.94), 0.4, 0.7),
+    "rubble": ((1.12, 1.0, 0.86), 0.55, 1.5),
+    "mud": ((1.4, 1.0, 0.62), 0.5, 1.1),
+}
 _WATER = np.array((0.15, 0.10, 0.065), np.float32)
 
 
@@ -42,7 +47,7 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
     spot = Spot(part, x, y, np.asarray(feature.footprint(x, y)))
     block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
-        _pothole(block, spot, feature, rng)
+        _pothole(block, spot, feature, rng, look)
     else:
         _bump(block, spot, feature, rng, look)
 
@@ -90,11 +95,12 @@ def _pattern(
     return np.zeros(along.shape, np.float32), base, base
 
 
-def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator) -> None:
+def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator, look: Appearance) -> None:
     sink = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
     lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
-    fill = np.array(_FILLS[str(rng.choice(list(_FILLS), p=(0.6, 0.25, 0.15)))], np.float32)
-    inner = fill * np.float32(rng.uniform(0.7, 1.2)) * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
+    tint, least, most = _FILLS[str(rng.choice(list(_FILLS), p=(0.6, 0.25, 0.15)))]
+    fill = np.array(tint, np.float32) * np.float32(look.brightness * rng.uniform(least, most))
+    inner = fill * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
     rim = np.float32(rng.uniform(0.55, 0.9))  # freshly broken asphalt is darker than the worn top
     wall = np.clip(sink * 3, 0, 1)[..., None]
     albedo = block.albedo[spot.part]

@@ -64,8 +64,8 @@ def shade(light: Light, block: Block) -> np.ndarray:
     to be decoded by (v / 255)**2 * WHITE.
     """
     height = block.height
-    hollow = 5 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
-    hollow += 7 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
+    hollow = 7 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
+    hollow += 9 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
     visible = _dapple(light.foliage, block)
     if light.sun.any():
         visible = visible * _visibility(height, light.direction)

@@ -9,7 +9,7 @@ from road.profile import Road
 from road.roughness import Roughness
 
 ROAD_M = 62.0
-VIEWS_TO_M = 30.0  # cameras stand between 0 and here; what is beyond is seen ahead
+FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # cameras stand between
 _PAINT_SHARES = {
     "plain": 0.2,
     "yellow_black": 0.27,
@@ -112,14 +112,15 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
     """Camera positions along the road: most of them not far before some feature."""
     positions = []
     for _ in range(count):
-        x = rng.uniform(0, VIEWS_TO_M)
+        x = rng.uniform(FIRST_VIEW_M, LAST_VIEW_M)
         if road.features and rng.random() < 0.9:
             holes = [f for f in road.features if f.cls == 1]
             pool = holes if holes and rng.random() < 0.55 else road.features
             target = pool[int(rng.integers(len(pool)))]
             reach = 12 if target.cls == 1 else 24
-            x = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(reach)))
-        positions.append(float(np.clip(x, 0.4, ROAD_M - 12)))
+            before = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(reach)))
+            x = before if FIRST_VIEW_M < before < LAST_VIEW_M else x
+        positions.append(float(x))
     return sorted(positions)
 
 
