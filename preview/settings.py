@@ -27,11 +27,11 @@ class Settings:
     offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
     camera_height_sigma_m: float = 0.01  # mounting height, before anything was learned
-    edge_height_sigma_m: float = 0.01  # ground at the object over the local road plane, new with each
+    edge_height_sigma_m: float = 0.015  # ground at the object over the local road plane, new with each
     odometry_sigma: float = 0.005  # relative error of travelled distance
 
     # Existence
-    detection_probability: float = 0.85
+    detection_probability: float = 0.8
     false_repeat_probability: float = 0.1  # that a false box meets a track again
     birth_range_m: float = 35.0
     confirm_existence: float = 0.8

@@ -31,9 +31,10 @@ class Kind:
 
 
 BUMP = Kind("bump", 0, 1.0, 0.5, 0.45, 0.10, 0.075, 0.015)
-HUMP = Kind("hump", 0, 1.0, 0.5, 3.3, 0.50, 0.090, 0.015)
+HUMP = Kind("hump", 0, 1.0, 0.25, 3.3, 0.50, 0.090, 0.015)
+TABLE = Kind("table", 0, 1.0, 0.25, 3.6, 0.60, 0.090, 0.015)
 POTHOLE = Kind("pothole", 1, -1.0, 1.0, 0.60, 0.30, 0.070, 0.025)
-KINDS = (BUMP, HUMP, POTHOLE)
+KINDS = (BUMP, HUMP, TABLE, POTHOLE)
 
 
 def kinds_of(cls: int) -> tuple[Kind, ...]:
@@ -44,15 +45,16 @@ def kinds_of(cls: int) -> tuple[Kind, ...]:
 def relief(kind: Kind, share: Array, length_m: float) -> Array:
     """Return the profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
-    A narrow bump is a half sine. A hump lies midway between a circular arc (Watts) and a flat top with
-    ramps of a sixth of its length, since boxes hardly tell the two apart. A hole counts its depth as
-    negative height.
+    A narrow bump is a half sine, a hump a parabola (as good as Watts' circular arc), a table flat with ramps
+    of a sixth of its length. A hole counts its depth as negative height.
     """
     if kind is BUMP:
         return np.sin(np.pi * share)
     edge = np.minimum(share, 1.0 - share)
     if kind is HUMP:
-        return 0.5 * (4.0 * share * (1.0 - share) + np.minimum(6.0 * edge, 1.0))
+        return 4.0 * share * (1.0 - share)
+    if kind is TABLE:
+        return np.minimum(6.0 * edge, 1.0)
     return -np.minimum(edge * length_m / _WALL_M, 1.0)
 
 

@@ -11,7 +11,9 @@ from preview.settings import Settings
 from preview.shape import Kind, kinds_of
 
 Array = np.ndarray
-_LOG_ODDS_LIMIT = 5.0
+_HOPELESS = 10.0  # log evidence against a kind that lets it be given up
+_LEAST_SIGHTS = 8  # before that
+_LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
 
 
 @dataclass
@@ -78,13 +80,15 @@ class Track:
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -_LOG_ODDS_LIMIT, _LOG_ODDS_LIMIT))
 
     def refit(self, shared: Gaussian, settings: Settings) -> None:
-        """Fit every kind of the class to all sights, each from where its last fit ended."""
+        """Fit every kind still in question to all sights, each from where its last fit ended."""
         del self.sights[: -settings.max_boxes]
         fits = [
             fit(old.kind, self.sights, old.state, shared, self.directs, settings, iterations=2)
             for old in self.fits
         ]
-        self.fits = fits
+        least = min(candidate.cost for candidate in fits)
+        sure = len(self.sights) >= _LEAST_SIGHTS
+        self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
 
     def position_sigma_m(self, x_m: float, settings: Settings) -> float:
         """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""

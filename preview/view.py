@@ -106,7 +106,8 @@ def expected(view: View, track: Track) -> Expected:
     focal = view.camera.focal_px
     bottom_sigma = focal * (1.0 + np.tan(bottom_angle) ** 2) * angle_sigma
     top_sigma = np.hypot(bottom_sigma, 0.25 * (bottom - top) + 2.0)
-    in_sight = min(bottom, view.limit_row) - top >= 2.0 + view.settings.border_px
+    least = max(2.0 + view.settings.border_px, 0.5 * (bottom - top))
+    in_sight = min(bottom, view.limit_row) - top >= least
     visible = in_sight and far[0] > _LEAST_AHEAD_M and _between_borders(view, track, ahead)
     return Expected(float(bottom), float(top), float(bottom_sigma), float(top_sigma), bool(visible))
 

@@ -126,7 +126,7 @@ def _snapshot(estimator: Estimator, start_m: float, t: float, x: float) -> Snaps
 
 
 class _Body:
-    """Pitch and heave as sums of two sines around the body's resonances."""
+    """Pitch and heave as sums of two sines around the body's resonances, on wheels that hop."""
 
     def __init__(self, conditions: Drive, rng: np.random.Generator) -> None:
         self.conditions = conditions
@@ -134,6 +134,7 @@ class _Body:
         self._phase = rng.uniform(0, 2 * np.pi, (2, 2))
         self._pitch = np.deg2rad(conditions.pitch_amplitude_deg) * np.array([0.7, 0.3])
         self._heave = conditions.heave_amplitude_m * np.array([0.7, 0.3])
+        self._wheel, self._wheel_velocity = np.zeros(2), np.zeros(2)
 
     def pitch(self, t: float, order: int = 0) -> float:
         turn = self._frequency * t + self._phase[0] + order * np.pi / 2
@@ -142,6 +143,14 @@ class _Body:
     def heave(self, t: float, order: int = 0) -> float:
         turn = self._frequency * t + self._phase[1] + order * np.pi / 2
         return float((self._heave * self._frequency**order * np.sin(turn)).sum())
+
+    def _roll(self, road: np.ndarray) -> np.ndarray:
+        """Advance wheels that hop on their tyres, lightly damped; return their acceleration."""
+        step, hop = self.conditions.step_s, 2 * np.pi * 10.8
+        acceleration = hop**2 * (road - self._wheel) - 0.3 * hop * self._wheel_velocity
+        self._wheel_velocity = self._wheel_velocity + step * acceleration
+        self._wheel = self._wheel + step * self._wheel_velocity
+        return acceleration
 
     def reading(
         self,
@@ -155,15 +164,13 @@ class _Body:
         c = self.conditions
         axle = np.array(AXLES_M)
         road = np.array([p.height(x + a) for p, a in zip(wheels, AXLES_M, strict=True)])
-        step = 0.002
-        before = np.array([p.height(x + a - step * speed) for p, a in zip(wheels, AXLES_M, strict=True)])
-        after = np.array([p.height(x + a + step * speed) for p, a in zip(wheels, AXLES_M, strict=True)])
+        wheel_acc = self._roll(road)
         corner = self.heave(t) - axle * self.pitch(t)
         corner_acc = self.heave(t, 2) - axle * self.pitch(t, 2)
         return Reading(
             corner_acc + biases[1] + c.acc_sigma * rng.standard_normal(2),
-            (after - 2 * road + before) / step**2 + c.acc_sigma * rng.standard_normal(2),
-            corner - road + c.rattle_sigma * rng.standard_normal(2),
+            wheel_acc + c.acc_sigma * rng.standard_normal(2),
+            corner - self._wheel + c.rattle_sigma * rng.standard_normal(2),
             self.pitch(t, 1) + biases[0] + c.gyro_sigma * rng.standard_normal(),
             speed + c.speed_sigma * rng.standard_normal(),
         )

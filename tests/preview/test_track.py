@@ -29,7 +29,7 @@ def test_existence_can_always_be_lost_again():
     t = track()
     for _ in range(100):
         t.weigh(True, SETTINGS)
-    for _ in range(5):
+    for _ in range(10):
         t.weigh(False, SETTINGS)
     assert t.existence < SETTINGS.death_existence
 
