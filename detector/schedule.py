@@ -47,7 +47,18 @@ def total_passes(stages: tuple[Stage, ...]) -> int:
     return sum(stage.passes for stage in stages)
 
 
-def rate_factor(passes: int, total: int, warmup: int, floor: float = 0.01) -> float:
-    """Learning rate over its peak: linear warm-up over `warmup` passes, then linear decay to `floor`."""
+def work_done(stages: tuple[Stage, ...], passes: int) -> float:
+    """Share 0..1 of all pixels that have been seen after so many passes."""
+    seen = total = 0
+    for stage in stages:
+        pixels = stage.width * stage.height
+        total += pixels * stage.passes
+        seen += pixels * min(max(passes, 0), stage.passes)
+        passes -= stage.passes
+    return seen / total
+
+
+def rate_factor(stages: tuple[Stage, ...], passes: int, warmup: int, floor: float = 0.01) -> float:
+    """Learning rate over its peak: linear warm-up over `warmup` passes, linear decay with the pixels seen."""
     rise = min(1.0, (passes + 1) / max(warmup, 1))
-    return rise * (1 - (1 - floor) * min(passes / total, 1.0))
+    return rise * (1 - (1 - floor) * work_done(stages, passes))

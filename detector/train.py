@@ -7,6 +7,7 @@ The same command runs on a CPU and on a GPU.
 
 import argparse
 import json
+import signal
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -63,7 +64,7 @@ class Trainer:
     def step(self, batch: Batch) -> torch.Tensor:
         """One update; gives the three loss terms."""
         settings = self.settings
-        factor = rate_factor(self.passes, total_passes(settings.stages), settings.warmup)
+        factor = rate_factor(settings.stages, self.passes, settings.warmup)
         for group in self.optimiser.param_groups:
             group["lr"] = settings.rate * factor
         images = batch.images.to(self.device, non_blocking=True).float() / 255
@@ -144,8 +145,13 @@ class Routine:
 def train(
     trainer: Trainer, training: Sequence[Sample], validation: Sequence[Sample], out: Path, how: Routine
 ) -> None:
-    """Run to the end of the last stage, writing checkpoints and the history on the way."""
-    settings, written = trainer.settings, time.monotonic()
+    """Run to the end of the last stage, writing checkpoints and the history on the way.
+
+    An interrupt (SIGINT, SIGTERM) writes a checkpoint after the step under way, then ends the program.
+    """
+    settings, written, stopped = trainer.settings, time.monotonic(), []
+    signal.signal(signal.SIGTERM, lambda *_: stopped.append(True))
+    signal.signal(signal.SIGINT, lambda *_: stopped.append(True))
     mean = torch.zeros(3)
     feed = batches(training, settings.stages, settings.batch, trainer.passes, settings.seed, how.workers)
     with Progress(total_passes(settings.stages), trainer.passes) as progress:
@@ -155,9 +161,11 @@ def train(
             progress.show(trainer.passes, f"{batch.stage.width}x{batch.stage.height} loss {mean.sum():.3f}")
             if before // how.validate_every < trainer.passes // how.validate_every and validation:
                 _look(trainer, validation[: how.validate_images], mean, out)
-            if time.monotonic() - written > how.checkpoint_s:
+            if stopped or time.monotonic() - written > how.checkpoint_s:
                 trainer.save(out / "checkpoint.pt")
                 written = time.monotonic()
+            if stopped:
+                raise SystemExit(f"stopped after {trainer.passes} passes; go on with --resume")
     trainer.save(out / "checkpoint.pt")
     if validation:
         _look(trainer, validation, mean, out)
