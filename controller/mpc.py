@@ -5,7 +5,7 @@ last
 one is shifted, the model linearised along it, and one quadratic program gives its correction.
 """
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,26 +21,29 @@ from controller.settings import MpcSettings
 from controller.skyhook import Skyhook
 from controller.supervisor import Book, Fallback
 from controller.terminal import terminal_cost
+from controller.wheelbase import WheelbasePreview
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
+Sight = Literal["none", "wheelbase", "preview"]
 LONGEST_STEP_S = 0.005
 """Longest Runge–Kutta step that bump stops and damper lag allow."""
 
 
 class PredictiveController:
-    """MPC; `uses_preview` False makes it the reactive controller that sees only the road it stands on."""
+    """MPC that knows the road ahead by `sight`; with "none" it is reactive and knows what it feels."""
 
     def __init__(
         self,
         vehicle: Car,
         settings: MpcSettings | None = None,
         timing: Timing | None = None,
-        uses_preview: bool = True,
+        sight: Sight = "preview",
     ):
         self._settings = settings or MpcSettings()
         self._timing = timing or Timing()
-        self._uses_preview = uses_preview
+        self._sight = sight
+        self._wheelbase = WheelbasePreview(vehicle) if sight == "wheelbase" else None
         period = self._timing.period_s
         substeps = int(np.ceil(period / LONGEST_STEP_S - 1e-9))
         intervals = max(2, round(self._settings.horizon_s / period))
@@ -63,6 +66,8 @@ class PredictiveController:
         self._filter.reset()
         self._pipeline.reset()
         self._road.reset()
+        if self._wheelbase is not None:
+            self._wheelbase.reset()
         self._fallback.reset()
         self._book = Book()
 
@@ -83,7 +88,7 @@ class PredictiveController:
 
     def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return what prevented it, if something did."""
-        self._road.look(estimate, preview if self._uses_preview else None)
+        self._road.look(estimate, self._seen(estimate, preview))
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
         problem = self._condense(state, self._plan, self._road.heights(self._node_times))
         low, high = self._limits.low / KILO - self._plan, self._limits.high / KILO - self._plan
@@ -91,6 +96,11 @@ class PredictiveController:
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
         return solution.problem
+
+    def _seen(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
+        if self._wheelbase is not None:
+            return self._wheelbase.look(estimate)
+        return preview if self._sight == "preview" else None
 
     def _predict(self, state: np.ndarray) -> np.ndarray:
         """Carry the state forward through the commands that are still on their way."""

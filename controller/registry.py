@@ -33,7 +33,8 @@ class Entry(NamedTuple):
 CONTROLLERS: dict[str, Entry] = {
     "passive": Entry(Passive, "passive"),
     "skyhook": Entry(Skyhook, "skyhook"),
-    "mpc_reactive": Entry(partial(PredictiveController, uses_preview=False), "mpc"),
+    "mpc_reactive": Entry(partial(PredictiveController, sight="none"), "mpc"),
+    "mpc_wheelbase": Entry(partial(PredictiveController, sight="wheelbase"), "mpc"),
     "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
 }
 

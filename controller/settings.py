@@ -23,10 +23,10 @@ class SkyhookSettings:
     it.
     """
 
-    sky_ns_m: float = 3000.0
-    ground_ns_m: float = 600.0
+    sky_ns_m: float = 4500.0
+    ground_ns_m: float = 130.0
     floor_ns_m: float = 300.0
-    smoothing_m_s: float = 0.02
+    smoothing_m_s: float = 0.1
 
     def __post_init__(self) -> None:
         _within("sky_ns_m", self.sky_ns_m, 0.0, inf)

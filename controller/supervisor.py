@@ -1,5 +1,6 @@
 """What acts when the optimiser has no valid answer, and the book that is kept of it."""
 
+from array import array
 from collections import Counter
 from time import perf_counter
 from typing import Any
@@ -12,7 +13,7 @@ class Book:
 
     def __init__(self) -> None:
         self._fallbacks: Counter[str] = Counter()
-        self._times_s: list[float] = []
+        self._times_s = array("d")
         self._started = 0.0
 
     def start(self) -> None:

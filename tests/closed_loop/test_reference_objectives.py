@@ -98,6 +98,13 @@ def test_half_car_reaches_the_reference(event: str, preview: float) -> None:
     assert relative_objective(event, "mpc_preview", "half") < 1.05 * preview
 
 
+@pytest.mark.parametrize(("event", "wheelbase"), [("bump_8x40_30", 0.651), ("pothole_60x8_40", 0.647)])
+def test_front_wheels_alone_bring_part_of_the_preview(event: str, wheelbase: float) -> None:
+    found = relative_objective(event, "mpc_wheelbase", "half")
+    assert found < 1.05 * wheelbase
+    assert found < relative_objective(event, "mpc_reactive", "half")
+
+
 @pytest.mark.parametrize("event", EVENTS)
 def test_a_known_delay_costs_little(event: str) -> None:
     """5 ms from asking to acting, known to the controller, which applies the plan's element for that

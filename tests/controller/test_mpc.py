@@ -60,7 +60,7 @@ def test_a_damper_without_choice_is_a_passive_one() -> None:
 
 def test_only_the_previewing_one_reacts_before_the_edge() -> None:
     """At rest 0.5 m before an 8 cm step at 10 m/s: the edge comes in 50 ms."""
-    seeing, blind = PredictiveController(QUARTER), PredictiveController(QUARTER, uses_preview=False)
+    seeing, blind = PredictiveController(QUARTER), PredictiveController(QUARTER, sight="none")
     near, none = step_preview(0.3, 0.08), step_preview(0.3, 0.0)
     assert (
         abs(
@@ -70,7 +70,7 @@ def test_only_the_previewing_one_reacts_before_the_edge() -> None:
     )
     np.testing.assert_array_equal(
         blind.step(estimate(QUARTER), near),
-        PredictiveController(QUARTER, uses_preview=False).step(estimate(QUARTER), None),
+        PredictiveController(QUARTER, sight="none").step(estimate(QUARTER), None),
     )
 
 
@@ -131,7 +131,7 @@ def test_an_estimate_of_nan_ends_in_passive_damping_and_leaves_no_trace() -> Non
 def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
     """Told the state 20 ms early, it decides what it would decide without delay at the later state."""
     timing = Timing(0.01, 0.02)
-    late = PredictiveController(QUARTER, timing=timing, uses_preview=False)
+    late = PredictiveController(QUARTER, timing=timing, sight="none")
     model = late._model
     start = np.concatenate([moving(), np.zeros(2)])
     later = start

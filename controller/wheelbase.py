@@ -1,0 +1,59 @@
+"""Wheelbase preview: what the front wheels felt is what the rear wheels will feel, one wheelbase later."""
+
+from collections import deque
+
+import numpy as np
+
+from controller.base import Estimate
+from files.errors import InputError
+from preview.horizon import RoadPreview, distance_grid
+from vehicle.parameters import Car
+
+BEHIND_M = 0.5
+STEP_M = 0.025
+
+
+class WheelbasePreview:
+    """A `RoadPreview` whose rear rows come from the front wheels, and whose front rows know nothing.
+
+    Raises InputError for a car with one axle.
+    """
+
+    def __init__(self, vehicle: Car):
+        places = np.array(vehicle.axle_x_m)
+        self._behind_front_m = places.max() - places
+        if self._behind_front_m.max() == 0.0:
+            raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
+        self._grid = distance_grid(BEHIND_M, float(self._behind_front_m.max()), STEP_M)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the road behind."""
+        self._travelled_m = 0.0
+        self._time_s: float | None = None
+        self._felt: deque[tuple[float, float, bool]] = deque()
+
+    def look(self, estimate: Estimate) -> RoadPreview:
+        """Note what the front feels now; return what that says of the road ahead of each wheel.
+
+        Between two contacts the road is a straight line, or the path of the tyre where that is lower.
+        """
+        if self._time_s is not None:
+            self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)
+        self._time_s = estimate.time_s
+        front = int(np.argmin(self._behind_front_m))
+        touching = bool(estimate.contact[front])
+        self._felt.append((self._travelled_m, float(estimate.road_height[front]), touching))
+        while len(self._felt) > 1 and self._felt[1][0] < self._travelled_m - self._grid[-1] - BEHIND_M:
+            self._felt.popleft()
+        heights = np.zeros((len(self._behind_front_m), len(self._grid)))
+        known = np.zeros_like(heights)
+        place, height, contact = np.array(self._felt).T
+        bridged = np.interp(place, place[contact > 0], height[contact > 0]) if contact.any() else height
+        for wheel, behind_m in enumerate(self._behind_front_m):
+            if behind_m > 0.0:
+                ahead = place - self._travelled_m + behind_m
+                heights[wheel] = np.interp(self._grid, ahead, np.minimum(bridged, height))
+                known[wheel] = 1.0
+        sure = np.zeros_like(heights)
+        return RoadPreview(estimate.time_s, self._grid, heights, sure, sure, known)
