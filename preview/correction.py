@@ -4,10 +4,10 @@ from collections import deque
 
 import numpy as np
 
-from preview.fit import HEIGHT, LENGTH, Direct, X
+from preview.fit import Direct, X
 from preview.settings import Settings
 from preview.shape import tyre_profile
-from preview.track import Track
+from preview.track import Section, Track
 
 _STEP_M = 0.01
 _BEFORE_M = 0.5  # road before the object that gives the level
@@ -20,8 +20,8 @@ _KEPT_M = 12.0
 class FrontWheel:
     """Road height that the front wheel has met, over the position of its contact centre."""
 
-    def __init__(self, settings: Settings) -> None:
-        self.settings = settings
+    def __init__(self, y_m: float, settings: Settings) -> None:
+        self.y_m, self.settings = y_m, settings
         self._path: deque[tuple[float, float]] = deque()
 
     def update(self, x_m: float, road_height_m: float) -> None:
@@ -34,7 +34,8 @@ class FrontWheel:
         """Tell whether the wheel has just passed the near flank of a confirmed track not yet compared."""
         if track.struck or not track.confirmed:
             return False
-        return self._path[-1][0] > track.start_m + self._flank_m(track) + self.settings.hit_gate_m
+        section = track.section(self.y_m)
+        return self._path[-1][0] > section.start_m + _flank_m(section) + self.settings.hit_gate_m
 
     def compare(self, track: Track) -> Direct | None:
         """Return the near edge as the wheel felt it, or None if it did not feel the object.
@@ -42,26 +43,29 @@ class FrontWheel:
         The tyre profile slides over the measured height; both are clipped to what a tyre can follow. A match
         must explain most of what was measured, with a shift that the fit's sigma allows.
         """
-        state = track.best.state
+        if track.overlap(self.y_m) < 0.5:
+            return None
+        section = track.section(self.y_m)
+        start, flank = section.start_m, _flank_m(section)
         allowed = min(self.settings.hit_gate_m, max(0.1, 4.0 * track.best.sigma_m))
         x, height = np.array(self._path).T
-        flat = (x > state[X] - allowed - _BEFORE_M) & (x < state[X] - allowed)
+        flat = (x > start - allowed - _BEFORE_M) & (x < start - allowed)
         if not flat.any():
             return None
-        near = (x >= state[X] - allowed - _BEFORE_M) & (x < state[X] + self._flank_m(track) + allowed)
-        level = height[flat].mean()
-        felt = np.clip(height[near] - level, -_CLIP_M, _CLIP_M)
-        at, profile = tyre_profile(track.best.kind, state[LENGTH], state[HEIGHT])
+        near = (x >= start - allowed - _BEFORE_M) & (x < start + flank + allowed)
+        felt = np.clip(height[near] - height[flat].mean(), -_CLIP_M, _CLIP_M)
         shifts = np.arange(-allowed, allowed + _STEP_M / 2, _STEP_M)
-        ahead = x[near] - state[X] - shifts[:, None]
+        ahead = x[near] - start - shifts[:, None]
+        at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
         wanted = np.clip(np.interp(ahead, at, profile), -_CLIP_M, _CLIP_M)
-        counts = ahead < self._flank_m(track)
+        counts = ahead < flank
         error = (np.where(counts, felt - wanted, 0.0) ** 2).sum(axis=1)
         explained = 1.0 - error / (np.where(counts, felt, 0.0) ** 2).sum(axis=1).clip(1e-9)
         best = int(np.argmax(explained))
         if explained[best] < _LEAST_EXPLAINED or best in (0, len(shifts) - 1):
             return None
-        return Direct(X, float(state[X] + shifts[best]), self.settings.hit_sigma_m)
+        return Direct(X, float(track.start_m + shifts[best]), self.settings.hit_sigma_m)
 
-    def _flank_m(self, track: Track) -> float:
-        return float(min(0.5 * track.best.state[LENGTH], _FLANK_M))
+
+def _flank_m(section: Section) -> float:
+    return min(0.5 * section.length_m, _FLANK_M)

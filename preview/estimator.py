@@ -6,19 +6,18 @@ import numpy as np
 
 from detector.detection import CLASS_NAMES, Detections
 from files.errors import InputError
+from preview.compose import compose
 from preview.correction import FrontWheel
-from preview.fit import HEIGHT, LENGTH, X
+from preview.fit import LENGTH, X
 from preview.horizon import RoadPreview, distance_grid
 from preview.motion import EgoMotion, EgoState, Measurement
 from preview.settings import Settings
-from preview.shape import POTHOLE, chord, depth_of, tyre_profile
 from preview.track import Track
 from preview.tracker import Tracker
 from preview.view import view_of
 from road.camera import Camera, CameraMount, pose_of
 
 _CLEAR_M = 0.3  # around an object, where a wheel may be on it already or still
-_LEAST_OVERLAP = 0.02  # below this the wheel does not meet the object at all
 
 
 class Estimator:
@@ -50,7 +49,7 @@ class Estimator:
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m)
         self.tracker = Tracker(self.settings)
-        self._front = FrontWheel(self.settings)
+        self._front = FrontWheel(wheel_y_m[0], self.settings)
         self._newest_frame_s = -np.inf
 
     @property
@@ -81,35 +80,11 @@ class Estimator:
         self._newest_frame_s = max(self._newest_frame_s, exposure_s)
 
     def preview(self, time_s: float) -> RoadPreview:
-        """Return the road ahead of each wheel as known at `time_s`.
-
-        Height is what the tyre will feel if the object is real, scaled by the probability that the wheel
-        runs over it; `existence` is the probability that it is real. Tracks not yet confirmed are left out.
-        """
-        here = self.motion.at(time_s)
-        shape = (len(self.axle_x_m), len(self.distance_m))
-        height, existence, position_sigma = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        height_sigma = np.full(shape, self.settings.background_sigma_m)
-        for track in self.tracker.tracks:
-            if not track.confirmed:
-                continue
-            sigma = track.position_sigma_m(here.x_m, self.settings)
-            for wheel, (axle, y) in enumerate(zip(self.axle_x_m, self.wheel_y_m, strict=True)):
-                ahead = self.distance_m + here.x_m + axle
-                meets, start, felt, relative = self._felt(track, y, ahead)
-                if meets < _LEAST_OVERLAP:
-                    continue
-                reach = (ahead > start - 2 * sigma) & (ahead < start + track.best.state[LENGTH] + 2 * sigma)
-                taller = np.abs(felt) >= np.abs(height[wheel])
-                here_too = reach & taller | (np.abs(felt) > np.abs(height[wheel]))
-                height[wheel, here_too] = felt[here_too]
-                existence[wheel, here_too] = track.existence
-                position_sigma[wheel, here_too] = sigma
-                height_sigma[wheel, here_too] += relative * np.abs(felt[here_too])
-        age = time_s - self._newest_frame_s if np.isfinite(self._newest_frame_s) else 0.0
-        return RoadPreview(
-            time_s, self.distance_m, height, position_sigma, height_sigma, existence, max(age, 0.0)
-        )
+        """Return the road ahead of each wheel as known at `time_s` (`compose` says what its fields mean)."""
+        x = self.motion.at(time_s).x_m
+        age = max(time_s - self._newest_frame_s, 0.0) if np.isfinite(self._newest_frame_s) else 0.0
+        wheels = self.axle_x_m, self.wheel_y_m
+        return compose(self.tracker.tracks, x, *wheels, self.distance_m, self.settings, time_s, age)
 
     def stats(self) -> list[dict[str, Any]]:
         """Return one row for each living track: what it is, where, how sure."""
@@ -121,7 +96,7 @@ class Estimator:
                 "x_m": float(track.best.state[X]),
                 "sigma_m": track.best.sigma_m,
                 "length_m": float(track.best.state[LENGTH]),
-                "height_m": float(track.best.kind.sign * self._tall(track)),
+                "height_m": track.best.kind.sign * track.section(track.centre_y_m).height_m,
                 "existence": track.existence,
                 "confirmed": track.confirmed,
                 "hits": track.hits,
@@ -130,25 +105,6 @@ class Estimator:
             }
             for track in self.tracker.tracks
         ]
-
-    def _felt(self, track: Track, y_m: float, ahead: np.ndarray) -> tuple[float, float, np.ndarray, float]:
-        """Return overlap, near edge, effective height at world x `ahead`, and relative height sigma."""
-        best = track.best
-        start, length = float(best.state[X]), float(best.state[LENGTH])
-        meets = track.overlap(y_m)
-        if best.kind is POTHOLE:
-            width, centre = track.left.y_m - track.right.y_m, 0.5 * (track.left.y_m + track.right.y_m)
-            cut = max(chord(length, width, y_m - centre), 0.5 * length)
-            start, length = start + 0.5 * (length - cut), cut
-        at, profile = tyre_profile(best.kind, length, self._tall(track))
-        felt = meets * np.interp(ahead - start, at, profile)
-        relative = float(np.sqrt(best.covariance[HEIGHT, HEIGHT]) / best.state[HEIGHT])
-        return meets, start, felt, relative
-
-    def _tall(self, track: Track) -> float:
-        """Height, or depth as a hole's length makes it likely."""
-        state = track.best.state
-        return depth_of(float(state[LENGTH])) if track.best.kind is POTHOLE else float(state[HEIGHT])
 
     def _strike(self, track: Track, time_s: float) -> None:
         track.struck = True
@@ -166,11 +122,8 @@ class Estimator:
         Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
         """
         body = state.heave_m - self.axle_x_m[0] * state.pitch_rad
-        wheel_hop, body_hop = (
-            2.0 * np.pi * self.settings.wheel_hop_hz,
-            2.0 * np.pi * self.settings.body_hop_hz,
-        )
-        tyre = measurement.wheel_acc[0] / wheel_hop**2 + measurement.body_acc[0] / body_hop**2
+        wheel_rate, body_rate = 2 * np.pi * self.settings.wheel_hop_hz, 2 * np.pi * self.settings.body_hop_hz
+        tyre = measurement.wheel_acc[0] / wheel_rate**2 + measurement.body_acc[0] / body_rate**2
         return float(body - measurement.rattle_m[0] + tyre)
 
     def _on_plane(self) -> bool:

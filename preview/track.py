@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from preview.calibration import Gaussian
-from preview.fit import LENGTH, SHARED, Direct, Fit, Sight, X, fit
+from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit
 from preview.settings import Settings
-from preview.shape import Kind, kinds_of
+from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
 
 Array = np.ndarray
 _HOPELESS = 10.0  # log evidence against a kind that lets it be given up
@@ -28,6 +29,14 @@ class Edge:
         gain = self.variance / (self.variance + variance)
         self.y_m += gain * (y_m - self.y_m)
         self.variance *= 1.0 - gain
+
+
+class Section(NamedTuple):
+    """What a wheel meets of an object: near edge, length and height (or depth) along the wheel's path, m."""
+
+    start_m: float
+    length_m: float
+    height_m: float
 
 
 @dataclass
@@ -73,6 +82,16 @@ class Track:
         state = self.best.state
         return float(state[X] + state[LENGTH])
 
+    @property
+    def centre_y_m(self) -> float:
+        """Lateral position of the middle."""
+        return 0.5 * (self.left.y_m + self.right.y_m)
+
+    @property
+    def height_sigma(self) -> float:
+        """Relative standard deviation of height or depth."""
+        return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
+
     def weigh(self, seen: bool, settings: Settings) -> None:
         """Bayes' rule for existence, after a frame in which the object should have been visible."""
         real, false = settings.detection_probability, settings.false_repeat_probability
@@ -100,6 +119,15 @@ class Track:
         inside_right = _normal_cdf((y_m - self.right.y_m) / np.sqrt(self.right.variance))
         inside_left = _normal_cdf((self.left.y_m - y_m) / np.sqrt(self.left.variance))
         return inside_right * inside_left
+
+    def section(self, y_m: float) -> Section:
+        """Return the extent on the line y = `y_m`; a hole is an ellipse, as deep as its length suggests."""
+        _, _, _, length, height = self.best.state.tolist()
+        if self.best.kind is not POTHOLE:
+            return Section(self.start_m, length, height)
+        beside = y_m - self.centre_y_m
+        cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
+        return Section(self.start_m + 0.5 * (length - cut), cut, depth_of(length))
 
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:

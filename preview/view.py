@@ -113,7 +113,7 @@ def expected(view: View, track: Track) -> Expected:
 
 
 def _between_borders(view: View, track: Track, ahead: float) -> bool:
-    centre = 0.5 * (track.right.y_m + track.left.y_m) - view.pose.y
+    centre = track.centre_y_m - view.pose.y
     half = 0.5 * max(track.left.y_m - track.right.y_m, 0.0)
     reach = (
         0.5 * view.camera.width_px / view.camera.focal_px * (ahead + 0.5 * float(track.best.state[LENGTH]))

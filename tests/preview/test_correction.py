@@ -15,7 +15,7 @@ SETTINGS = Settings()
 
 def track(kind, x, sigma=0.06):
     fits = [f for f in first_fits(kind.cls, x, sigma, Calibration(SETTINGS).prior()) if f.kind is kind]
-    found = Track(0, kind.cls, 0.0, 5.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), fits)
+    found = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
     found.confirmed = True
     return found
 
@@ -23,7 +23,7 @@ def track(kind, x, sigma=0.06):
 def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
     """A wheel that has rolled over an object at `true_x` on a road `level` high."""
     rng = np.random.default_rng(4)
-    wheel = FrontWheel(SETTINGS)
+    wheel = FrontWheel(0.75, SETTINGS)
     at, profile = tyre_profile(kind, kind.length_m, kind.height_m)
     for x in np.arange(true_x - 3.0, true_x + 3.0, step):
         height = max(float(np.interp(x - true_x, at, profile)), -hang)
@@ -47,7 +47,7 @@ def test_a_wheel_that_hangs_over_the_hole_still_tells():
 
 
 def test_no_strike_no_correction():
-    wheel = FrontWheel(SETTINGS)
+    wheel = FrontWheel(0.75, SETTINGS)
     rng = np.random.default_rng(1)
     for x in np.arange(17.0, 23.0, 0.05):
         wheel.update(x, 0.003 * rng.normal())
@@ -59,7 +59,7 @@ def test_a_strike_too_far_away_is_another_object():
 
 
 def test_nothing_is_due_before_the_wheel_has_passed():
-    wheel = FrontWheel(SETTINGS)
+    wheel = FrontWheel(0.75, SETTINGS)
     wheel.update(19.9, 0.0)
     assert not wheel.due(track(BUMP, 20.0))
     wheel.update(21.5, 0.0)

@@ -4,9 +4,11 @@ import pytest
 from detector.detection import Detections
 from files.errors import InputError
 from preview.perception import BoxErrors, degrade, true_boxes
+from road.appearance import Appearance
 from road.camera import Camera, CameraPose
-from road.features import HalfSineBump, Pothole
+from road.features import HalfSineBump, Pothole, WattsHump
 from road.profile import Road
+from road.render import Scene
 
 CAMERA = Camera()
 POSE = CameraPose(0.0, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)
@@ -81,3 +83,18 @@ def test_edges_cut_by_the_image_stay_cut():
 def test_refuses_impossible_errors(field, value):
     with pytest.raises(InputError, match=field):
         BoxErrors(**{field: value})
+
+
+def test_projection_and_renderer_draw_the_same_boxes():
+    """Two implementations: outlines projected here, ray hits counted by the renderer on whole pixels."""
+    features = (HalfSineBump(20.0, 0.08, 0.4), WattsHump(30.0), Pothole(25.0, 0.08, 0.6, 0.6, y_m=0.75))
+    road = Road(60.0, features)
+    scene = Scene(road, Appearance(), 0)
+    for x in (14.0, 17.0, 20.0):
+        pose = CameraPose(x, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)
+        frame = scene.render(CAMERA, pose, 0)
+        outlined = true_boxes(road, CAMERA, pose, range_m=40.0).boxes
+        for box in frame.boxes:
+            nearest = outlined[np.argmin(np.abs(outlined[:, [1, 3]] - box[[1, 3]]).sum(axis=1))]
+            np.testing.assert_allclose(nearest[[1, 3]], box[[1, 3]], atol=1.1)
+            np.testing.assert_allclose(nearest[[0, 2]], box[[0, 2]], atol=4.0)

@@ -1,0 +1,53 @@
+"""From tracks to the road ahead of each wheel."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from preview.horizon import RoadPreview
+from preview.settings import Settings
+from preview.shape import tyre_profile
+from preview.track import Track
+
+_LEAST_OVERLAP = 0.02  # below this probability a wheel does not meet the object at all
+
+
+def compose(
+    tracks: Sequence[Track],
+    x_m: float,
+    axle_x_m: tuple[float, ...],
+    wheel_y_m: tuple[float, ...],
+    distance_m: np.ndarray,
+    settings: Settings,
+    time_s: float,
+    age_s: float,
+) -> RoadPreview:
+    """Return the preview of a car whose odometer reads `x_m`, wheels at `axle_x_m` and `wheel_y_m` from it.
+
+    Height is what the tyre will feel if the object is real, scaled by the probability that the wheel runs
+    over it; `existence` is the probability that it is real. Tracks not yet confirmed are left out.
+    """
+    shape = (len(axle_x_m), len(distance_m))
+    height, existence, position_sigma = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    height_sigma = np.full(shape, settings.background_sigma_m)
+    for track in (track for track in tracks if track.confirmed):
+        sigma = track.position_sigma_m(x_m, settings)
+        for wheel, (axle, y) in enumerate(zip(axle_x_m, wheel_y_m, strict=True)):
+            meets = track.overlap(y)
+            if meets < _LEAST_OVERLAP:
+                continue
+            section = track.section(y)
+            at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
+            beyond = distance_m + x_m + axle - section.start_m
+            felt = meets * np.interp(beyond, at, profile)
+            near = (beyond > -2 * sigma) & (beyond < section.length_m + 2 * sigma)
+            # Two tracks on one spot are one object seen twice: the larger one stands for both.
+            taken = (felt != 0) | near
+            taken &= np.abs(felt) >= np.abs(height[wheel])
+            height[wheel, taken] = felt[taken]
+            existence[wheel, taken] = track.existence
+            position_sigma[wheel, taken] = sigma
+            height_sigma[wheel, taken] = np.hypot(
+                settings.background_sigma_m, track.height_sigma * felt[taken]
+            )
+    return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)
