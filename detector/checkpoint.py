@@ -65,8 +65,15 @@ def save_weights(path: Path, model: nn.Module, metadata: dict[str, Any]) -> None
 
 
 def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
-    """Fill a model from a weights file; gives its metadata. Raises InputError if it does not fit."""
-    content = load(path, ("weights", "metadata"))
+    """Fill a model from a weights file, or with the average of a checkpoint; gives its metadata.
+
+    Raises InputError if it does not fit.
+    """
+    content = load(path, ())
+    if "average" in content:
+        content = {"weights": content["average"], "metadata": {"passes": content.get("passes", 0)}}
+    if "weights" not in content or "metadata" not in content:
+        raise InputError(f"{path}: expected the entries weights, metadata")
     try:
         model.load_state_dict(content["weights"])
     except RuntimeError:

@@ -1,0 +1,110 @@
+"""Scoring a folder: metrics, lane masks and recall by distance, with made-up detectors."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from detector.dataset import read_samples
+from detector.detection import Detections, no_detections
+from detector.evaluate import evaluate, main, report
+from files.errors import InputError
+from tests.detector.roads import write
+
+
+def oracle(folder: Path):
+    """Answers with the labels of the folder, image by image."""
+    samples = read_samples(folder)
+
+    def detect(image: np.ndarray) -> Detections:
+        sample = next(samples)
+        boxes = (sample.boxes * [128, 96, 128, 96]).astype(np.float32)
+        return Detections(boxes, np.full(len(boxes), 0.9, np.float32), sample.classes)
+
+    return detect
+
+
+def with_objects(folder: Path, distances: list[tuple[float, float]], ego: bool = True) -> Path:
+    """Add objects.jsonl: distance of the bump and of the pothole of each image."""
+    lines = []
+    for i, pair in enumerate(distances):
+        objects = [{"class": c, "distance_m": d, "in_ego_lane": ego} for c, d in enumerate(pair)]
+        lines.append(json.dumps({"image": f"{i:03}.png", "objects": objects}))
+    (folder / "objects.jsonl").write_text("\n".join(lines))
+    return folder
+
+
+def test_the_oracle_is_perfect_and_the_blind_finds_nothing(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 3), [(5, 8), (10, 30), (3, 14)])
+    best = evaluate(folder, oracle(folder), 0.25)
+    assert best["map50"] == best["map50_95"] == best["precision"] == best["recall"] == 1
+    assert best["ego_recall"]["all"] == {"objects": 4, "recall": 1.0}
+    assert "speed_bump" in report(best)
+    blind = evaluate(folder, lambda image: no_detections(), 0.25)
+    assert blind["map50"] == blind["recall"] == 0
+    assert blind["ego_recall"]["pothole"] == {"objects": 2, "recall": 0.0}
+    assert "own lane" in report(blind)
+
+
+def test_recall_is_binned_by_distance(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 2), [(5.1, 8.0), (6.0, 30.0)])
+    detect = oracle(folder)
+
+    def bumps_only(image: np.ndarray) -> Detections:
+        found = detect(image)
+        mine = found.classes == 0
+        return Detections(found.boxes[mine], found.scores[mine], found.classes[mine])
+
+    rows = evaluate(folder, bumps_only, 0.25)["recall_by_distance"]
+    assert [(r["from_m"], r["all"]["objects"], r["all"]["recall"]) for r in rows] == [
+        (5.0, 2, 1.0),
+        (7.5, 1, 0.0),
+        (30.0, 1, 0.0),
+    ]
+
+
+def test_unsure_detections_do_not_count_as_recall(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 1), [(5, 8)])
+    summary = evaluate(folder, oracle(folder), 0.95)
+    assert summary["map50"] == 1
+    assert summary["recall"] == summary["ego_recall"]["all"]["recall"] == 0
+
+
+def test_detections_beside_the_lane_are_not_counted(tmp_path: Path) -> None:
+    folder = write(tmp_path / "data", 2)
+    (folder / "lane").mkdir()
+    detect = oracle(folder)
+
+    def noisy(image: np.ndarray) -> Detections:
+        found = detect(image)
+        extra = np.array([[120, 90, 126, 94]], np.float32)
+        return Detections(
+            np.concatenate((found.boxes, extra)), np.append(found.scores, 0.95), np.append(found.classes, 1)
+        )
+
+    mask = np.full((48, 64), 255, np.uint8)
+    mask[44:, 58:] = 0
+    for i in range(2):
+        cv2.imwrite(str(folder / "lane" / f"{i:03}.png"), mask)
+    assert evaluate(folder, noisy, 0.25)["precision"] == 1
+    (folder / "lane" / "001.png").write_bytes(b"junk")
+    with pytest.raises(InputError, match=r"001\.png: cannot be decoded as a mask"):
+        evaluate(folder, oracle(folder), 0.25)
+
+
+def test_records_must_match_the_labels(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 1), [(5, 8)])
+    (folder / "labels" / "000.txt").write_text("0 0.5 0.5 0.1 0.1\n")
+    with pytest.raises(InputError, match=r"objects of 000\.png differ"):
+        evaluate(folder, lambda image: no_detections(), 0.25)
+
+
+def test_command_writes_the_numbers(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    folder = write(tmp_path / "data", 2)
+    assert main(["--data", str(folder), "--json", str(tmp_path / "out.json")]) == 0
+    numbers = json.loads((tmp_path / "out.json").read_text())
+    assert {"map50", "map50_95", "precision", "recall", "per_class", "weights"} <= numbers.keys()
+    assert main(["--data", str(tmp_path / "nowhere")]) == 2
+    assert "nowhere: no folder images/" in capsys.readouterr().err

@@ -1,0 +1,85 @@
+"""The terms of the loss in cases that can be worked out."""
+
+import math
+
+import pytest
+
+pytest.importorskip("torch")
+
+import torch
+
+from detector.assigner import Truths
+from detector.heads import BINS, Predictions, anchor_points, encode
+from detector.losses import LossWeights, detection_loss, distribution_focal_loss
+from detector.models import STRIDES
+
+POINTS, STRIDE = anchor_points(96, 128, STRIDES)
+
+
+def everywhere(box_logits: torch.Tensor, class_logits: torch.Tensor) -> Predictions:
+    """Predictions with these logits, (B, N, 64) and (B, N, classes): an identity for a branch."""
+    branch = torch.nn.Conv2d(64, 64, 1, bias=False)
+    branch.weight.data = torch.eye(64)[..., None, None]
+    return Predictions(class_logits, [box_logits], [branch])
+
+
+def blank() -> Predictions:
+    return everywhere(torch.zeros(1, len(POINTS), 64), torch.zeros(1, len(POINTS), 2))
+
+
+def one(cls: int, box: list[float]) -> Truths:
+    return Truths(torch.tensor([0]), torch.tensor([cls]), torch.tensor([box]))
+
+
+def nothing() -> Truths:
+    return Truths(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
+
+
+def test_distribution_loss_is_the_entropy_between_two_bins() -> None:
+    target = torch.tensor([[2.25, 3.0, 0.0, 14.5]])
+    loss = distribution_focal_loss(torch.zeros(1, 4 * BINS), target)
+    assert loss.item() == pytest.approx(math.log(BINS), rel=1e-5)
+    sharp = torch.full((4, BINS), -1e4)
+    sharp[range(4), [2, 3, 0, 14]] = math.log(0.75)
+    sharp[range(4), [3, 4, 1, 15]] = math.log(0.25)
+    sides = [0.75, 1.0, 1.0, 0.5]  # share of the lower bin
+    by_hand = [-s * math.log(0.75) - (1 - s) * math.log(0.25) for s in sides]
+    loss = distribution_focal_loss(sharp.reshape(1, -1), target)
+    assert loss.item() == pytest.approx(sum(by_hand) / 4, rel=1e-4)
+
+
+def test_an_empty_road_teaches_classes_only() -> None:
+    predictions = blank()
+    box, label, distribution = detection_loss(predictions, nothing(), POINTS, STRIDE, LossWeights())
+    assert box == distribution == 0
+    assert label.item() == pytest.approx(0.5 * len(POINTS) * 2 * math.log(2), rel=1e-5)
+
+
+def test_points_around_a_tiny_object_are_left_alone() -> None:
+    predictions = blank()
+    weights = LossWeights()
+    everywhere = detection_loss(predictions, nothing(), POINTS, STRIDE, weights)[1]
+    spared = detection_loss(predictions, one(-1, [0, 0, 128, 96]), POINTS, STRIDE, weights)
+    assert spared.sum() == 0
+    partly = detection_loss(predictions, one(-1, [40, 40, 44, 41]), POINTS, STRIDE, weights)[1]
+    assert 0.9 * everywhere < partly < everywhere
+
+
+@pytest.mark.parametrize("alpha", [1.0, 0.5, 0.0])
+def test_a_perfect_box_has_no_box_loss(alpha: float) -> None:
+    box = torch.tensor([40.0, 32.0, 88.0, 64.0])
+    side = encode(box.expand(len(POINTS), 4), POINTS, STRIDE)
+    lower = side.floor().long()
+    share = torch.zeros(len(POINTS), 4, BINS).scatter(2, lower[..., None], (lower + 1 - side)[..., None])
+    share = share.scatter(2, lower[..., None] + 1, (side - lower)[..., None])
+    logits = share.clamp(min=1e-30).log().reshape(1, -1, 64)
+    predictions = everywhere(logits, torch.zeros(1, len(POINTS), 2))
+    terms = detection_loss(predictions, one(1, box.tolist()), POINTS, STRIDE, LossWeights(nwd_alpha=alpha))
+    assert terms[0].item() == pytest.approx(0, abs=2e-3)
+
+
+def test_constants_out_of_range_are_refused() -> None:
+    with pytest.raises(ValueError, match="nwd_alpha must be in"):
+        LossWeights(nwd_alpha=1.5)
+    with pytest.raises(ValueError, match="nwd_scale must be > 0"):
+        LossWeights(nwd_scale=0)

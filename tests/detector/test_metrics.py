@@ -1,0 +1,61 @@
+"""Average precision, precision and recall in cases small enough to work out by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from detector.detection import Detections, no_detections
+from detector.metrics import average_precision, judge, summarise
+
+TRUTH = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
+
+
+def found(boxes: list, scores: list[float], classes: list[int]) -> Detections:
+    return Detections(np.array(boxes, np.float32), np.array(scores, np.float32), np.array(classes))
+
+
+def test_average_precision_by_hand() -> None:
+    # right, wrong, right of 3: precision 1, 1/2, 2/3 at recall 1/3, 1/3, 2/3
+    ap = average_precision(np.array([0.9, 0.8, 0.7]), np.array([True, False, True]), 3)
+    assert ap == pytest.approx(1 / 3 * 1 + 1 / 3 * 2 / 3)
+
+
+def test_average_precision_of_the_perfect_the_blind_and_the_empty() -> None:
+    assert average_precision(np.array([0.2, 0.9]), np.array([True, True]), 2) == 1
+    assert average_precision(np.zeros(0), np.zeros(0, bool), 2) == 0
+    assert math.isnan(average_precision(np.zeros(0), np.zeros(0, bool), 0))
+
+
+def test_an_object_is_found_once() -> None:
+    result = judge(found([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0]))
+    # the surer one counts (IoU 81/119 = 0.68), the other is wrong although it fits better
+    assert result.hits[0].tolist() == [False, True]
+    assert result.hits[4].tolist() == [True, False]  # IoU 0.7
+    assert result.found.tolist() == [1]
+
+
+def test_the_class_must_be_right() -> None:
+    result = judge(found([TRUTH[0]], [0.9], [1]), TRUTH[:1], np.array([0]))
+    assert not result.hits.any()
+    assert result.found.tolist() == [-1]
+
+
+def test_summary_over_images_and_classes() -> None:
+    results = [
+        judge(found(TRUTH[:2].tolist(), [0.9, 0.2], [0, 0]), TRUTH, np.array([0, 0, 1])),
+        judge(found([[0, 0, 5, 5]], [0.5], [1]), TRUTH[:0], np.zeros(0, int)),
+        judge(no_detections(), TRUTH[:0], np.zeros(0, int)),
+    ]
+    summary = summarise(results, 0.25)
+    bump, pothole = summary["per_class"]["speed_bump"], summary["per_class"]["pothole"]
+    assert (bump["ap50"], bump["precision"], bump["recall"]) == (1, 1, 0.5)
+    assert (pothole["ap50"], pothole["precision"], pothole["recall"]) == (0, 0, 0)
+    assert summary["map50"] == summary["map50_95"] == 0.5
+    assert (summary["precision"], summary["recall"], summary["images"]) == (0.5, 0.25, 3)
+
+
+def test_a_class_that_does_not_occur_is_left_out_of_the_means() -> None:
+    summary = summarise([judge(found([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25)
+    assert summary["map50"] == 1
+    assert summary["per_class"]["pothole"]["ap50"] is None

@@ -1,0 +1,120 @@
+"""The training loop: repeatable batches, exact resume, and that it learns."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("torch")
+import torch
+
+from detector.checkpoint import load, load_weights, save_weights
+from detector.dataset import read_samples
+from detector.loader import batches, make_batch
+from detector.models import SbpYolo
+from detector.schedule import parse_stages
+from detector.train import Settings, Trainer, main, validate
+from files.errors import InputError
+from tests.detector.roads import write
+
+CPU = torch.device("cpu")
+
+
+def settings(stages: str) -> Settings:
+    return Settings(parse_stages(stages), batch=2, warmup=4, precision="fp32")
+
+
+def same(a: dict, b: dict) -> bool:
+    return a.keys() == b.keys() and all(torch.equal(a[k], b[k]) for k in a)
+
+
+def test_batches_depend_on_seed_and_position_only(tmp_path: Path) -> None:
+    samples = list(read_samples(write(tmp_path / "data", 5)))
+    stages = parse_stages("96x64:12")
+    ahead = [b.images for b in batches(samples, stages, 4, 0, 3, workers=2)]
+    assert len(ahead) == 3
+    for i, images in enumerate(ahead):
+        assert torch.equal(images, make_batch(samples, stages[0], 4, 4 * i, 3).images)
+    resumed = next(batches(samples, stages, 4, 8, 3, workers=1))
+    assert torch.equal(resumed.images, ahead[2])
+    assert not torch.equal(make_batch(samples, stages[0], 4, 0, 4).images, ahead[0])
+
+
+def test_an_epoch_shows_every_image_once(tmp_path: Path) -> None:
+    samples = list(read_samples(write(tmp_path / "data", 6)))
+    shown = []
+    original = "detector.loader.training_view"
+    with pytest.MonkeyPatch.context() as patch:
+        from detector.loader import training_view
+
+        patch.setattr(original, lambda s, *a: (shown.append(s.name), training_view(s, *a))[1])
+        for start in (0, 3):
+            make_batch(samples, parse_stages("96x64:12")[0], 3, start, 0)
+    assert sorted(shown) == [s.name for s in samples]
+
+
+def test_resumed_training_is_bit_equal_to_an_unbroken_one(tmp_path: Path) -> None:
+    samples = list(read_samples(write(tmp_path / "data", 4)))
+    stages = "96x64:4,128x96:4"
+
+    def advance(trainer: Trainer, steps: int) -> None:
+        feed = batches(samples, trainer.settings.stages, 2, trainer.passes, 0, 1)
+        for _, batch in zip(range(steps), feed, strict=False):
+            trainer.step(batch)
+
+    whole = Trainer(settings(stages), CPU)
+    advance(whole, 4)
+    first = Trainer(settings(stages), CPU)
+    advance(first, 2)
+    first.save(tmp_path / "checkpoint.pt")
+    second = Trainer(settings(stages), CPU)
+    second.restore(tmp_path / "checkpoint.pt")
+    advance(second, 2)
+    assert second.passes == whole.passes == 8
+    assert same(second.model.state_dict(), whole.model.state_dict())
+    assert same(second.average.model.state_dict(), whole.average.model.state_dict())
+
+
+def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    write(tmp_path / "data" / "train", 4, 0)
+    write(tmp_path / "data" / "val", 2, 1)
+    run = tmp_path / "run"
+    words = ["--data", str(tmp_path / "data"), "--out", str(run), "--batch", "2", "--threads", "1"]
+    words += ["--validate-every", "4", "--precision", "fp32"]
+    assert main([*words, "--stages", "96x64:4"]) == 0
+    history = [json.loads(line) for line in (run / "history.jsonl").read_text().splitlines()]
+    assert [row["passes"] for row in history] == [4, 4]
+    made = load_weights(run / "weights.pt", SbpYolo())
+    assert made["passes"] == 4
+    assert main([*words, "--stages", "96x64:4"]) == 2
+    assert "add --resume" in capsys.readouterr().out
+    assert main([*words, "--stages", "96x64:6", "--resume"]) == 0
+    assert load_weights(run / "weights.pt", SbpYolo())["passes"] == 6
+    start = ["--stages", "96x64:2", "--init", str(run / "weights.pt")]
+    assert main([*words[:3], str(tmp_path / "other"), *words[4:], *start]) == 0
+
+
+@pytest.mark.parametrize("content", [None, b"", b"junk"])
+def test_unreadable_weights_are_named(tmp_path: Path, content: bytes | None) -> None:
+    path = tmp_path / "w.pt"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError, match=r"w\.pt: "):
+        load(path, ("weights",))
+
+
+def test_weights_of_another_width_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "w.pt"
+    save_weights(path, SbpYolo(0.5), {})
+    with pytest.raises(InputError, match="not of a SbpYolo of this width"):
+        load_weights(path, SbpYolo())
+
+
+@pytest.mark.slow
+def test_learns_a_few_images_by_heart(tmp_path: Path) -> None:
+    samples = list(read_samples(write(tmp_path / "data", 8)))
+    stages = parse_stages("128x96:2400")
+    trainer = Trainer(Settings(stages, batch=8, warmup=100, precision="fp32"), CPU)
+    for batch in batches(samples, stages, 8, 0, 0, 1):
+        trainer.step(batch)
+    assert validate(trainer, samples, stages[0])["map50"] > 0.95
