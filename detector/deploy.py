@@ -26,7 +26,7 @@ class Deployed(nn.Module):
         class_logits = predictions.class_logits
         points, stride = (t.to(image.device) for t in anchor_points(image.shape[1], image.shape[2], STRIDES))
         best = class_logits.amax(2).topk(min(CANDIDATES, class_logits.shape[1]), 1).indices
-        rows = torch.arange(len(image), device=best.device)[:, None].expand_as(best)
+        rows = torch.arange(image.shape[0], device=best.device)[:, None].expand_as(best)
         logits = predictions.box_logits(rows.flatten(), best.flatten()).unflatten(0, best.shape)
         boxes = decode(logits, points[best], stride[best])
         return boxes, class_logits[rows, best].float().sigmoid()

@@ -38,7 +38,7 @@ class Predictions:
         The branch is a 1×1 convolution, so it can be asked for single points; nothing needs it at all
         of them: training only near objects, deployment only where the class score is high.
         """
-        logits = self.class_logits.new_zeros(len(point), 4 * BINS, dtype=torch.float32)
+        logits = self.class_logits.new_zeros(point.shape[0], 4 * BINS, dtype=torch.float32)
         start = 0
         for feature, branch in zip(self.features, self.branches, strict=True):
             end = start + feature.shape[1]
