@@ -1,8 +1,7 @@
 """Write a trained model as ONNX: `python -m detector.export --weights weights.pt --out sbp-yolo.onnx`.
 
-The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 of at least 96 x 64 pixels, and
-gives `boxes` (1, 300, 4) in pixels and `scores` (1, 300, 2). It is checked against torch before it
-replaces anything.
+The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 from 64 on, and gives `boxes`
+(1, 300, 4) in pixels and `scores` (1, 300, 2). It is checked against torch before it replaces anything.
 """
 
 import argparse
@@ -10,6 +9,7 @@ import copy
 import importlib.metadata
 import io
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -46,16 +46,18 @@ def fused(model: SbpYolo) -> SbpYolo:
 def to_onnx(model: SbpYolo, metadata: dict[str, str]) -> bytes:
     """The ONNX file of a model, with metadata."""
     stream = io.BytesIO()
-    torch.onnx.export(
-        Deployed(fused(model)),
-        (torch.zeros(1, 384, 640, 3, dtype=torch.uint8),),
-        stream,  # type: ignore[arg-type]
-        input_names=["image"],
-        output_names=["boxes", "scores"],
-        dynamic_axes={"image": {1: "height", 2: "width"}},
-        opset_version=17,
-        dynamo=False,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # tracing fixes the number of candidates, which is meant
+        torch.onnx.export(
+            Deployed(fused(model)),
+            (torch.zeros(1, 384, 640, 3, dtype=torch.uint8),),
+            stream,  # type: ignore[arg-type]
+            input_names=["image"],
+            output_names=["boxes", "scores"],
+            dynamic_axes={"image": {1: "height", 2: "width"}},
+            opset_version=17,
+            dynamo=False,
+        )
     graph = onnx.load_from_string(stream.getvalue())
     onnx.helper.set_model_props(graph, metadata)
     onnx.checker.check_model(graph)
@@ -68,7 +70,9 @@ def parity(model: SbpYolo, data: bytes, images: Sequence[np.ndarray]) -> float:
     Each of torch's 100 best candidates is held against the ONNX candidate nearest to it, since rounding
     may swap candidates of nearly equal score.
     """
-    session = ort.InferenceSession(data, providers=["CPUExecutionProvider"])
+    options = ort.SessionOptions()
+    options.intra_op_num_threads = 1
+    session = ort.InferenceSession(data, options, providers=["CPUExecutionProvider"])
     deployed = Deployed(copy.deepcopy(model).eval())
     worst = 0.0
     for image in images:

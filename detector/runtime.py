@@ -14,6 +14,7 @@ from files.errors import InputError
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
+LEAST = 64  # smaller images hold fewer points than the network gives candidates
 GREY = 114
 
 
@@ -52,8 +53,8 @@ class Detector:
     def __call__(self, image: NDArray[np.uint8]) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
-        An image whose sides are multiples of 32 goes in as it is; any other is scaled so that its longer
-        side has the training width, and padded. Raises InputError for an array of another kind.
+        An image whose sides are multiples of 32 from 64 on goes in as it is; any other is scaled so that
+        its longer side has the training width, and padded. Raises InputError for another kind of array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
@@ -66,7 +67,7 @@ class Detector:
 
 def fit_for(width: int, height: int, longest: int) -> Fit:
     """The layout for an image of that size."""
-    if width % STRIDE == 0 and height % STRIDE == 0:
+    if width % STRIDE == 0 and height % STRIDE == 0 and min(width, height) >= LEAST:
         return Fit(1.0, width, height)
     scale = longest / max(width, height)
     return Fit(scale, _up(width * scale), _up(height * scale))
