@@ -50,8 +50,7 @@ class Alignment:
         """Return mean and remaining doubt of the preview's error along the road.
 
         Bayes on a grid of ±3 sigmas: the preview's position sigma close to the wheel is the prior; the
-        heights
-        felt lately, relative to where that stretch begins, differ from the preview by FELT_SIGMA_M.
+        heights felt lately, relative to where that stretch begins, differ from the preview by FELT_SIGMA_M.
         """
         near = np.abs(preview.distance_m) < REACH_M
         sigma = float(preview.position_sigma_m[self._wheel, near].max(initial=0.0))

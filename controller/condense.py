@@ -1,8 +1,8 @@
 """From a plan to the quadratic program of its best correction: rollout, sensitivities, Gauss–Newton.
 
 The states are eliminated (condensing): with S the sensitivity of the state by the plan, each interval adds
-its
-residuals' Jacobian R_x·S + R_u, and H = JᵀJ, g = Jᵀr. The model is evaluated by CasADi, the algebra by Numba.
+its residuals' Jacobian R_x·S + R_u, and H = JᵀJ, g = Jᵀr. The model is evaluated by CasADi, the algebra by
+Numba.
 """
 
 from typing import NamedTuple

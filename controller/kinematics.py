@@ -1,9 +1,8 @@
-"""How body corners and wheels move, from accelerometers, rattle space and pitch rate: a stationary Kalman
-filter.
+"""How body corners and wheels move: a stationary Kalman filter of the car's own sensors.
 
 Accelerations drive double integrators, so no stiffness, damping or bump stop takes part. Rattle space and
-pitch
-rate correct them; that the wheels stay near the mean road in the long run bounds the drift of what is left.
+pitch rate correct them; that the wheels stay near the mean road in the long run bounds the drift of what is
+left.
 """
 
 from typing import NamedTuple
@@ -23,11 +22,10 @@ ROAD_WANDER_M2_S = 1e-3
 class Kinematics(NamedTuple):
     """s⁺ = transition·s + drive·a, then s + gain·(y − output·s).
 
-    s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), gyro
-    offset.
+    s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), and the
+    offset of the gyro.
     a: (2w,) accelerations of body corners, then wheels. y: rattle (w), pitch rate, distance of the wheels
-    from
-    the mean road (w), taken as zero.
+    from the mean road (w), taken as zero.
     """
 
     transition: np.ndarray

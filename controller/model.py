@@ -1,10 +1,8 @@
 """The prediction model: the vehicle's own equations, comfort filters on its seats, and the cost's residuals.
 
 The squared residuals of an interval sum up to wk² + rho·load², with wk the Wk-weighted acceleration averaged
-over
-the seats and load the dynamic tyre load relative to the static one averaged over the wheels, so the sum over
-a
-horizon is its number of intervals times the objective J of `comfort.metrics`.
+over the seats and load the dynamic tyre load relative to the static one averaged over the wheels, so the sum
+over a horizon is its number of intervals times the objective J of `comfort.metrics`.
 """
 
 from dataclasses import dataclass
@@ -30,8 +28,7 @@ class PredictionModel:
     step: (state, command, road, duration_s) → next state.
     linearised: (state, command, road) over `interval_s` → next state, residuals (n_r,), and the derivatives
     of both by state and by command.
-    weighting: (n_x,) → weighted acceleration and relative tyre load on a road at height zero, weighted as in
-    the cost.
+    outputs: (n_x,) → weighted accelerations and relative tyre loads on a road at height zero, as in the cost.
     """
 
     vehicle: Car

@@ -1,8 +1,7 @@
 """Model predictive control of the damping coefficients, with or without preview of the road.
 
 Real-time iteration (Diehl, Bock & Schlöder, SIAM J. Control Optim. 43(5), 2005): each period the plan of the
-last
-one is shifted, the model linearised along it, and one quadratic program gives its correction.
+last one is shifted, the model linearised along it, and one quadratic program gives its correction.
 """
 
 from typing import Any, Literal

@@ -30,9 +30,8 @@ class Observer:
     """Estimates from the car's own sensors, with the road as unknown input; one `update` per reading.
 
     Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road
-    from
-    the tyre: its force is what accelerates the car's masses, its deflection what that force asks for. Heights
-    are relative to a mean road that follows slowly, the same for `x` and `road_height`.
+    from the tyre: its force is what accelerates the car's masses, its deflection what that force asks for.
+    Heights are relative to a mean road that follows slowly, the same for `x` and `road_height`.
     """
 
     def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
@@ -84,8 +83,7 @@ class Observer:
         )
 
     def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Highest that the road can be, and whether it is there because the tyre touches it, (wheels,)
-        each."""
+        """Highest that the road can be, and whether the tyre touches it there, (wheels,) each."""
         force = self._mass @ acceleration
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)

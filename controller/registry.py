@@ -12,6 +12,7 @@ from controller.mpc import PredictiveController
 from controller.passive import Passive
 from controller.settings import ControllerSettings
 from controller.skyhook import Skyhook
+from controller.two_state import TwoState, add, groundhook, skyhook2
 from files.errors import InputError
 from vehicle.parameters import Car
 
@@ -22,17 +23,20 @@ Factory = Callable[..., Controller]
 class Entry(NamedTuple):
     """A controller that can be built by name.
 
-    settings: the field of `ControllerSettings` it takes. sees_ahead: whether it uses a preview.
+    settings: the field of `ControllerSettings` it takes, if any. sees_ahead: whether it uses a preview.
     """
 
     make: Factory
-    settings: str
+    settings: str | None = None
     sees_ahead: bool = False
 
 
 CONTROLLERS: dict[str, Entry] = {
     "passive": Entry(Passive, "passive"),
     "skyhook": Entry(Skyhook, "skyhook"),
+    "skyhook2": Entry(partial(TwoState, law=skyhook2)),
+    "groundhook": Entry(partial(TwoState, law=groundhook)),
+    "add": Entry(partial(TwoState, law=add)),
     "mpc_reactive": Entry(partial(PredictiveController, sight="none"), "mpc"),
     "mpc_wheelbase": Entry(partial(PredictiveController, sight="wheelbase"), "mpc"),
     "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
@@ -50,7 +54,7 @@ def build(
     if _is_user(name):
         return _build_user(name, vehicle, settings.user, timing)
     entry = _entry(name)
-    return entry.make(vehicle, getattr(settings, entry.settings), timing)
+    return entry.make(vehicle, getattr(settings, entry.settings) if entry.settings else None, timing)
 
 
 def sees_ahead(name: str) -> bool:

@@ -44,8 +44,7 @@ class RoadAhead:
         self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
-        """Return the expected height under each wheel (wheels, n), m, at `times_s` (n,) from the last
-        look."""
+        """Return the expected height under each wheel (wheels, n), m, `times_s` (n,) after the last look."""
         decay = self._settings.slope_decay_s
         carried = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[:, None] + self._slope[:, None] * carried

@@ -19,8 +19,7 @@ class SkyhookSettings:
 
     sky_ns_m: between body and sky. ground_ns_m: between wheel and ground.
     floor_ns_m: damping where the law asks for less.
-    smoothing_m_s: suspension velocity under which the law fades to the floor, so that noise cannot chatter
-    it.
+    smoothing_m_s: suspension velocity under which the law fades to the floor, so noise cannot chatter it.
     """
 
     sky_ns_m: float = 4500.0

@@ -2,9 +2,8 @@
 
 Continuous skyhook with a groundhook share (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974; Savaresi et al.,
 *Semi-Active Suspension Control Design for Vehicles*, 2010, ch. 6): an imagined damper `sky` between body and
-sky
-and another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that it
-can.
+sky and another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that
+it can.
 """
 
 import numpy as np

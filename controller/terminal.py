@@ -27,9 +27,7 @@ def terminal_cost(model: PredictionModel, damping_ns_m: np.ndarray | None = None
     """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
 
     C gives the cost's weighted outputs; P is divided by the interval, as the cost is a sum over intervals.
-    Bump
-    stops and lift-off play no part; the actual damping coefficients have no weight, as at rest they do
-    nothing.
+    Bump stops and lift-off play no part; actual damping has no weight, as at rest it does nothing.
     """
     vehicle = model.vehicle
     damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
@@ -56,8 +54,7 @@ def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarra
 
 
 def _rest(vehicle: Car, n_x: int) -> np.ndarray:
-    """State at rest, (n_x, wheels), for unit road heights: wheels on the road, the body where they carry
-    it."""
+    """State at rest, (n_x, wheels), for unit road heights: wheels on the road, the body as they carry it."""
     levers = np.array([corner.lever for corner in vehicle.corners])
     bodies = levers.shape[1]
     rest = np.zeros((n_x, vehicle.wheels))

@@ -107,8 +107,7 @@ def test_front_wheels_alone_bring_part_of_the_preview(event: str, wheelbase: flo
 
 @pytest.mark.parametrize("event", EVENTS)
 def test_a_known_delay_costs_little(event: str) -> None:
-    """5 ms from asking to acting, known to the controller, which applies the plan's element for that
-    moment."""
+    """5 ms from asking to acting, which the controller knows and plans for."""
     late = relative_objective(event, "mpc_preview", timing=Timing(0.01, 0.005))
     assert late < 1.05 * relative_objective(event, "mpc_preview")
 

@@ -6,6 +6,7 @@ import pytest
 from controller.passive import Passive
 from controller.settings import PassiveSettings, SkyhookSettings
 from controller.skyhook import Skyhook
+from controller.two_state import Law, TwoState, add, groundhook, skyhook2
 from files.errors import InputError
 from tests.controller.cars import estimate
 from vehicle.parameters import load_vehicle
@@ -65,3 +66,23 @@ def test_skyhook_of_a_pitching_body_acts_by_corner() -> None:
 def test_skyhook_settings_are_checked(field: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"^{field} must"):
         SkyhookSettings(**{field: value})
+
+
+@pytest.mark.parametrize(
+    ("law", "body", "wheel", "rattle", "hard"),
+    [
+        (skyhook2, 0.4, -0.2, 0.0, True),  # body up, damper opening: it holds the body back
+        (skyhook2, 0.4, 0.6, 0.0, False),  # closing: it would push the body further up
+        (skyhook2, -0.4, -0.1, 0.0, True),
+        (groundhook, 0.4, -0.2, 0.0, True),  # wheel down, damper opening: it holds the wheel back
+        (groundhook, 0.0, 0.5, 0.0, True),
+        (groundhook, 0.6, 0.4, 0.0, False),
+        (add, 0.1, 0.0, -0.05, True),  # compressed spring accelerates the body up, damper opening
+        (add, 0.1, 0.0, 0.05, False),
+    ],
+)
+def test_two_state_laws_by_hand(law: Law, body: float, wheel: float, rattle: float, hard: bool) -> None:
+    x = quarter(body, wheel)
+    x[0] = rattle
+    command = TwoState(QUARTER, law=law).step(estimate(QUARTER, x), None)
+    np.testing.assert_array_equal(command, [4500.0 if hard else 300.0])

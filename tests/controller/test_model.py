@@ -73,8 +73,7 @@ def test_comfort_states_follow_the_second_order_filter() -> None:
 
 @pytest.mark.parametrize("name", ["quarter", "half"])
 def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> None:
-    """A 2 s drive over an uneven road: n·J from the model, J from the comfort metrics (true Wk), within 15
-    %."""
+    """A 6 s drive on an uneven road: J from the model and from the comfort metrics (true Wk) within 15 %."""
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle, 0.005, 1, rho=3.0, input_weight=0.0)
     rng = np.random.default_rng(1)

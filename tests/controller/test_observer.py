@@ -86,8 +86,7 @@ def test_noisy_sensors_at_the_controllers_rate_stay_useful(name: str, rate_hz: i
 
 
 def test_the_shape_of_a_bump_is_felt_by_the_wheel() -> None:
-    """Height over the road before the bump, from noisy sensors, within a centimetre of the effective
-    profile."""
+    """Height over the road before the bump, from noisy sensors, within a centimetre of the truth."""
     road = Road(70.0, (HalfSineBump(50.0, 0.03, 0.6),))
     pairs = drive(load_vehicle("quarter"), road, SensorNoise(), 500)
     over = [p for p in pairs if 49.5 < 2.0 + 10.0 * p[1].time_s < 50.8]
