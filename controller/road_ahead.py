@@ -41,7 +41,13 @@ class RoadAhead:
         here, soon = self._previewed(np.array([0.0, _SOON_S])).T
         excess = estimate.road_height - here
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
-        self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
+        dt=.01
+        if hasattr(self,'_last') and preview is not None:
+            before=self._previewed(np.array([-dt]))[:,0]
+            sl=((estimate.road_height-self._last)-(here-before))/dt
+            self._slope=np.where(estimate.contact&self._lc,sl,0.)
+        else: self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
+        self._last=estimate.road_height; self._lc=estimate.contact
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
         """Return the expected height under each wheel (wheels, n), m, `times_s` (n,) after the last look."""

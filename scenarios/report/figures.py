@@ -44,7 +44,6 @@ def write_overview(path: Path, runs: Sequence[Run]) -> None:
     for column, group in enumerate(groups):
         _event_column(list(axes[:3, column]), group)
         _bars(axes[3, column], group)
-    axes[1, 0].legend(fontsize=8, loc="upper right")
     save(figure, path)
 
 
