@@ -13,6 +13,7 @@ from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from scenarios.perception import Event, Perception
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
+from vehicle.state import VehicleState
 
 
 class Driver:
@@ -41,9 +42,10 @@ class Driver:
         tick = 0
         while tick < self._total:
             self._perception.expose(tick, self._state)
+            estimate = self._sense() if due(tick, self._rate_hz) else None
             self.events += self._perception.receive(tick)
-            if due(tick, self._rate_hz):
-                self._waiting.append((tick + self._delay, self._decide(tick)))
+            if estimate is not None:
+                self._waiting.append((tick + self._delay, self._decide(tick, estimate)))
             while self._waiting and self._waiting[0][0] <= tick:
                 self._command = self._waiting.popleft()[1]
             following = self._next_event(tick)
@@ -56,19 +58,21 @@ class Driver:
         }
         self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
 
-    def _state(self):  # type: ignore[no-untyped-def]
+    def _state(self) -> VehicleState:
         return self._plant.state
 
-    def _decide(self, tick: int) -> np.ndarray:
-        time_s = tick / TICKS_PER_SECOND
+    def _sense(self) -> Estimate:
+        """Read the sensors; they come before boxes of the same tick, which need the pose at their exposure."""
         state = self._plant.state
         measurement = self._sensors.measure(state)
         self._perception.sense(measurement)
         if self._observer is None:
-            estimate: Estimate = truth_estimate(state)
-        else:
-            estimate = self._observer.update(measurement, self._command)
-        preview = self._perception.preview(time_s, lambda: state)
+            return truth_estimate(state)
+        return self._observer.update(measurement, self._command)
+
+    def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
+        time_s = tick / TICKS_PER_SECOND
+        preview = self._perception.preview(time_s, self._state)
         before = self._fallbacks()
         command = self._controller.step(estimate, preview)
         if self._fallbacks() > before:
