@@ -75,6 +75,32 @@ _CUBE = numba.float64[:, :, ::1]
 _VECTOR = numba.float64[::1]
 
 
+@numba.njit(numba.void(_MATRIX, _MATRIX, numba.int64, _MATRIX), cache=True)
+def _times(left: np.ndarray, right: np.ndarray, rows: int, out: np.ndarray) -> None:
+    """out = left @ right for the first `rows` rows; small enough for plain loops."""
+    for i in range(rows):
+        for k in range(right.shape[1]):
+            out[i, k] = 0.0
+        for j in range(right.shape[0]):
+            for k in range(right.shape[1]):
+                out[i, k] += left[i, j] * right[j, k]
+
+
+@numba.njit(numba.void(_MATRIX, _VECTOR, numba.int64, _MATRIX, _VECTOR), cache=True)
+def _add_squares(
+    jacobian: np.ndarray, residuals: np.ndarray, rows: int, hessian: np.ndarray, gradient: np.ndarray
+) -> None:
+    """Add JᵀJ to the lower triangle and Jᵀr; `jacobian` is transposed, only its first rows are not zero."""
+    for i in range(rows):
+        for r in range(len(residuals)):
+            gradient[i] += jacobian[i, r] * residuals[r]
+        for j in range(i + 1):
+            total = 0.0
+            for r in range(len(residuals)):
+                total += jacobian[i, r] * jacobian[j, r]
+            hessian[i, j] += total
+
+
 @numba.njit(numba.void(_MATRIX, _CUBE, _CUBE, _CUBE, _CUBE, _VECTOR, _MATRIX, _MATRIX, _VECTOR), cache=True)
 def _condense(
     residuals: np.ndarray,
@@ -87,20 +113,23 @@ def _condense(
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
-    """Accumulate H and g; only the columns of inputs that have already acted are touched."""
+    """Accumulate H and g; rows of inputs that have not acted yet are left out."""
     intervals, wheels, n_x = state_by_input.shape
-    sensitivity = np.zeros((intervals * wheels, n_x))
+    inputs = intervals * wheels
+    sensitivity, advanced = np.zeros((inputs, n_x)), np.zeros((inputs, n_x))
+    jacobian, last = np.zeros((inputs, residuals.shape[1])), np.zeros((inputs, n_x))
     hessian[:] = 0.0
     gradient[:] = 0.0
     for k in range(intervals):
         past = k * wheels
-        jacobian = np.zeros((past + wheels, residuals.shape[1]))
-        jacobian[:past] = sensitivity[:past] @ residual_by_state[k]
-        jacobian[past:] = residual_by_input[k]
-        hessian[: past + wheels, : past + wheels] += jacobian @ jacobian.T
-        gradient[: past + wheels] += jacobian @ residuals[k]
-        sensitivity[:past] = sensitivity[:past] @ state_by_state[k]
-        sensitivity[past : past + wheels] = state_by_input[k]
-    last = sensitivity @ root.T
-    hessian += last @ last.T
-    gradient += last @ ending
+        _times(sensitivity, residual_by_state[k], past, jacobian)
+        jacobian[past : past + wheels] = residual_by_input[k]
+        _add_squares(jacobian, residuals[k], past + wheels, hessian, gradient)
+        _times(sensitivity, state_by_state[k], past, advanced)
+        advanced[past : past + wheels] = state_by_input[k]
+        sensitivity, advanced = advanced, sensitivity
+    _times(sensitivity, np.ascontiguousarray(root.T), inputs, last)
+    _add_squares(last, ending, inputs, hessian, gradient)
+    for i in range(inputs):
+        for j in range(i):
+            hessian[j, i] = hessian[i, j]

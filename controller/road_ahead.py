@@ -9,7 +9,6 @@ from preview.horizon import RoadPreview
 
 _STILL_M_S = 0.1
 """Speed under which the road does not move past the wheels."""
-_SOON_S = 1e-3
 
 
 class RoadAhead:
@@ -29,6 +28,7 @@ class RoadAhead:
         """Nothing felt yet, nothing seen."""
         self._height, self._slope = np.zeros(self._wheels), np.zeros(self._wheels)
         self._alignments = [Alignment(wheel) for wheel in range(self._wheels)]
+        self._before: Estimate | None = None
         self._speed = 0.0
         self._see(None)
 
@@ -38,22 +38,29 @@ class RoadAhead:
         for alignment in self._alignments:
             alignment.feel(estimate)
         self._see(preview)
-        here, soon = self._previewed(np.array([0.0, _SOON_S])).T
-        excess = estimate.road_height - here
+        excess = estimate.road_height - self._previewed(np.zeros(1))[:, 0]
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
-        dt=.01
-        if hasattr(self,'_last') and preview is not None:
-            before=self._previewed(np.array([-dt]))[:,0]
-            sl=((estimate.road_height-self._last)-(here-before))/dt
-            self._slope=np.where(estimate.contact&self._lc,sl,0.)
-        else: self._slope = np.where(estimate.contact, estimate.road_velocity - (soon - here) / _SOON_S, 0.0)
-        self._last=estimate.road_height; self._lc=estimate.contact
+        slope = estimate.road_velocity if preview is None else self._unforeseen_slope(estimate)
+        self._slope = np.where(estimate.contact, slope, 0.0)
+        self._before = estimate
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
         """Return the expected height under each wheel (wheels, n), m, `times_s` (n,) after the last look."""
         decay = self._settings.slope_decay_s
         carried = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[:, None] + self._slope[:, None] * carried
+
+    def _unforeseen_slope(self, estimate: Estimate) -> np.ndarray:
+        """Felt rate of height beyond the previewed one, both as means since the last look, (wheels,) m/s.
+
+        Momentary rates would differ by metres a second wherever an edge lies between two samples.
+        """
+        if self._before is None or estimate.time_s <= self._before.time_s:
+            return np.zeros(self._wheels)
+        since = estimate.time_s - self._before.time_s
+        past, now = self._previewed(np.array([-since, 0.0])).T
+        felt = estimate.road_height - self._before.road_height
+        return np.where(self._before.contact, (felt - (now - past)) / since, 0.0)
 
     def _see(self, preview: RoadPreview | None) -> None:
         if preview is None:

@@ -62,7 +62,7 @@ class Driver:
         return self._plant.state
 
     def _sense(self) -> Estimate:
-        """Read the sensors; they come before boxes of the same tick, which need the pose at their exposure."""
+        """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
         state = self._plant.state
         measurement = self._sensors.measure(state)
         self._perception.sense(measurement)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,23 @@ def test_what_is_felt_beyond_the_preview_shifts_it() -> None:
     heights = road.heights(TIMES)[0]
     assert heights[0] == pytest.approx(0.02)
     assert heights[-1] == pytest.approx(0.10)
+
+
+def test_a_foreseen_edge_between_two_looks_is_no_surprise() -> None:
+    """10 ms before and at 0.1 m past the edge of a ramp of 8 m/s: all of it was in the preview."""
+    road = ahead()
+    road.look(estimate(CAR, road=0.0), step_preview(0.05, 0.08))
+    later = replace(estimate(CAR, road=0.04, road_velocity=4.0), time_s=0.01)
+    preview = step_preview(-0.05, 0.08)
+    road.look(later, preview)
+    np.testing.assert_allclose(road.heights(TIMES)[0], preview.height(0, 10.0 * TIMES), atol=1e-9)
+
+
+def test_an_unforeseen_rise_runs_on_and_fades() -> None:
+    road = ahead(RoadSettings(slope_decay_s=0.02))
+    road.look(estimate(CAR), step_preview(3.0, 0.0))
+    road.look(replace(estimate(CAR, road=0.01), time_s=0.01), step_preview(2.9, 0.0))
+    assert road.heights(np.array([0.0, 1.0]))[0] == pytest.approx([0.01, 0.01 + 1.0 * 0.02])
 
 
 def test_in_the_air_the_last_contact_counts_but_the_road_is_never_above_the_tyre() -> None:
