@@ -22,6 +22,7 @@ from vehicle.plant import Plant
 from vehicle.state import VehicleState
 
 PROMPT = Timing()
+START_M = 2.0
 APPROACH_M = 12.0
 AFTER_S = 2.5
 GRID = distance_grid(0.5, 6.0)
@@ -34,17 +35,24 @@ EVENTS: dict[str, tuple[Feature, float]] = {
 }
 
 
-def drive(event: str, car: Car, controller: Controller, timing: Timing, shift_m: float = 0.0) -> VehicleState:
+def drive(
+    event: str,
+    car: Car,
+    controller: Controller,
+    timing: Timing,
+    shift_m: float = 0.0,
+    start_m: float = START_M,
+) -> VehicleState:
     """Drive over the event with the true profile in view, or one that comes `shift_m` too early."""
     feature, speed_kmh = EVENTS[event]
     speed = speed_kmh / 3.6
     length = feature.end_m + AFTER_S * speed
     profiles = [wheel_profile(Road(length + 5.0, (feature,)), -0.75)] * car.wheels
     plant = Plant(car)
-    plant.reset(profiles, 2.0, speed)
+    plant.reset(profiles, start_m, speed)
     period, delay = round(1e3 * timing.period_s), round(1e3 * timing.delay_s)
     acting = np.array([corner.damping_passive_ns_m for corner in car.corners])
-    for _ in range(int((length - 2.0) / speed / timing.period_s)):
+    for _ in range(int((length - start_m) / speed / timing.period_s)):
         state = plant.state
         seen = [state.x_m + axle + shift_m for axle in car.axle_x_m]
         asked = controller.step(truth_estimate(state), oracle_preview(profiles, seen, state.time_s, GRID))
@@ -69,12 +77,18 @@ def objective(signals: VehicleState) -> float:
 
 @cache
 def relative_objective(
-    event: str, name: str, car_name: str = "quarter", timing: Timing = PROMPT, shift_m: float = 0.0
+    event: str,
+    name: str,
+    car_name: str = "quarter",
+    timing: Timing = PROMPT,
+    shift_m: float = 0.0,
+    start_m: float = START_M,
 ) -> float:
     """J of the controller over J of the passive car."""
     car = load_vehicle(car_name)
     passive = drive(event, car, build("passive", car), PROMPT)
-    return objective(drive(event, car, build(name, car, timing=timing), timing, shift_m)) / objective(passive)
+    controlled = drive(event, car, build(name, car, timing=timing), timing, shift_m, start_m)
+    return objective(controlled) / objective(passive)
 
 
 @pytest.mark.parametrize(
@@ -82,8 +96,14 @@ def relative_objective(
     [("bump_8x40_30", 0.640, 0.650), ("hump_flat_30", 0.171, 0.213), ("pothole_60x8_40", 0.606, 0.727)],
 )
 def test_quarter_car_reaches_the_reference(event: str, preview: float, reactive: float) -> None:
-    assert relative_objective(event, "mpc_preview") < 1.05 * preview
-    assert relative_objective(event, "mpc_reactive") < 1.05 * reactive
+    """The reactive one depends on where between two samples the edge lies, so that it is averaged over it."""
+    starts = START_M + np.array([0.0, 0.025, 0.05, 0.075])
+    seeing, feeling = (
+        [relative_objective(event, f"mpc_{kind}", start_m=float(start)) for start in starts]
+        for kind in ("preview", "reactive")
+    )
+    assert max(seeing) < 1.05 * preview
+    assert np.mean(feeling) < 1.05 * reactive
 
 
 @pytest.mark.parametrize("event", EVENTS)
