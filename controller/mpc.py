@@ -75,6 +75,11 @@ class PredictiveController:
         """`solves`, `fallbacks`, `reasons`, `median_ms` and `max_ms` of a step."""
         return self._book.summary()
 
+    @property
+    def problem(self) -> str | None:
+        """Why the last step fell back; None where its answer was valid."""
+        return self._book.problem
+
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,) in N·s/m for the moment the command acts."""
         self._book.start()

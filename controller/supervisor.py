@@ -9,9 +9,13 @@ import numpy as np
 
 
 class Book:
-    """Counts solves and fallbacks by reason, and run times; the times are told but decide nothing."""
+    """Counts solves and fallbacks by reason, and run times; the times are told but decide nothing.
+
+    problem: that of the last step, None where it had a valid answer.
+    """
 
     def __init__(self) -> None:
+        self.problem: str | None = None
         self._fallbacks: Counter[str] = Counter()
         self._times_s = array("d")
         self._started = 0.0
@@ -23,6 +27,7 @@ class Book:
     def finish(self, problem: str | None) -> None:
         """A step ends: with an answer, or with the problem that made it fall back."""
         self._times_s.append(perf_counter() - self._started)
+        self.problem = problem
         if problem:
             self._fallbacks[problem] += 1
 

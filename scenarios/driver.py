@@ -73,14 +73,10 @@ class Driver:
     def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
         time_s = tick / TICKS_PER_SECOND
         preview = self._perception.preview(time_s, self._state)
-        before = self._fallbacks()
         command = self._controller.step(estimate, preview)
-        if self._fallbacks() > before:
-            self.events.append({"time_s": time_s, "event": "fallback"})
+        if problem := getattr(self._controller, "problem", None):
+            self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
         return np.asarray(command, dtype=float)
-
-    def _fallbacks(self) -> int:
-        return int(getattr(self._controller, "stats", {}).get("fallbacks", 0))
 
     def _next_event(self, tick: int) -> int:
         candidates = [self._total, next_due(tick, self._rate_hz)]

@@ -77,7 +77,7 @@ class Detection:
 class Control:
     """How often the controller is asked, how much later its command acts, and the controllers' settings."""
 
-    rate_hz: int = 100
+    rate_hz: int = 200
     delay_s: float = 0.0
     settings: ControllerSettings = field(default_factory=ControllerSettings)
 
