@@ -24,8 +24,8 @@ def ride_metrics(
 ) -> dict[str, float]:
     """Comfort, road holding and suspension use of one run, SI units.
 
-    Seats are points of the sprung mass, where body heave and pitch combine: for a quarter car the mass itself,
-    otherwise the places that the vehicle's parameters name (`seat_x_m`).
+    Seats are points of the sprung mass, where body heave and pitch combine: for a quarter car the mass
+    itself, otherwise the places that the vehicle's parameters name (`seat_x_m`).
 
     Args:
         rate_hz: sampling rate, >= 500 Hz.

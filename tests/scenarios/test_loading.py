@@ -1,4 +1,4 @@
-"""Scenario files are validated strictly: what is wrong is told in one line, with file, field, value and range."""
+"""Scenario files are validated strictly: one line tells file, field, value and what is allowed."""
 
 from pathlib import Path
 
