@@ -15,6 +15,7 @@ class Settings:
 
     # Boxes
     pixel_sigma: float = 1.0
+    relative_sigma: float = 0.05  # of the box height, on top: large boxes err by more pixels than small ones
     correlation: float = 3.0  # variance inflation, because errors of successive boxes resemble each other
     bottom_bias_px: float = 0.0  # systematic box edge minus true edge, rows counted downwards
     top_bias_px: float = 0.0

@@ -55,9 +55,10 @@ def sight_of(view: View, box: Array) -> Sight:
     """Return the lines of sight along a box's bottom and top; nan where border or bonnet cuts it."""
     top, bottom = box[1], box[3]
     border = view.settings.border_px
+    pixels = np.hypot(view.settings.pixel_sigma, view.settings.relative_sigma * (bottom - top))
     angles = depression(view.camera, np.array([bottom, top])) + view.pose.pitch
     sigmas = np.hypot(
-        depression_sigma(view.camera, np.array([bottom, top]), view.settings.pixel_sigma),
+        depression_sigma(view.camera, np.array([bottom, top]), pixels),
         np.deg2rad(view.settings.pitch_sigma_deg),
     )
     angles[0] = np.nan if bottom >= view.limit_row - border else angles[0]
