@@ -1,6 +1,9 @@
 """What the camera sees of a road: image, exact boxes and depth from the same ray hits."""
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +26,7 @@ _FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0}
 _HEADLIGHT = {"noon": 0.0, "overcast": 0.0, "sunset": 0.15, "night": 1.0}
 _AMBIENT = {"noon": 1.0, "overcast": 1.0, "sunset": 1.0, "night": 0.06}
 _KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposure of a road of albedo 0.2
+_BANDS_PER_THREAD = 4  # the sky is cheap, so equal halves would leave a thread idle
 _NIGHT_LEVEL = 0.6  # irradiance by headlights for which the night is exposed
 
 
@@ -51,11 +55,14 @@ class Frame:
 class Scene:
     """A road with a look, ready to be photographed from anywhere on it.
 
-    A frame depends only on road, look, seed, camera, pose and index, never on the frames before it.
+    A frame depends only on road, look, seed, camera, pose and index, never on the frames before it, nor on
+    the number of `threads` that share its rows.
     """
 
-    def __init__(self, road: Road, appearance: Appearance, seed: int) -> None:
+    def __init__(self, road: Road, appearance: Appearance, seed: int, threads: int = 1) -> None:
         self.road, self.appearance, self.seed = road, appearance, seed
+        self._threads = threads
+        self._team = ThreadPoolExecutor(threads) if threads > 1 else None
         self._surface = Surface(road, appearance, seed)
         rng = np.random.default_rng((seed, 3))
         self._panorama = background.panorama(rng, appearance)
@@ -79,9 +86,12 @@ class Scene:
         drop, slope, hits, depth = self._trace(camera, view)
         image = np.empty((*drop.shape, 3), np.float32)
         sky, surface = self._panorama, self._surface
-        colour(
-            view, self._conditions, drop, slope, surface.atlas, surface.strip, self._grain,
-            sky.image, sky.blurred, sky.haze, image,
+        self._share_rows(
+            lambda part, rows: colour(
+                part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
+                sky.image, sky.blurred, sky.haze, image[rows],
+            ),
+            view, camera.height_px,
         )  # fmt: skip
         rng = np.random.default_rng((self.seed, 4, index))
         if self.appearance.weather == "rain":
@@ -105,10 +115,23 @@ class Scene:
         drop, slope, depth = (np.empty(shape, np.float32) for _ in range(3))
         hits = np.empty(shape, np.int16)
         limits = surface.height_range(x, x + FAR_M)
-        trace(
-            view, surface.height, surface.ids, surface.mask, self._outlines, limits, drop, slope, hits, depth
+        self._share_rows(
+            lambda part, rows: trace(
+                part, surface.height, surface.ids, surface.mask, self._outlines, limits,
+                drop[rows], slope[rows], hits[rows], depth[rows],
+            ),
+            view, camera.height_px,
         )  # fmt: skip
         return drop, slope, hits, depth
+
+    def _share_rows(self, work: Callable[[View, slice], object], view: View, height: int) -> None:
+        """Do `work` on bands of rows, shared among threads; a band's view counts rows from its first."""
+        count = 1 if self._team is None else _BANDS_PER_THREAD * self._threads
+        starts = [height * band // count for band in range(count + 1)]
+        bands = [slice(*pair) for pair in pairwise(starts)]
+        views = [view._replace(cy=view.cy - band.start) for band in bands]
+        for _ in map(work, views, bands) if self._team is None else self._team.map(work, views, bands):
+            pass
 
 
 def visible_boxes(

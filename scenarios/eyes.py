@@ -87,7 +87,7 @@ def camera_eye(
     scenario: Scenario, mount: CameraMount, detector: Detector, image_seed: int, keep_images: bool
 ) -> Eye:
     """Render what the camera sees and run the detector on it."""
-    scene = Scene(scenario.road, scenario.appearance, image_seed)
+    scene = Scene(scenario.road, scenario.appearance, image_seed, threads=scenario.detection.threads)
 
     def look(tick: int, state: VehicleState) -> Look:
         started = perf_counter()

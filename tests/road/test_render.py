@@ -137,6 +137,16 @@ def test_same_seed_same_bytes_in_any_order(weather: str) -> None:
     assert Scene(road, look, 8).render(CAMERA, REST, 0).image.tobytes() != first[0].image.tobytes()
 
 
+def test_threads_share_the_rows_without_changing_a_byte() -> None:
+    road = Road(30.0, (HalfSineBump(9.0, 0.08, 0.4), Pothole(14.0, 0.08, 0.6, 0.6)), Roughness("B", 1))
+    one, three = (
+        Scene(road, Appearance(weather="rain"), 5, threads).render(CAMERA, REST) for threads in (1, 3)
+    )
+    assert np.array_equal(one.image, three.image)
+    assert np.array_equal(one.depth, three.depth)
+    assert np.array_equal(one.boxes, three.boxes)
+
+
 def test_the_bonnet_hides_what_is_under_it() -> None:
     road = Road(20.0, (Pothole(3.2, 0.06, 0.6, 0.6),))
     assert len(Scene(road, Appearance(), 0).render(CAMERA, REST).boxes) == 1
