@@ -1,4 +1,4 @@
-"""From a network's candidates to detections: confidence threshold and non-maximum suppression."""
+"""From a network's candidates to detections: confidence threshold, suppression, fusion of edges."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,18 +25,32 @@ def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
     return order[alive]
 
 
+def fuse(kept: NDArray, boxes: NDArray, scores: NDArray, iou: float) -> NDArray:
+    """The kept boxes (n, 4), each the mean of all boxes (k, 4) that overlap it by more than `iou`.
+
+    Weights are score times overlap, so the edges average over candidates whose errors differ (box voting:
+    Gidaris & Komodakis, ICCV 2015, section 4.3).
+    """
+    overlap = iou_matrix(kept, boxes)
+    weights = np.where(overlap > iou, overlap * scores, 0.0)
+    return weights @ boxes / weights.sum(1, keepdims=True)
+
+
 def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> Detections:
-    """Detections from candidates: boxes (K, 4), scores (K, classes); suppression within each class."""
-    found = []
+    """Detections from candidates: boxes (K, 4), scores (K, classes), each class for itself.
+
+    Candidates under the threshold still vote on the edges of the boxes that stay.
+    """
+    found: list[tuple[float, NDArray, int]] = []
     solid = (boxes[:, 2:] > boxes[:, :2]).all(1)
     for cls in range(scores.shape[1]):
         likely = np.flatnonzero(solid & (scores[:, cls] >= confidence))
         kept = likely[suppress(boxes[likely], scores[likely, cls], iou)]
-        found += [(scores[i, cls], i, cls) for i in kept]
+        edges = fuse(boxes[kept], boxes[solid], scores[solid, cls], iou)
+        found += [(scores[i, cls], edge, cls) for i, edge in zip(kept, edges, strict=True)]
     found.sort(key=lambda item: -item[0])
-    index = np.array([i for _, i, _ in found], np.int64)
     return Detections(
-        boxes[index].astype(np.float32).reshape(-1, 4),
+        np.array([edge for _, edge, _ in found], np.float32).reshape(-1, 4),
         np.array([s for s, _, _ in found], np.float32),
         np.array([c for _, _, c in found], np.int64),
     )

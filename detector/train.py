@@ -128,7 +128,7 @@ def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confiden
             boxes, scores = deployed(images)
         for b, s, (_, classes, truth) in zip(boxes.cpu().numpy(), scores.cpu().numpy(), views, strict=True):
             asked = classes >= 0
-            results.append(judge(select(b, s, 0.001, 0.6), truth[asked], classes[asked]))
+            results.append(judge(select(b, s, 0.001, 0.5), truth[asked], classes[asked]))
     return summarise(results, confidence)
 
 
