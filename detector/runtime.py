@@ -37,7 +37,7 @@ class Detector:
     """
 
     def __init__(
-        self, weights: Path | None = None, threads: int = 1, confidence: float = 0.1, iou: float = 0.5
+        self, weights: Path | None = None, threads: int = 1, confidence: float = 0.2, iou: float = 0.5
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
             if not 0 < value <= 1:

@@ -24,8 +24,8 @@ class BoxErrors:
     """
 
     pixel_sigma: float = 1.0
-    bottom_bias_px: float = 0.0
-    top_bias_px: float = 0.0
+    bottom_bias_px: float = 0.3  # as the estimator believes by default (`settings.Settings`)
+    top_bias_px: float = -0.4
     miss_probability: float = 0.15
     false_per_frame: float = 0.0
     range_m: float = 30.0

@@ -65,7 +65,7 @@ class Detection:
     """How the detector runs: its confidence threshold and, where not the shipped ones, its weights."""
 
     weights: str | None = None
-    confidence: float = 0.1
+    confidence: float = 0.2
     threads: int = 2
 
     def __post_init__(self) -> None:
