@@ -21,7 +21,7 @@ from scenarios.closed_loop import Run, simulate
 from scenarios.loading import load
 from scenarios.runfolder import environment, row, to_json
 
-_FILE_WIDTH = 130
+_FILE_WIDTH = 140
 
 
 def _console() -> Console:

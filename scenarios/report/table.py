@@ -22,7 +22,7 @@ _COLUMNS: tuple[Column, ...] = (
     ("lift\nms", "lift_time", ".0f"),
 )
 _ESSENTIAL = ("objective", "wk_rms", "vdv", "tyre_load_rms", "lift_time")
-_NARROW = 110
+_NARROW = 136
 _FACTOR = {"rattle_peak": 1e3, "stop_time": 1e3, "lift_time": 1e3}
 
 
