@@ -6,6 +6,7 @@ over a horizon is its number of intervals times the objective J of `comfort.metr
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi
 import numpy as np
@@ -41,10 +42,11 @@ class PredictionModel:
     outputs: casadi.Function
 
 
+@lru_cache(maxsize=16)
 def prediction_model(
     vehicle: Car, interval_s: float, substeps: int, rho: float = 3.0, input_weight: float = 1e-3
 ) -> PredictionModel:
-    """Assemble the model.
+    """Assemble the model; the same arguments give the same object, as building takes half a second.
 
     substeps: Runge–Kutta steps an interval; the cost is taken at the end of each.
     rho: (m/s²)², weight of the tyre load. input_weight: of (command − 1)², command in kN·s/m.
