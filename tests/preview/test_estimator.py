@@ -69,9 +69,14 @@ def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     assert shots[0].existence > 0.98
 
 
+WHITE_PIXELS = Settings(relative_sigma=1e-6)
+"""A true belief of the simulated boxes: white noise of the pixels, none that grows with the box."""
+
+
 def errors_of(feature, count, **changes):
+    road = Road(60.0, (feature,))
     shots = [
-        drive(Road(60.0, (feature,)), Drive(seed=seed, speed_kmh=SPEEDS_KMH[seed % 4], **changes))[0][0]
+        drive(road, Drive(seed=seed, speed_kmh=SPEEDS_KMH[seed % 4], **changes), WHITE_PIXELS)[0][0]
         for seed in range(count)
     ]
     assert None not in shots
