@@ -3,7 +3,9 @@
 A box is coded from its anchor point as four distances to its sides in strides, each a distribution
 over `BINS` integer values (distribution focal loss, Li et al. 2020, eq. 3). Here the bins run from -1
 to 14 instead of 0 to 15: a wide, thin bump belongs to a coarse level whose points may all miss its few
-rows, and a distance of -1 lets a point one stride outside the box still describe it exactly.
+rows, and a distance of -1 lets a point one stride outside the box still describe it exactly. For the
+same reason a bin is two strides wide to the left and right, one stride up and down: objects on a road
+are seen at a grazing angle, and so a box twice as wide can be left to a level with finer rows.
 """
 
 import math
@@ -18,6 +20,7 @@ from detector.blocks import Conv
 
 BINS = 16
 FIRST_BIN = -1.0
+BIN_STRIDES = (2.0, 1.0, 2.0, 1.0)  # width of a bin to the left, top, right and bottom
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,7 @@ def anchor_points(height: int, width: int, strides: tuple[int, ...]) -> tuple[Te
 def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
     """Boxes (..., 4) x0 y0 x1 y1 in pixels from logits (..., 4 · BINS), points (..., 2), strides (...)."""
     bins = torch.arange(BINS, device=box_logits.device, dtype=box_logits.dtype) + FIRST_BIN
-    sides = box_logits.unflatten(-1, (4, BINS)).softmax(-1) @ bins * stride[..., None]
+    sides = box_logits.unflatten(-1, (4, BINS)).softmax(-1) @ bins * _bin_px(stride)
     return torch.cat((points - sides[..., :2], points + sides[..., 2:]), -1)
 
 
@@ -108,5 +111,10 @@ def encode(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
 
     Clamped to what two neighbouring bins can express.
     """
-    sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / stride[..., None]
+    sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / _bin_px(stride)
     return (sides - FIRST_BIN).clamp(0, BINS - 1.01)
+
+
+def _bin_px(stride: Tensor) -> Tensor:
+    """Widths (..., 4) of a bin in pixels."""
+    return stride[..., None] * stride.new_tensor(BIN_STRIDES)

@@ -20,14 +20,14 @@ def sharp(bins: tuple[int, int, int, int]) -> torch.Tensor:
 
 def test_decodes_a_certain_box() -> None:
     box = decode(sharp((1, 2, 3, 4)), torch.tensor([100.0, 50.0]), torch.tensor(8.0))
-    # bins 1, 2, 3, 4 stand for 0, 1, 2, 3 strides to the left, top, right and bottom
-    assert box.tolist() == [100.0, 42.0, 116.0, 74.0]
+    # bins 1, 2, 3, 4 stand for 0, 1, 2, 3 bins: 2 strides wide to the sides, 1 stride up and down
+    assert box.tolist() == [100.0, 42.0, 132.0, 74.0]
 
 
 def test_a_flat_distribution_is_its_mean() -> None:
     box = decode(torch.zeros(4 * BINS), torch.tensor([0.0, 0.0]), torch.tensor(4.0))
     mean = (FIRST_BIN + (BINS - 1) / 2) * 4
-    assert box.tolist() == pytest.approx([-mean, -mean, mean, mean])
+    assert box.tolist() == pytest.approx([-2 * mean, -mean, 2 * mean, mean])
 
 
 def test_a_point_outside_a_thin_box_can_describe_it() -> None:
