@@ -159,6 +159,7 @@ class Seeing:
                     "boxes": look.detections.boxes,
                     "scores": look.detections.scores,
                     "classes": look.detections.classes,
+                    "odometer_m": self._estimator.motion.x_m,
                     "tracks": self._estimator.stats(),
                 }
             )

@@ -1,0 +1,123 @@
+"""What the estimator believed of every obstacle of a drive, against where the obstacle really was."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from road.features import Feature
+from scenarios.clock import TICKS_PER_SECOND
+from scenarios.closed_loop import Run
+from scenarios.perception import Event
+
+USE_M = 2.5
+"""Distance of the front wheel from the near edge at which a belief is judged: from there on it is used."""
+
+_GATE_M, _GATE_SHARE = 1.2, 0.12
+_KIND_OF = {"half_sine_bump": "bump", "watts_hump": "hump", "flat_top_hump": "table", "pothole": "pothole"}
+
+
+@dataclass(frozen=True)
+class Belief:
+    """One track at one arrival of boxes, matched to an obstacle.
+
+    distance_m: true distance from the front wheel to the near edge; error_m: believed minus true (positive:
+    too far); sigma_m: what the estimator said of it; height_m: believed, negative for holes.
+    """
+
+    time_s: float
+    distance_m: float
+    error_m: float
+    sigma_m: float
+    height_m: float
+    kind: str
+    track: int
+    confirmed: bool
+
+
+@dataclass(frozen=True)
+class Passage:
+    """One obstacle of a drive, all beliefs of it, oldest first, and the speed when they are used."""
+
+    feature: Feature
+    speed_m_s: float
+    beliefs: tuple[Belief, ...]
+
+    @property
+    def used(self) -> Belief | None:
+        """The last confirmed belief at least `USE_M` before the front wheel; None if it was missed."""
+        ahead = [belief for belief in self.beliefs if belief.confirmed and belief.distance_m >= USE_M]
+        return ahead[-1] if ahead and ahead[-1].distance_m < USE_M + 2.0 * self.speed_m_s * 0.1 else None
+
+    @property
+    def first_confirmed_m(self) -> float | None:
+        """Distance of the front wheel when a track of this obstacle was first confirmed."""
+        return next((belief.distance_m for belief in self.beliefs if belief.confirmed), None)
+
+    @property
+    def true_height_m(self) -> float:
+        """Height of the crest, or depth of the floor as a negative number."""
+        if self.feature.kind == "pothole":
+            return -self.feature.depth_m  # type: ignore[union-attr]
+        return float(self.feature.height_m)  # type: ignore[union-attr]
+
+    @property
+    def true_kind(self) -> str:
+        """Name of the kind as the estimator calls it."""
+        return _KIND_OF.get(self.feature.kind, self.feature.kind)
+
+
+def passages(run: Run) -> list[Passage]:
+    """Every obstacle of the drive with what was believed of it."""
+    axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
+    speed = run.signals["speed_m_s"]
+    found = []
+    for feature in run.case.scenario.road.features:
+        reached = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m - USE_M))
+        beliefs = tuple(_beliefs(run, feature, axle))
+        found.append(Passage(feature, float(speed[min(reached, len(speed) - 1)]), beliefs))
+    return found
+
+
+def false_tracks(run: Run) -> int:
+    """Confirmed tracks that never came near any obstacle of their class."""
+    axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
+    real: set[int] = set()
+    for feature in run.case.scenario.road.features:
+        real |= {belief.track for belief in _all_beliefs(run, feature, axle)}
+    confirmed = {row["track"] for event in _arrivals(run) for row in event["tracks"] if row["confirmed"]}
+    return len(confirmed - real)
+
+
+def _arrivals(run: Run) -> Iterator[Event]:
+    return (event for event in run.events if event["event"] == "boxes")
+
+
+def _beliefs(run: Run, feature: Feature, axle: float) -> Iterator[Belief]:
+    """The likeliest belief of the obstacle at each arrival, until the front wheel is on it."""
+    by_time: dict[float, Belief] = {}
+    for belief in _all_beliefs(run, feature, axle):
+        other = by_time.get(belief.time_s)
+        if other is None or (belief.confirmed, -abs(belief.error_m)) > (
+            other.confirmed,
+            -abs(other.error_m),
+        ):
+            by_time[belief.time_s] = belief
+    return iter(by_time.values())
+
+
+def _all_beliefs(run: Run, feature: Feature, axle: float) -> Iterator[Belief]:
+    x = run.signals["x_m"]
+    for event in _arrivals(run):
+        wheel = float(x[min(round(event["time_s"] * TICKS_PER_SECOND), len(x) - 1)]) + axle
+        distance = feature.start_m - wheel
+        if distance < 0:
+            break
+        for row in event["tracks"]:
+            error = (row["x_m"] - event["odometer_m"] - axle) - distance
+            near = _GATE_M + _GATE_SHARE * distance
+            if row["class"] == ("pothole" if feature.cls else "speed_bump") and abs(error) < near:
+                yield Belief(
+                    event["time_s"], distance, error, row["sigma_m"], row["height_m"], row["kind"],
+                    row["track"], row["confirmed"],
+                )  # fmt: skip

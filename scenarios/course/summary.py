@@ -1,0 +1,82 @@
+"""Statistics of many passages: errors by distance, timing, truth of sigma, shape, range, misses."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from scenarios.closed_loop import Run
+from scenarios.course.judge import Belief, Passage, false_tracks, passages
+
+BINS_M = (2.5, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
+
+
+def summarise(runs: Sequence[Run]) -> dict[str, Any]:
+    """One row of the perception report over all drives of `runs`.
+
+    At the distance of use: `bias_m`, `sigma_m` of the near edge, `timing_ms_95` (95 % of |error| / speed),
+    `nees` (mean squared error over claimed variance) with the band in which 95 % of such means lie if the
+    claim is true. `height_error_rms` is relative. `by_distance` holds bias and sigma for bins of distance.
+    None stands for what no passage tells.
+    """
+    met = [passage for run in runs for passage in passages(run)]
+    used = [(passage, belief) for passage in met if (belief := passage.used) is not None]
+    km = sum(float(run.signals["x_m"][-1] - run.signals["x_m"][0]) for run in runs) / 1000
+    first = [passage.first_confirmed_m for passage in met if passage.first_confirmed_m is not None]
+    return {
+        "events": len(met),
+        "missed": len(met) - len(used),
+        "false_tracks": sum(false_tracks(run) for run in runs),
+        "distance_km": km,
+        "first_confirmed_median_m": float(np.median(first)) if first else None,
+        "first_confirmed_10_m": float(np.percentile(first, 10)) if first else None,
+        **_at_use(used),
+        **_shape(used),
+        "by_distance": _by_distance(met),
+        "estimator_median_ms": _estimator_ms(runs),
+    }
+
+
+def _at_use(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
+    if len(used) < 2:
+        return dict.fromkeys(("bias_m", "sigma_m", "timing_ms_95", "nees", "nees_band"))
+    error = np.array([belief.error_m for _, belief in used])
+    claimed = np.array([belief.sigma_m for _, belief in used])
+    timing = np.abs(error) / [passage.speed_m_s for passage, _ in used]
+    band = chi2.ppf([0.025, 0.975], len(used)) / len(used)
+    return {
+        "bias_m": float(error.mean()),
+        "sigma_m": float(error.std(ddof=1)),
+        "timing_ms_95": 1e3 * float(np.percentile(timing, 95)),
+        "nees": float(np.mean((error / claimed) ** 2)),
+        "nees_band": band.tolist(),
+    }
+
+
+def _shape(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
+    if not used:
+        return {"height_error_rms": None, "right_kind": None}
+    relative = [belief.height_m / passage.true_height_m - 1 for passage, belief in used]
+    right = [belief.kind == passage.true_kind for passage, belief in used]
+    return {
+        "height_error_rms": float(np.sqrt(np.mean(np.square(relative)))),
+        "right_kind": float(np.mean(right)),
+    }
+
+
+def _by_distance(met: Sequence[Passage]) -> list[dict[str, Any]]:
+    beliefs = [belief for passage in met for belief in passage.beliefs if belief.confirmed]
+    rows = []
+    for near, far in pairwise(BINS_M):
+        error = np.array([belief.error_m for belief in beliefs if near <= belief.distance_m < far])
+        if len(error) > 1:
+            bias, sigma = float(error.mean()), float(error.std(ddof=1))
+            rows.append({"from_m": near, "to_m": far, "bias_m": bias, "sigma_m": sigma, "count": len(error)})
+    return rows
+
+
+def _estimator_ms(runs: Sequence[Run]) -> float | None:
+    values = [run.timing["estimator_median_ms"] for run in runs if "estimator_median_ms" in run.timing]
+    return float(np.median(values)) if values else None

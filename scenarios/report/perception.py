@@ -1,0 +1,38 @@
+"""Figure of the perception report: bias and spread of the near edge over distance."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from scenarios.course.judge import USE_M
+from scenarios.report.figures import save
+
+
+def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
+    """One panel a row of the report: bias with one-sigma bars against true distance."""
+    figure = Figure(figsize=(4.6 * min(len(rows), 3), 3.4 * -(-len(rows) // 3)), layout="constrained")
+    axes = figure.subplots(-(-len(rows) // 3), min(len(rows), 3), squeeze=False, sharex=True, sharey=True)
+    for axis in axes.flat[len(rows) :]:
+        axis.set_visible(False)
+    for axis, row in zip(axes.flat, rows, strict=False):
+        bins = row["by_distance"]
+        middle = [0.5 * (b["from_m"] + b["to_m"]) for b in bins]
+        axis.axhline(0.0, color="#999999", lw=0.8)
+        axis.axvline(USE_M, color="#b0413e", lw=0.8, ls="--")
+        axis.errorbar(
+            middle,
+            [b["bias_m"] for b in bins],
+            yerr=[b["sigma_m"] for b in bins],
+            fmt="o-",
+            ms=3,
+            lw=1.2,
+            capsize=2.5,
+            color="#1c6ebe",
+        )
+        axis.set_title(f"{row['name']} ({row['events']} events)", fontsize=10)
+        axis.set_ylim(-1.5, 1.5)
+        axis.set_xlabel("distance of the front wheel (m)")
+        axis.set_ylabel("believed - true near edge (m)")
+    save(figure, path)
