@@ -21,7 +21,7 @@ class Limits:
         names = ("damping_min_ns_m", "damping_max_ns_m", "damping_passive_ns_m")
         return cls(*(np.array([getattr(corner, name) for corner in vehicle.corners]) for name in names))
 
-    def clip(self, command: np.ndarray) -> np.ndarray:
+    def clip(self, command: np.ndarray | float) -> np.ndarray:
         """Return the nearest command that the dampers can follow."""
         return np.clip(command, self.low, self.high)
 

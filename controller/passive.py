@@ -1,25 +1,42 @@
-"""A fixed damper: the car that every other controller is measured against."""
+"""Fixed dampers: the car as built, and the best that fixed dampers can do."""
 
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.limits import Limits
-from controller.settings import PassiveSettings
+from controller.settings import FixedSettings, PassiveSettings
 from files.errors import InputError
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 
-class Passive(Stateless):
-    """Constant damping. Raises InputError for a coefficient that the dampers cannot have."""
+class Constant(Stateless):
+    """Constant damping (wheels,), N·s/m. Raises InputError for a coefficient that the dampers cannot have."""
 
-    def __init__(self, vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None):
+    def __init__(self, vehicle: Car, damping_ns_m: np.ndarray, name: str):
         limits = Limits.of(vehicle)
-        asked = settings.damping_ns_m if settings else None
-        if asked is not None and not (np.all(limits.low <= asked) and np.all(asked <= limits.high)):
-            raise InputError(f"damping_ns_m must lie in {limits}, got {asked:g}")
-        self._command = limits.passive if asked is None else np.full(vehicle.wheels, float(asked))
+        refused = damping_ns_m[(damping_ns_m < limits.low) | (damping_ns_m > limits.high)]
+        if len(refused):
+            raise InputError(f"{name} must lie in {limits}, got {refused[0]:g}")
+        self._command = damping_ns_m
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the same coefficients whatever happens, (wheels,) N·s/m."""
         return self._command.copy()
+
+
+def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None) -> Constant:
+    """The car as it was built, which every other controller is measured against."""
+    asked = settings.damping_ns_m if settings else None
+    built = Limits.of(vehicle).passive
+    return Constant(
+        vehicle, built if asked is None else np.full(vehicle.wheels, float(asked)), "damping_ns_m"
+    )
+
+
+def fixed(vehicle: Car, settings: FixedSettings | None = None, timing: Timing | None = None) -> Constant:
+    """One coefficient an axle, tuned: what passive dampers could do at best."""
+    settings = settings or FixedSettings()
+    ahead = np.array(vehicle.axle_x_m) >= 0.0
+    name = "front_ns_m and rear_ns_m"
+    return Constant(vehicle, np.where(ahead, settings.front_ns_m, settings.rear_ns_m), name)

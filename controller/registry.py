@@ -8,11 +8,14 @@ from types import ModuleType
 from typing import NamedTuple
 
 from controller.base import Controller, Timing
+from controller.hybrid import Hybrid
+from controller.lqr_clipped import ClippedLqr
 from controller.mpc import PredictiveController
-from controller.passive import Passive
+from controller.passive import fixed, passive
+from controller.pdd import PowerDriven
 from controller.settings import ControllerSettings
 from controller.skyhook import Skyhook
-from controller.two_state import TwoState, add, groundhook, skyhook2
+from controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
 from vehicle.parameters import Car
 
@@ -32,11 +35,16 @@ class Entry(NamedTuple):
 
 
 CONTROLLERS: dict[str, Entry] = {
-    "passive": Entry(Passive, "passive"),
+    "passive": Entry(passive, "passive"),
+    "fixed": Entry(fixed, "fixed"),
     "skyhook": Entry(Skyhook, "skyhook"),
-    "skyhook2": Entry(partial(TwoState, law=skyhook2)),
-    "groundhook": Entry(partial(TwoState, law=groundhook)),
-    "add": Entry(partial(TwoState, law=add)),
+    "skyhook2": Entry(partial(TwoState, law=skyhook2), "skyhook2"),
+    "groundhook": Entry(partial(TwoState, law=groundhook), "groundhook"),
+    "hybrid": Entry(Hybrid, "hybrid"),
+    "add": Entry(partial(TwoState, law=add), "add"),
+    "sh_add": Entry(sh_add, "sh_add"),
+    "pdd": Entry(PowerDriven, "pdd"),
+    "lqr_clipped": Entry(ClippedLqr, "lqr_clipped"),
     "mpc_reactive": Entry(partial(PredictiveController, sight="none"), "mpc"),
     "mpc_wheelbase": Entry(partial(PredictiveController, sight="wheelbase"), "mpc"),
     "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),

@@ -14,6 +14,78 @@ class PassiveSettings:
 
 
 @dataclass(frozen=True)
+class FixedSettings:
+    """Constant damping by axle; wheels at or ahead of the centre of gravity are front wheels."""
+
+    front_ns_m: float = 1500.0
+    rear_ns_m: float = 1500.0
+
+    def __post_init__(self) -> None:
+        _within("front_ns_m", self.front_ns_m, 0.0, inf)
+        _within("rear_ns_m", self.rear_ns_m, 0.0, inf)
+
+
+@dataclass(frozen=True)
+class TwoStateSettings:
+    """Damping of the laws that know hard and soft, as far as the dampers can do it."""
+
+    hard_ns_m: float = 4500.0
+    soft_ns_m: float = 300.0
+
+    def __post_init__(self) -> None:
+        _hard_and_soft(self.hard_ns_m, self.soft_ns_m)
+
+
+@dataclass(frozen=True)
+class ShAddSettings:
+    """Mixed skyhook and acceleration-driven damping: skyhook below `crossover_hz`."""
+
+    hard_ns_m: float = 4500.0
+    soft_ns_m: float = 300.0
+    crossover_hz: float = 1.8
+
+    def __post_init__(self) -> None:
+        _hard_and_soft(self.hard_ns_m, self.soft_ns_m)
+        _within("crossover_hz", self.crossover_hz, 0.0, 100.0)
+
+
+@dataclass(frozen=True)
+class HybridSettings:
+    """alpha: share of skyhook, the rest is groundhook. gain_ns_m: of both. The rest as skyhook's."""
+
+    gain_ns_m: float = 3000.0
+    alpha: float = 0.5
+    floor_ns_m: float = 300.0
+    smoothing_m_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        _within("gain_ns_m", self.gain_ns_m, 0.0, inf)
+        _within("alpha", self.alpha, 0.0, 1.0)
+        _within("floor_ns_m", self.floor_ns_m, 0.0, inf)
+        _within("smoothing_m_s", self.smoothing_m_s, 1e-4, 1.0)
+
+
+@dataclass(frozen=True)
+class LqrSettings:
+    """The clipped linear-quadratic regulator.
+
+    nominal_ns_m: damping around which the car is linear. rho: (m/s²)², weight of the relative tyre load.
+    force_weight: of (force in kN)². smoothing_m_s: as skyhook's.
+    """
+
+    nominal_ns_m: float = 1000.0
+    rho: float = 3.0
+    force_weight: float = 0.1
+    smoothing_m_s: float = 0.1
+
+    def __post_init__(self) -> None:
+        _within("nominal_ns_m", self.nominal_ns_m, 0.0, 1e5)
+        _within("rho", self.rho, 0.0, 1e3)
+        _within("force_weight", self.force_weight, 1e-6, 1e6)
+        _within("smoothing_m_s", self.smoothing_m_s, 1e-4, 1.0)
+
+
+@dataclass(frozen=True)
 class SkyhookSettings:
     """The imagined dampers of the skyhook family.
 
@@ -83,9 +155,22 @@ class ControllerSettings:
     """
 
     passive: PassiveSettings = field(default_factory=PassiveSettings)
+    fixed: FixedSettings = field(default_factory=FixedSettings)
     skyhook: SkyhookSettings = field(default_factory=SkyhookSettings)
+    skyhook2: TwoStateSettings = field(default_factory=TwoStateSettings)
+    groundhook: TwoStateSettings = field(default_factory=TwoStateSettings)
+    hybrid: HybridSettings = field(default_factory=HybridSettings)
+    add: TwoStateSettings = field(default_factory=TwoStateSettings)
+    sh_add: ShAddSettings = field(default_factory=ShAddSettings)
+    pdd: TwoStateSettings = field(default_factory=TwoStateSettings)
+    lqr_clipped: LqrSettings = field(default_factory=LqrSettings)
     mpc: MpcSettings = field(default_factory=MpcSettings)
     user: dict[str, float] = field(default_factory=dict)
+
+
+def _hard_and_soft(hard_ns_m: float, soft_ns_m: float) -> None:
+    _within("hard_ns_m", hard_ns_m, 0.0, inf)
+    _within("soft_ns_m", soft_ns_m, 0.0, hard_ns_m)
 
 
 def _within(name: str, value: float, low: float, high: float) -> None:

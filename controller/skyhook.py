@@ -1,18 +1,17 @@
-"""Semi-active laws that look at the present only: what preview has to beat.
+"""Continuous skyhook with a groundhook share.
 
-Continuous skyhook with a groundhook share (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974; Savaresi et al.,
-*Semi-Active Suspension Control Design for Vehicles*, 2010, ch. 6): an imagined damper `sky` between body and
-sky and another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that
-it can.
+Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974, with the groundhook share of Savaresi et al., *Semi-Active
+Suspension Control Design for Vehicles*, 2010, ch. 6: an imagined damper `sky` between body and sky and
+another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that it can.
 """
 
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
+from controller.corners import corners
 from controller.limits import Limits
 from controller.settings import SkyhookSettings
 from preview.horizon import RoadPreview
-from vehicle.equations import motion, rattle
 from vehicle.parameters import Car
 
 
@@ -26,9 +25,7 @@ class Skyhook(Stateless):
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,) in N·s/m that comes nearest to the imagined dampers' force."""
-        s = self._settings
-        relative = rattle(self._vehicle, estimate.x)[1]
-        wheel = np.array(motion(self._vehicle, estimate.x).wheel_velocity)
-        force = s.sky_ns_m * (wheel + relative) - s.ground_ns_m * wheel
-        damping = force * relative / (relative**2 + s.smoothing_m_s**2)
+        s, at = self._settings, corners(self._vehicle, estimate.x)
+        force = s.sky_ns_m * at.body - s.ground_ns_m * at.wheel
+        damping = force * at.relative / (at.relative**2 + s.smoothing_m_s**2)
         return self._limits.clip(np.maximum(damping, s.floor_ns_m))

@@ -1,19 +1,24 @@
-"""On–off semi-active laws: the damper is either as soft or as hard as it can be.
+"""On–off semi-active laws: the damper is either soft or hard.
 
 skyhook2: hard while the damper opposes the body's motion (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974).
 groundhook: hard while it opposes the wheel's motion (Valášek et al., Vehicle Syst. Dyn. 27, 1997).
-add: hard while it opposes the body's acceleration (Savaresi, Silani & Bittanti, J. Dyn. Syst. Meas. Control
-127, 2005).
+add: hard while it opposes the body's acceleration (acceleration-driven damping: Savaresi, Silani & Bittanti,
+J. Dyn. Syst. Meas. Control 127, 2005).
+sh_add: skyhook2 below a crossover frequency, add above it, told apart without a filter by |acceleration| over
+|velocity| of the body (Savaresi & Spelta, J. Dyn. Syst. Meas. Control 129, 2007).
 """
 
 from collections.abc import Callable
+from math import tau
 
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
+from controller.corners import corners
 from controller.limits import Limits
+from controller.settings import ShAddSettings, TwoStateSettings
 from preview.horizon import RoadPreview
-from vehicle.equations import body_acceleration, motion, rattle
+from vehicle.equations import FLOATS, body_acceleration
 from vehicle.parameters import Car
 
 Law = Callable[[Car, Estimate], np.ndarray]
@@ -22,28 +27,51 @@ Law = Callable[[Car, Estimate], np.ndarray]
 
 def skyhook2(vehicle: Car, estimate: Estimate) -> np.ndarray:
     """Velocity of the body over each wheel, m/s."""
-    wheel = np.array(motion(vehicle, estimate.x).wheel_velocity)
-    return wheel + rattle(vehicle, estimate.x)[1]
+    return corners(vehicle, estimate.x).body
 
 
 def groundhook(vehicle: Car, estimate: Estimate) -> np.ndarray:
     """Velocity of each wheel, downwards, m/s."""
-    return -np.array(motion(vehicle, estimate.x).wheel_velocity)
+    return -corners(vehicle, estimate.x).wheel
 
 
 def add(vehicle: Car, estimate: Estimate) -> np.ndarray:
     """Acceleration of the body over each wheel, m/s²."""
-    return body_acceleration(vehicle, estimate.x, estimate.road_height, estimate.road_velocity)
+    height, velocity = estimate.road_height.tolist(), estimate.road_velocity.tolist()
+    return np.array(body_acceleration(vehicle, estimate.x.tolist(), height, velocity, xp=FLOATS))
 
 
 class TwoState(Stateless):
-    """Most damping where `law` and suspension velocity agree in sign, least where they do not."""
+    """Hard where `law` and suspension velocity agree in sign, soft where they do not."""
 
-    def __init__(self, vehicle: Car, settings: None = None, timing: Timing | None = None, *, law: Law):
-        self._vehicle, self._law, self._limits = vehicle, law, Limits.of(vehicle)
+    def __init__(
+        self,
+        vehicle: Car,
+        settings: TwoStateSettings | None = None,
+        timing: Timing | None = None,
+        *,
+        law: Law,
+    ):
+        settings = settings or TwoStateSettings()
+        limits = Limits.of(vehicle)
+        self._vehicle, self._law = vehicle, law
+        self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
-        relative = rattle(self._vehicle, estimate.x)[1]
+        relative = corners(self._vehicle, estimate.x).relative
         hard = self._law(self._vehicle, estimate) * relative > 0.0
-        return np.where(hard, self._limits.high, self._limits.low)
+        return np.where(hard, self._hard, self._soft)
+
+
+def sh_add(vehicle: Car, settings: ShAddSettings | None = None, timing: Timing | None = None) -> TwoState:
+    """The mixed law of Savaresi & Spelta with the crossover and the two levels of `settings`."""
+    settings = settings or ShAddSettings()
+    crossover = tau * settings.crossover_hz
+
+    def mixed(vehicle: Car, estimate: Estimate) -> np.ndarray:
+        velocity, acceleration = skyhook2(vehicle, estimate), add(vehicle, estimate)
+        slow = acceleration**2 <= (crossover * velocity) ** 2
+        return np.where(slow, velocity, acceleration)
+
+    return TwoState(vehicle, TwoStateSettings(settings.hard_ns_m, settings.soft_ns_m), timing, law=mixed)

@@ -1,12 +1,13 @@
-"""Passive and skyhook: values that can be worked out by hand."""
+"""The reactive laws: values that can be worked out by hand."""
 
 import numpy as np
 import pytest
 
-from controller.passive import Passive
-from controller.settings import PassiveSettings, SkyhookSettings
+from controller.hybrid import Hybrid
+from controller.passive import fixed, passive
+from controller.settings import FixedSettings, HybridSettings, PassiveSettings, ShAddSettings, SkyhookSettings
 from controller.skyhook import Skyhook
-from controller.two_state import Law, TwoState, add, groundhook, skyhook2
+from controller.two_state import Law, TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
 from tests.controller.cars import estimate
 from vehicle.parameters import load_vehicle
@@ -23,14 +24,22 @@ def skyhook(sky: float, ground: float = 0.0) -> Skyhook:
 
 
 def test_passive_keeps_the_vehicles_coefficients() -> None:
-    np.testing.assert_array_equal(Passive(HALF).step(estimate(HALF), None), [1500.0, 1500.0])
-    fixed = Passive(HALF, PassiveSettings(2000.0))
-    np.testing.assert_array_equal(fixed.step(estimate(HALF), None), [2000.0, 2000.0])
+    np.testing.assert_array_equal(passive(HALF).step(estimate(HALF), None), [1500.0, 1500.0])
+    constant = passive(HALF, PassiveSettings(2000.0))
+    np.testing.assert_array_equal(constant.step(estimate(HALF), None), [2000.0, 2000.0])
 
 
 def test_passive_refuses_what_the_damper_cannot_do() -> None:
     with pytest.raises(InputError, match=r"damping_ns_m must lie in 300 \.\.\. 4500 N·s/m, got 9000"):
-        Passive(QUARTER, PassiveSettings(9000.0))
+        passive(QUARTER, PassiveSettings(9000.0))
+
+
+def test_fixed_damping_goes_by_axle() -> None:
+    settings = FixedSettings(front_ns_m=1100.0, rear_ns_m=900.0)
+    np.testing.assert_array_equal(fixed(HALF, settings).step(estimate(HALF), None), [1100.0, 900.0])
+    np.testing.assert_array_equal(fixed(QUARTER, settings).step(estimate(QUARTER), None), [1100.0])
+    with pytest.raises(InputError, match=r"front_ns_m and rear_ns_m must lie in 300 .* got 9000"):
+        fixed(HALF, FixedSettings(1000.0, 9000.0))
 
 
 @pytest.mark.parametrize(
@@ -86,3 +95,36 @@ def test_two_state_laws_by_hand(law: Law, body: float, wheel: float, rattle: flo
     x[0] = rattle
     command = TwoState(QUARTER, law=law).step(estimate(QUARTER, x), None)
     np.testing.assert_array_equal(command, [4500.0 if hard else 300.0])
+
+
+@pytest.mark.parametrize(
+    ("body", "wheel", "expected"),
+    [
+        (0.4, -0.2, 2000.0 * (0.75 * 0.4 + 0.25 * 0.2) / 0.6),  # both hooks can be had
+        (0.4, 0.2, 2000.0 * 0.75 * 0.4 / 0.2),  # the wheel's would push: the body's alone
+        (-0.1, -0.5, 2000.0 * 0.25 * 0.5 / 0.4),  # the body's would push: the wheel's alone
+        (0.1, 0.5, 2000.0 * 0.25 * 0.5 / 0.4),
+    ],
+)
+def test_hybrid_by_hand(body: float, wheel: float, expected: float) -> None:
+    """Gates are separate, so that one hook never takes from the other as in a single gate on their sum."""
+    law = Hybrid(QUARTER, HybridSettings(gain_ns_m=2000.0, alpha=0.75, floor_ns_m=300.0, smoothing_m_s=1e-4))
+    assert law.step(estimate(QUARTER, quarter(body, wheel)), None) == pytest.approx([expected], rel=1e-4)
+
+
+@pytest.mark.parametrize("frequency_hz", [0.5, 5.0])
+def test_sh_add_is_skyhook_below_its_crossover_and_add_above(frequency_hz: float) -> None:
+    """Body swinging at one frequency, wheel held, through a whole period; crossover at 1.8 Hz."""
+    crossing, swing = sh_add(QUARTER, ShAddSettings(crossover_hz=1.8)), 2 * np.pi * frequency_hz
+    pure = TwoState(QUARTER, law=skyhook2 if frequency_hz < 1.8 else add)
+    for phase in np.linspace(0.1, 2 * np.pi, 40):
+        # The spring alone would swing at its own frequency; rattle space is set for the one wanted.
+        acceleration = -0.01 * swing**2 * np.sin(phase)
+        x = quarter(0.01 * swing * np.cos(phase), 0.0)
+        x[0] = -(acceleration * QUARTER.sprung_mass_kg + x[4] * x[1]) / QUARTER.spring_n_m
+        at = estimate(QUARTER, x)
+        slow = abs(acceleration) <= 2 * np.pi * 1.8 * abs(x[1])
+        expected = TwoState(QUARTER, law=skyhook2 if slow else add).step(at, None)
+        np.testing.assert_array_equal(crossing.step(at, None), expected)
+        if abs(np.sin(2 * phase)) > 0.75:  # far enough from the zeros of velocity and acceleration
+            np.testing.assert_array_equal(crossing.step(at, None), pure.step(at, None))

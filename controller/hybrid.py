@@ -1,0 +1,32 @@
+"""Hybrid of skyhook and groundhook, each gated by itself.
+
+Goncalves & Ahmadian, Shock and Vibration 10(1), 2003, after Ahmadian, ASME DETC 1997: the damper is asked
+for gain·(alpha·σ_sky + (1 − alpha)·σ_ground), where σ_sky is the body's velocity while the damper opposes it,
+else zero, and σ_ground likewise the wheel's.
+"""
+
+import numpy as np
+
+from controller.base import Estimate, Stateless, Timing
+from controller.corners import corners
+from controller.limits import Limits
+from controller.settings import HybridSettings
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
+
+
+class Hybrid(Stateless):
+    """c = gain·(alpha·σ_sky + (1 − alpha)·σ_ground) / (v_s − v_u), clipped to floor and dampers."""
+
+    def __init__(self, vehicle: Car, settings: HybridSettings | None = None, timing: Timing | None = None):
+        self._vehicle = vehicle
+        self._settings = settings or HybridSettings()
+        self._limits = Limits.of(vehicle)
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,), N·s/m."""
+        s, at = self._settings, corners(self._vehicle, estimate.x)
+        sky = np.maximum(at.body * at.relative, 0.0)
+        ground = np.maximum(-at.wheel * at.relative, 0.0)
+        asked = s.gain_ns_m * (s.alpha * sky + (1.0 - s.alpha) * ground)
+        return self._limits.clip(np.maximum(asked / (at.relative**2 + s.smoothing_m_s**2), s.floor_ns_m))

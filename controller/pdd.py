@@ -1,0 +1,37 @@
+"""Power-driven damping: no power from the suspension into the body where the damper can prevent it.
+
+Morselli & Zanasi, Mechatronics 18, 2008, in the form of Poussot-Vassal et al., Annual Reviews in Control
+36(1), 2012: spring and damper take up the power p(c) = k·z·v + c·v² at rattle space z and its rate v; the
+damper is soft where p(soft) >= 0, hard where p(hard) < 0, and between them such that p vanishes.
+"""
+
+import numpy as np
+
+from controller.base import Estimate, Stateless, Timing
+from controller.corners import corners
+from controller.limits import Limits
+from controller.settings import TwoStateSettings
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
+
+_STILL_M_S = 1e-9
+
+
+class PowerDriven(Stateless):
+    """c = −k·z/v between soft and hard; halfway where a deflected suspension stands still."""
+
+    def __init__(self, vehicle: Car, settings: TwoStateSettings | None = None, timing: Timing | None = None):
+        settings = settings or TwoStateSettings()
+        limits = Limits.of(vehicle)
+        self._vehicle = vehicle
+        self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
+        self._spring = np.array([corner.spring_n_m for corner in vehicle.corners])
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,), N·s/m."""
+        at = corners(self._vehicle, estimate.x)
+        still = np.abs(at.relative) < _STILL_M_S
+        balancing = -self._spring * at.travel / np.where(still, 1.0, at.relative)
+        moving = np.clip(balancing, self._soft, self._hard)
+        resting = np.where(at.travel == 0.0, self._soft, 0.5 * (self._soft + self._hard))
+        return np.where(still, resting, moving)
