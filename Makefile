@@ -1,9 +1,10 @@
-# `make demo` runs the closed loop, `make test` the tests; both build .venv if it is missing or out of date.
+# `make demo` runs the closed loop, `make test` the tests, `make validation` the comparisons with other sources;
+# all build .venv if it is missing or out of date.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint validation clean
 
 demo: $(VENV)/.installed
 	$(BIN)/foreride demo
@@ -25,6 +26,9 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[training,dev]"
 	touch $@ $(VENV)/.installed
+
+validation: $(VENV)/.installed
+	$(BIN)/foreride validation --out docs/validation.md
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy .

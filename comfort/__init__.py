@@ -1,20 +1,27 @@
 """What a ride feels like, in numbers: ISO 2631-1 frequency weighting and the metrics built on it."""
 
-from comfort.metrics import ride_metrics
-from comfort.weighting import (
+from comfort.measures import (
+    COMFORT_BANDS,
+    comfort_bands,
     crest_factor,
-    frequency_weighting,
+    evdv,
+    msdv,
     mtvv,
     running_rms,
     vdv,
-    weight,
     weighted_rms,
-    wk_second_order,
 )
+from comfort.metrics import ride_metrics
+from comfort.weighting import WEIGHTINGS, frequency_weighting, weight, wk_second_order
 
 __all__ = [
+    "COMFORT_BANDS",
+    "WEIGHTINGS",
+    "comfort_bands",
     "crest_factor",
+    "evdv",
     "frequency_weighting",
+    "msdv",
     "mtvv",
     "ride_metrics",
     "running_rms",

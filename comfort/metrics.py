@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comfort.weighting import check_rate, crest_factor, mtvv, vdv, weight
+from comfort.measures import crest_factor, mtvv, vdv
+from comfort.weighting import check_rate, weight
 from files.errors import InputError
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from files.errors import InputError
-from scenarios.commands import compare, demo, detector, doctor, perception, render, run
+from scenarios.commands import compare, demo, detector, doctor, perception, render, run, validation
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -18,7 +18,7 @@ def parser() -> argparse.ArgumentParser:
         description="What a car gains when its suspension sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (demo, run, compare, perception, render, detector, doctor):
+    for command in (demo, run, compare, perception, render, detector, validation, doctor):
         command.add(commands)
     return top
 

@@ -1,0 +1,69 @@
+"""`foreride validation`: hold every check against its reference and write the table."""
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+from rich.progress import track
+
+from files.atomic import write_text
+from scenarios.commands.options import console
+from scenarios.runfolder import environment, to_json
+from scenarios.validation.areas import count, run_all
+from scenarios.validation.check import Check
+
+_HEAD = """# Validation
+
+Made by `make validation`. Each row compares foreride with something that is not foreride; the deviation is
+the largest one over all values compared, and a row passes when it is inside its bound.
+"""
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("validation", help="compare with closed forms, standards, other programs")
+    command.add_argument("--out", type=Path, metavar="FILE", help="write the table as Markdown")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run all checks; exit code 1 if one failed."""
+    rows = list(track(run_all(), "checks", total=count(), console=console, transient=True))
+    for area, check in rows:
+        mark = "[green]ok[/]    " if check.passed else "[red]FAILED[/]"
+        measured = f"{_shown(check, check.deviation)} of {_shown(check, check.bound)}"
+        console.print(f"{mark} {area}: {check.name}: {measured} ({check.reference})", highlight=False)
+    failed = sum(not check.passed for _, check in rows)
+    console.print(f"{len(rows) - failed} of {len(rows)} checks passed")
+    if arguments.out:
+        write_text(arguments.out, markdown(rows))
+    if arguments.json:
+        checks = [_entry(area, check) for area, check in rows]
+        document = {"schema": 1, "manifest": environment(), "passed": failed == 0, "checks": checks}
+        write_text(arguments.json, to_json(document) + "\n")
+    return 1 if failed else 0
+
+
+def _entry(area: str, check: Check) -> dict[str, Any]:
+    deviation = check.deviation if math.isfinite(check.deviation) else None  # JSON knows no infinity
+    return {"area": area, **vars(check), "deviation": deviation, "passed": check.passed}
+
+
+def markdown(rows: list[tuple[str, Check]]) -> str:
+    """The rows as a document with one table for each area."""
+    lines = [_HEAD]
+    for area in dict.fromkeys(area for area, _ in rows):
+        lines += [f"## {area}\n", "| check | reference | deviation | bound | |", "|---|---|---|---|---|"]
+        for check in (check for of, check in rows if of == area):
+            verdict = "pass" if check.passed else "**FAIL**"
+            measured = f"{_shown(check, check.deviation)} | {_shown(check, check.bound)}"
+            lines.append(f"| {check.name} | {check.reference} | {measured} | {verdict} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _shown(check: Check, value: float) -> str:
+    """Two figures and the unit; ratios in per cent."""
+    return f"{value:.2g} {check.unit}" if check.unit else f"{100 * value:.2g} %"

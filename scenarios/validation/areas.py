@@ -1,0 +1,24 @@
+"""All checks by area, and running them."""
+
+from collections.abc import Iterator
+
+from scenarios.validation import comfort, road, vehicle
+from scenarios.validation.check import Check, Checks
+
+AREAS: dict[str, Checks] = {"Road": road.CHECKS, "Vehicle": vehicle.CHECKS, "Comfort": comfort.CHECKS}
+
+
+def count() -> int:
+    """Number of checks."""
+    return sum(len(checks) for checks in AREAS.values())
+
+
+def run_all() -> Iterator[tuple[str, Check]]:
+    """Area and row of one check after another; a check that raises fails with infinite deviation."""
+    for area, checks in AREAS.items():
+        for check in checks:
+            try:
+                yield area, check()
+            except Exception as error:  # one broken check must not hide the others
+                problem = f"{type(error).__name__}: {error}".splitlines()[0]
+                yield area, Check(getattr(check, "__name__", str(check)), problem, float("inf"), 0.0)
