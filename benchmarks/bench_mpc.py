@@ -53,7 +53,7 @@ def measure(car: str, period_s: float, count: int) -> dict[str, object]:
     pairs = situations(vehicle, count)
     step = median_ms([lambda pair=pair: controller.step(*pair) for pair in pairs])  # type: ignore[misc]
     condense, limits = controller._condense, controller._limits
-    state, plan = condense._state.copy(), controller._plan.copy()
+    state, plan = condense.states[:, 0].copy(), controller._plan.copy()
     road = controller._road.heights(controller._node_times)
     prepare = median_ms([lambda: condense(state, plan, road)] * count)
     program = condense(state, plan, road)

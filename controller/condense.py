@@ -1,8 +1,8 @@
 """From a plan to the quadratic program of its best correction: rollout, sensitivities, Gauss–Newton.
 
-The states are eliminated (condensing): with S the sensitivity of the state by the plan, each interval adds
-its residuals' Jacobian R_x·S + R_u, and H = JᵀJ, g = Jᵀr. The model is evaluated by CasADi, the algebra by
-Numba.
+The states are eliminated (condensing): with S the sensitivity of the state by the plan and C that of a step's
+residuals r by the state, each step adds (CS)ᵀCS to H and (CS)ᵀr to g. Model and its slopes run as compiled by
+`controller.native`, the slopes of several steps at once; the algebra is Numba's.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,7 @@ import numpy as np
 
 from controller.model import PredictionModel
 from controller.terminal import TerminalCost
+from controller.time_grid import TimeGrid
 
 
 class Condensed(NamedTuple):
@@ -24,112 +25,144 @@ class Condensed(NamedTuple):
 class Condenser:
     """Linearises the model along a plan and eliminates the states; buffers are allocated once.
 
-    Its results are views that the next call overwrites.
+    The cost is the integral over the horizon, in units of `period_s`, of the residuals' squares and of
+    `input_weight` times (command − 1)². Results are views that the next call overwrites.
     """
 
-    def __init__(self, model: PredictionModel, terminal: TerminalCost, intervals: int):
-        wheels, n_x, n_r = model.vehicle.wheels, model.n_x, model.n_r
-        self._terminal = terminal
-        self._plan = np.zeros((intervals, wheels))
-        self._state = np.zeros(n_x)
-        self._road = np.zeros((intervals, model.substeps + 1, wheels))
-        self._nodes = np.arange(intervals)[:, None] * model.substeps + np.arange(model.substeps + 1)
-        self.states = np.zeros((intervals, n_x))
-        self.residuals = np.zeros((intervals, n_r))
-        # CasADi stores by columns, so each matrix arrives transposed: (interval, column, row).
-        self._slopes = (
-            np.zeros((intervals, n_x, n_x)),
-            np.zeros((intervals, wheels, n_x)),
-            np.zeros((intervals, n_x, n_r)),
-            np.zeros((intervals, wheels, n_r)),
-        )
+    def __init__(
+        self,
+        model: PredictionModel,
+        terminal: TerminalCost,
+        grid: TimeGrid,
+        period_s: float,
+        input_weight: float,
+    ):
+        steps, intervals, wheels = len(grid.step_s), len(grid.intervals_s), model.vehicle.wheels
+        self._model, self._terminal, self._steps = model, terminal, steps
+        self._interval = grid.interval
+        self._weights = grid.step_s / period_s
+        self._input_weights = np.repeat(input_weight * np.array(grid.intervals_s) / period_s, wheels)
+        lanes = model.linearise.lanes
+        self._padded = -(-steps // lanes) * lanes
+        # Columns are steps; the state that a step reaches is written where the next one begins.
+        self._points = np.zeros((model.linearise.rows_in, self._padded + 1))
+        self._points[-1] = grid.step_s[-1]
+        self._points[-1, :steps] = grid.step_s
+        self._results = np.zeros((model.linearise.rows_out, self._padded))
+        self._entries = _entries(model)
         self._hessian = np.zeros((intervals * wheels, intervals * wheels))
         self._gradient = np.zeros(intervals * wheels)
-        self._buffer, self._evaluate = model.linearised.mapaccum(intervals).buffer()
-        for i, array in enumerate((self._state, self._plan, self._road)):
-            self._buffer.set_arg(i, memoryview(array.reshape(-1)))  # type: ignore[call-arg]
-        for i, array in enumerate((self.states, self.residuals, *self._slopes)):
-            self._buffer.set_res(i, memoryview(array.reshape(-1)))  # type: ignore[call-arg]
+
+    @property
+    def states(self) -> np.ndarray:
+        """The states that the last plan led through, its start included, (n_x, steps + 1)."""
+        return self._points[: self._model.n_x, : self._steps + 1]
 
     def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
         """Condense about `plan` (intervals, wheels) kN·s/m from `state` (n_x,).
 
-        road: (wheels, intervals · substeps + 1) heights at the Runge–Kutta steps' ends, m.
+        road: (wheels, steps + 1) heights at the ends of the grid's steps, m.
         """
-        self._state[:] = state
-        self._plan[:] = plan
-        self._road[:] = road.T[self._nodes]
-        self._evaluate()
-        ending = self._terminal.root @ (self.states[-1] - self._terminal.rest @ road[:, -1])
-        _condense(self.residuals, *self._slopes, ending, self._terminal.root, self._hessian, self._gradient)
+        n_x, wheels, steps = self._model.n_x, self._model.vehicle.wheels, self._steps
+        points = self._points
+        points[:n_x, 0] = state
+        points[n_x : n_x + wheels, :steps] = plan.T[:, self._interval]
+        points[n_x + wheels : n_x + 2 * wheels, :steps] = road[:, :-1]
+        points[n_x + 2 * wheels : n_x + 3 * wheels, :steps] = road[:, 1:]
+        self._model.advance(points, points[:, 1:], steps)
+        self._model.linearise(points, self._results, self._padded)
+        root = self._terminal.root
+        ending = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
+        _condense(
+            self._results,
+            self._entries,
+            self._interval,
+            self._weights,
+            ending,
+            root,
+            self._hessian,
+            self._gradient,
+        )
+        self._gradient += self._input_weights * (plan.ravel() - 1.0)
+        self._hessian.flat[:: len(self._gradient) + 1] += self._input_weights
         return Condensed(self._hessian, self._gradient)
 
-    def cost(self, road: np.ndarray) -> float:
-        """Cost of the plan that was condensed last, on the same road."""
-        ending = self._terminal.root @ (self.states[-1] - self._terminal.rest @ road[:, -1])
-        return float(np.sum(self.residuals**2) + ending @ ending)
+
+def _entries(model: PredictionModel) -> np.ndarray:
+    """Which matrix (0: state by state, 1: state by command, 2: residuals by state), row and column, each."""
+    listed = []
+    for matrix in range(3):
+        rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
+        listed += [(matrix, row, column) for row, column in zip(rows, columns, strict=True)]
+    return np.array(listed, dtype=np.int64)
 
 
 _MATRIX = numba.float64[:, ::1]
-_CUBE = numba.float64[:, :, ::1]
 _VECTOR = numba.float64[::1]
 
 
-@numba.njit(numba.void(_MATRIX, _MATRIX, numba.int64, _MATRIX), cache=True)
-def _times(left: np.ndarray, right: np.ndarray, rows: int, out: np.ndarray) -> None:
-    """out = left @ right for the first `rows` rows; small enough for plain loops."""
-    for i in range(rows):
-        for k in range(right.shape[1]):
-            out[i, k] = 0.0
-        for j in range(right.shape[0]):
-            for k in range(right.shape[1]):
-                out[i, k] += left[i, j] * right[j, k]
-
-
-@numba.njit(numba.void(_MATRIX, _VECTOR, numba.int64, _MATRIX, _VECTOR), cache=True)
+@numba.njit(numba.void(_MATRIX, _VECTOR, numba.float64, numba.int64, _MATRIX, _VECTOR), cache=True)
 def _add_squares(
-    jacobian: np.ndarray, residuals: np.ndarray, rows: int, hessian: np.ndarray, gradient: np.ndarray
-) -> None:
-    """Add JᵀJ to the lower triangle and Jᵀr; `jacobian` is transposed, only its first rows are not zero."""
-    for i in range(rows):
-        for r in range(len(residuals)):
-            gradient[i] += jacobian[i, r] * residuals[r]
-        for j in range(i + 1):
-            total = 0.0
-            for r in range(len(residuals)):
-                total += jacobian[i, r] * jacobian[j, r]
-            hessian[i, j] += total
-
-
-@numba.njit(numba.void(_MATRIX, _CUBE, _CUBE, _CUBE, _CUBE, _VECTOR, _MATRIX, _MATRIX, _VECTOR), cache=True)
-def _condense(
+    jacobian: np.ndarray,
     residuals: np.ndarray,
-    state_by_state: np.ndarray,
-    state_by_input: np.ndarray,
-    residual_by_state: np.ndarray,
-    residual_by_input: np.ndarray,
+    weight: float,
+    inputs: int,
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+) -> None:
+    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are not zero."""
+    for r in range(len(residuals)):
+        for i in range(inputs):
+            factor = weight * jacobian[r, i]
+            gradient[i] += factor * residuals[r]
+            for j in range(i + 1):
+                hessian[i, j] += factor * jacobian[r, j]
+
+
+@numba.njit(
+    numba.void(_MATRIX, numba.int64[:, ::1], numba.int64[::1], _VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR),
+    cache=True,
+)
+def _condense(
+    results: np.ndarray,
+    entries: np.ndarray,
+    interval: np.ndarray,
+    weights: np.ndarray,
     ending: np.ndarray,
     root: np.ndarray,
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
-    """Accumulate H and g; rows of inputs that have not acted yet are left out."""
-    intervals, wheels, n_x = state_by_input.shape
-    inputs = intervals * wheels
-    sensitivity, advanced = np.zeros((inputs, n_x)), np.zeros((inputs, n_x))
-    jacobian, last = np.zeros((inputs, residuals.shape[1])), np.zeros((inputs, n_x))
+    """Accumulate H and g; columns of commands that have not acted yet are left out."""
+    n_x, n_r, inputs = len(ending), results.shape[0] - len(entries), len(gradient)
+    wheels = inputs // (interval[-1] + 1)
+    now, after = np.zeros((n_x, inputs)), np.zeros((n_x, inputs))
+    jacobian, last = np.zeros((n_r, inputs)), np.zeros((n_x, inputs))
     hessian[:] = 0.0
     gradient[:] = 0.0
-    for k in range(intervals):
-        past = k * wheels
-        _times(sensitivity, residual_by_state[k], past, jacobian)
-        jacobian[past : past + wheels] = residual_by_input[k]
-        _add_squares(jacobian, residuals[k], past + wheels, hessian, gradient)
-        _times(sensitivity, state_by_state[k], past, advanced)
-        advanced[past : past + wheels] = state_by_input[k]
-        sensitivity, advanced = advanced, sensitivity
-    _times(sensitivity, np.ascontiguousarray(root.T), inputs, last)
-    _add_squares(last, ending, inputs, hessian, gradient)
+    for step in range(len(interval)):
+        past = interval[step] * wheels
+        acted = past + wheels
+        after[:, :acted] = 0.0
+        jacobian[:, :acted] = 0.0
+        for e in range(len(entries)):
+            matrix, row, column = entries[e]
+            value = results[n_r + e, step]
+            if matrix == 0:
+                for i in range(acted):
+                    after[row, i] += value * now[column, i]
+            elif matrix == 1:
+                after[row, past + column] += value
+            else:
+                for i in range(acted):
+                    jacobian[row, i] += value * after[column, i]
+        _add_squares(jacobian, results[:n_r, step].copy(), weights[step], acted, hessian, gradient)
+        now, after = after, now
+    for row in range(n_x):
+        for column in range(row, n_x):
+            for i in range(inputs):
+                last[row, i] += root[row, column] * now[column, i]
+    _add_squares(last, ending, 1.0, inputs, hessian, gradient)
     for i in range(inputs):
         for j in range(i):
             hessian[j, i] = hessian[i, j]

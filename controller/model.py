@@ -1,8 +1,8 @@
 """The prediction model: the vehicle's own equations, comfort filters on its seats, and the cost's residuals.
 
-The squared residuals of an interval sum up to wk² + rho·load², with wk the Wk-weighted acceleration averaged
-over the seats and load the dynamic tyre load relative to the static one averaged over the wheels, so the sum
-over a horizon is its number of intervals times the objective J of `comfort.metrics`.
+The squared residuals sum up to wk² + rho·load², with wk the Wk-weighted acceleration averaged over the seats
+and load the dynamic tyre load relative to the static one averaged over the wheels, so their mean over time is
+the objective J of `comfort.metrics`.
 """
 
 from dataclasses import dataclass
@@ -12,62 +12,66 @@ import casadi
 import numpy as np
 
 from comfort.weighting import wk_second_order
+from controller.native import Kernel
 from vehicle import equations
 from vehicle.parameters import Car
 
 KILO = 1000.0
 """Plans are in kN·s/m, so that a plan's elements are of order one."""
+LANES = 8
+"""Steps that are linearised side by side."""
 
 
 @dataclass(frozen=True)
 class PredictionModel:
-    """One control interval with its command held, as CasADi functions.
+    """One Runge–Kutta step with the command held, as CasADi functions and compiled.
 
     State (n_x,): the vehicle's, then two of the second-order Wk filter for each seat.
-    command (wheels,) kN·s/m; road (wheels, substeps + 1): heights at equal spacing over the interval, m.
-
-    step: (state, command, road, duration_s) → next state.
-    linearised: (state, command, road) over `interval_s` → next state, residuals (n_r,), and the derivatives
-    of both by state and by command.
-    outputs: (n_x,) → weighted accelerations and relative tyre loads on a road at height zero, as in the cost.
+    step: (state, command (wheels,) kN·s/m, heights at start and end (wheels,) m, duration s) → next state.
+    slopes: the same → residuals (n_r,) at the step's end, derivatives of the next state by state and by
+    command, and of the residuals by the next state; only the entries that can differ from zero.
+    outputs: (n_x,) → the residuals on a road at height zero.
+    advance, linearise: `step` and `slopes` compiled.
     """
 
     vehicle: Car
-    interval_s: float
-    substeps: int
     n_x: int
     n_r: int
     step: casadi.Function
-    linearised: casadi.Function
+    slopes: casadi.Function
     outputs: casadi.Function
+    advance: Kernel
+    linearise: Kernel
 
 
 @lru_cache(maxsize=16)
-def prediction_model(
-    vehicle: Car, interval_s: float, substeps: int, rho: float = 3.0, input_weight: float = 1e-3
-) -> PredictionModel:
-    """Assemble the model; the same arguments give the same object, as building takes half a second.
+def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
+    """Assemble the model; the same arguments give the same object, as compiling takes half a second.
 
-    substeps: Runge–Kutta steps an interval; the cost is taken at the end of each.
-    rho: (m/s²)², weight of the tyre load. input_weight: of (command − 1)², command in kN·s/m.
+    rho: (m/s²)², weight of the tyre load.
     """
     x = casadi.SX.sym("state", equations.state_size(vehicle) + 2 * len(vehicle.seat_x_m))
-    u = casadi.SX.sym("command", vehicle.wheels)
-    road = casadi.SX.sym("road", vehicle.wheels, substeps + 1)
+    u, start, end = (casadi.SX.sym(name, vehicle.wheels) for name in ("command", "start", "end"))
     duration = casadi.SX.sym("duration")
-    rest = casadi.SX.zeros(vehicle.wheels)
-    after, r = _interval(vehicle, x, u, road, interval_s, rho)
-    r = casadi.vertcat(r, np.sqrt(input_weight) * (u - 1.0))
-    slopes = [casadi.densify(casadi.jacobian(a, b)) for a in (after, r) for b in (x, u)]
+    velocity = (end - start) / duration
+    after = _integrate(vehicle, x, u, start, velocity, duration)
+    residuals = _outputs(vehicle, x, end, velocity, rho)
+    by_state = casadi.substitute(casadi.jacobian(residuals, x), x, after)
+    reached = casadi.substitute(residuals, x, after)
+    inputs, rest = [x, u, start, end, duration], casadi.SX.zeros(vehicle.wheels)
+    slopes = [reached, casadi.jacobian(after, x), casadi.jacobian(after, u), by_state]
+    step = casadi.Function("step", inputs, [after], {"cse": True})
+    linear = casadi.Function("slopes", inputs, slopes, {"cse": True})
+    outputs = casadi.Function("outputs", [x], [_outputs(vehicle, x, rest, rest, rho)])
     return PredictionModel(
         vehicle,
-        interval_s,
-        substeps,
         x.numel(),
-        r.numel(),
-        casadi.Function("step", [x, u, road, duration], [_interval(vehicle, x, u, road, duration, rho)[0]]),
-        casadi.Function("linearised", [x, u, road], [after, r, *slopes], {"cse": True}),
-        casadi.Function("outputs", [x], [_outputs(vehicle, x, rest, rest, rho)]),
+        residuals.numel(),
+        step,
+        linear,
+        outputs,
+        Kernel(step),
+        Kernel(linear, LANES),
     )
 
 
@@ -75,29 +79,22 @@ def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velo
     """Rate of change of the vehicle's and the comfort filters' states."""
     n = equations.state_size(vehicle)
     rates = equations.derivative(vehicle, x[:n], KILO * u, height, velocity, casadi)
-    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_x_m, casadi)
+    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_levers, casadi)
     a, b, _ = wk_second_order().state_space()
     filters = [a @ x[n + 2 * i : n + 2 * i + 2] + b * felt[i] for i in range(felt.numel())]
     return casadi.vertcat(rates, *filters)
 
 
-def _interval(
-    vehicle: Car, x: casadi.SX, u: casadi.SX, road: casadi.SX, duration: casadi.SX | float, rho: float
-) -> tuple[casadi.SX, casadi.SX]:
-    """Integrate by classical Runge–Kutta; heights are straight lines between their nodes."""
-    substeps = road.shape[1] - 1
-    h = duration / substeps
-    residuals = []
-    for i in range(substeps):
-        start, end = road[:, i], road[:, i + 1]
-        velocity, middle = (end - start) / h, 0.5 * (start + end)
-        k1 = derivative(vehicle, x, u, start, velocity)
-        k2 = derivative(vehicle, x + 0.5 * h * k1, u, middle, velocity)
-        k3 = derivative(vehicle, x + 0.5 * h * k2, u, middle, velocity)
-        k4 = derivative(vehicle, x + h * k3, u, end, velocity)
-        x = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        residuals.append(_outputs(vehicle, x, end, velocity, rho) / np.sqrt(substeps))
-    return x, casadi.vertcat(*residuals)
+def _integrate(
+    vehicle: Car, x: casadi.SX, u: casadi.SX, start: casadi.SX, velocity: casadi.SX, h: casadi.SX
+) -> casadi.SX:
+    """Classical Runge–Kutta on a road that is a straight line over the step."""
+    middle, end = start + 0.5 * h * velocity, start + h * velocity
+    k1 = derivative(vehicle, x, u, start, velocity)
+    k2 = derivative(vehicle, x + 0.5 * h * k1, u, middle, velocity)
+    k3 = derivative(vehicle, x + 0.5 * h * k2, u, middle, velocity)
+    k4 = derivative(vehicle, x + h * k3, u, end, velocity)
+    return x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
 def _outputs(vehicle: Car, x: casadi.SX, height: casadi.SX, velocity: casadi.SX, rho: float) -> casadi.SX:

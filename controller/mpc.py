@@ -20,13 +20,12 @@ from controller.settings import MpcSettings
 from controller.skyhook import Skyhook
 from controller.supervisor import Book, Fallback
 from controller.terminal import terminal_cost
+from controller.time_grid import TimeGrid, uniform
 from controller.wheelbase import WheelbasePreview
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 Sight = Literal["none", "wheelbase", "preview"]
-LONGEST_STEP_S = 0.005
-"""Longest Runge–Kutta step that bump stops and damper lag allow."""
 
 
 class PredictiveController:
@@ -44,13 +43,12 @@ class PredictiveController:
         self._sight = sight
         self._wheelbase = WheelbasePreview(vehicle) if sight == "wheelbase" else None
         period = self._timing.period_s
-        substeps = int(np.ceil(period / LONGEST_STEP_S - 1e-9))
-        intervals = max(2, round(self._settings.horizon_s / period))
-        self._model = prediction_model(
-            vehicle, period, substeps, self._settings.rho, self._settings.input_weight
-        )
-        self._condense = Condenser(self._model, terminal_cost(self._model), intervals)
-        self._node_times = self._timing.delay_s + np.arange(intervals * substeps + 1) * (period / substeps)
+        grid = uniform(self._settings.horizon_s, period)
+        self._model = prediction_model(vehicle, self._settings.rho)
+        terminal = terminal_cost(self._model, period)
+        self._condense = Condenser(self._model, terminal, grid, period, self._settings.input_weight)
+        self._intervals = len(grid.intervals_s)
+        self._node_times = self._timing.delay_s + grid.nodes_s
         self._limits = Limits.of(vehicle)
         self._filter = ComfortFilter(vehicle, period)
         self._pipeline = Pipeline(self._timing, self._limits.passive)
@@ -61,7 +59,7 @@ class PredictiveController:
 
     def reset(self) -> None:
         """Forget plan, past commands and statistics."""
-        self._plan = np.tile(self._limits.passive / KILO, (len(self._condense.states), 1))
+        self._plan = np.tile(self._limits.passive / KILO, (self._intervals, 1))
         self._filter.reset()
         self._pipeline.reset()
         self._road.reset()
@@ -109,10 +107,11 @@ class PredictiveController:
     def _predict(self, state: np.ndarray) -> np.ndarray:
         """Carry the state forward through the commands that are still on their way."""
         for start, duration, command in self._pipeline.pending():
-            times = start + duration * np.linspace(0.0, 1.0, self._model.substeps + 1)
-            state = np.array(self._model.step(state, command / KILO, self._road.heights(times), duration))[
-                :, 0
-            ]
+            grid = TimeGrid((duration,))
+            heights = self._road.heights(start + grid.nodes_s)
+            for i, step_s in enumerate(grid.step_s):
+                ends = heights[:, i], heights[:, i + 1]
+                state = np.array(self._model.step(state, command / KILO, *ends, step_s))[:, 0]
         return state
 
     def _answer(self, estimate: Estimate, problem: str | None) -> np.ndarray:

@@ -23,18 +23,20 @@ class TerminalCost:
     rest: np.ndarray
 
 
-def terminal_cost(model: PredictionModel, damping_ns_m: np.ndarray | None = None) -> TerminalCost:
+def terminal_cost(
+    model: PredictionModel, period_s: float, damping_ns_m: np.ndarray | None = None
+) -> TerminalCost:
     """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
 
-    C gives the cost's weighted outputs; P is divided by the interval, as the cost is a sum over intervals.
-    Bump stops and lift-off play no part; actual damping has no weight, as at rest it does nothing.
+    C gives the cost's weighted outputs; P is divided by `period_s`, the unit of time of the cost. Bump stops
+    and lift-off play no part; actual damping has no weight, as at rest it does nothing.
     """
     vehicle = model.vehicle
     damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
     a, c = _linear(model, damping)
     n = equations.state_size(vehicle)
     kept = np.r_[0 : n - vehicle.wheels, n : model.n_x]
-    p = solve_continuous_lyapunov(a[np.ix_(kept, kept)].T, -c[:, kept].T @ c[:, kept]) / model.interval_s
+    p = solve_continuous_lyapunov(a[np.ix_(kept, kept)].T, -c[:, kept].T @ c[:, kept]) / period_s
     root = np.zeros((model.n_x, model.n_x))
     root[np.ix_(kept, kept)] = cholesky(p + 1e-9 * np.eye(len(kept)))
     return TerminalCost(root, _rest(vehicle, model.n_x))

@@ -9,20 +9,23 @@ from controller.limits import Limits
 from controller.model import KILO, PredictionModel, prediction_model
 from controller.qp import solve_box
 from controller.terminal import TerminalCost, terminal_cost
+from controller.time_grid import TimeGrid
 from vehicle.equations import rest_state
 from vehicle.parameters import load_vehicle
 
-INTERVALS = 8
+PERIOD_S, INPUT_WEIGHT = 0.01, 1e-3
+GRID = TimeGrid((0.01,) * 4 + (0.005, 0.005, 0.02))
+INTERVALS, STEPS = len(GRID.intervals_s), len(GRID.step_s)
 
 
 @pytest.fixture(params=["quarter", "half"])
 def model(request: pytest.FixtureRequest) -> PredictionModel:
-    return prediction_model(load_vehicle(request.param), 0.01, 2)
+    return prediction_model(load_vehicle(request.param))
 
 
 @pytest.fixture
 def terminal(model: PredictionModel) -> TerminalCost:
-    return terminal_cost(model)
+    return terminal_cost(model, PERIOD_S)
 
 
 def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -35,7 +38,7 @@ def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.nda
     )
     state[len(rest) - model.vehicle.wheels : len(rest)] = 1200.0
     plan = rng.uniform(0.5, 3.0, (INTERVALS, model.vehicle.wheels))
-    steps = rng.normal(0, 0.01, (model.vehicle.wheels, INTERVALS * model.substeps + 1))
+    steps = rng.normal(0, 0.01, (model.vehicle.wheels, STEPS + 1))
     return state, plan, np.cumsum(steps, axis=1)
 
 
@@ -43,22 +46,28 @@ def rollout(
     model: PredictionModel, terminal: TerminalCost, state: np.ndarray, plan: np.ndarray, road: np.ndarray
 ) -> np.ndarray:
     """All residuals, one interval after the other, without the condenser."""
-    parts = []
-    for k, u in enumerate(plan):
-        first = k * model.substeps
-        outputs = model.linearised(state, u, road[:, first : first + model.substeps + 1])
-        state, residuals = (np.array(value)[:, 0] for value in outputs[:2])
-        parts.append(residuals)
+    parts = [np.sqrt(input_weights(model)) * (plan.ravel() - 1.0)]
+    for k, (u, h) in enumerate(zip(plan[GRID.interval], GRID.step_s, strict=True)):
+        residuals, *_ = model.slopes(state, u, road[:, k], road[:, k + 1], h)
+        state = np.array(model.step(state, u, road[:, k], road[:, k + 1], h))[:, 0]
+        parts.append(np.sqrt(h / PERIOD_S) * np.array(residuals)[:, 0])
     parts.append(terminal.root @ (state - terminal.rest @ road[:, -1]))
     return np.concatenate(parts)
+
+
+def condense(model: PredictionModel, terminal: TerminalCost) -> Condenser:
+    return Condenser(model, terminal, GRID, PERIOD_S, INPUT_WEIGHT)
+
+
+def input_weights(model: PredictionModel) -> np.ndarray:
+    return np.repeat(INPUT_WEIGHT * np.array(GRID.intervals_s) / PERIOD_S, model.vehicle.wheels)
 
 
 def test_gradient_and_hessian_agree_with_finite_differences(
     model: PredictionModel, terminal: TerminalCost
 ) -> None:
     state, plan, road = situation(model)
-    condenser = Condenser(model, terminal, INTERVALS)
-    condensed = condenser(state, plan, road)
+    condensed = condense(model, terminal)(state, plan, road)
     step = 1e-5
     columns = []
     for index in range(plan.size):
@@ -72,11 +81,10 @@ def test_gradient_and_hessian_agree_with_finite_differences(
     scale = np.abs(jacobian.T @ jacobian).max()
     np.testing.assert_allclose(condensed.gradient, jacobian.T @ residuals, rtol=1e-5, atol=1e-6 * scale)
     np.testing.assert_allclose(condensed.hessian, jacobian.T @ jacobian, rtol=1e-4, atol=1e-6 * scale)
-    assert condenser.cost(road) == pytest.approx(residuals @ residuals)
 
 
 def test_hessian_is_symmetric_and_positive_definite(model: PredictionModel, terminal: TerminalCost) -> None:
-    hessian = Condenser(model, terminal, INTERVALS)(*situation(model)).hessian
+    hessian = condense(model, terminal)(*situation(model)).hessian
     np.testing.assert_allclose(hessian, hessian.T, rtol=1e-12)
     assert np.linalg.eigvalsh(hessian).min() > 0
 
@@ -86,7 +94,7 @@ def test_correction_agrees_with_a_sparse_program(model: PredictionModel, termina
     state, plan, road = situation(model)
     limits = Limits.of(model.vehicle)
     low, high = limits.low / KILO - plan, limits.high / KILO - plan
-    condensed = Condenser(model, terminal, INTERVALS)(state, plan, road)
+    condensed = condense(model, terminal)(state, plan, road)
     ours = solve_box(condensed.hessian, condensed.gradient, low.ravel(), high.ravel())
     assert ours.problem is None
     sparse = sparse_correction(model, terminal, (state, plan, road), (low, high))
@@ -105,19 +113,18 @@ def sparse_correction(
     scale = np.ones(model.n_x)
     n = len(rest_state(model.vehicle))
     scale[n - model.vehicle.wheels : n] = KILO  # keeps the sparse program as well conditioned as ours
-    dx = opti.variable(model.n_x, INTERVALS + 1)
+    dx = opti.variable(model.n_x, STEPS + 1)
     du = opti.variable(model.vehicle.wheels, INTERVALS)
     opti.subject_to(dx[:, 0] == 0)
-    cost = 0
-    for k in range(INTERVALS):
-        first = k * model.substeps
-        outputs = model.linearised(state, plan[k], road[:, first : first + model.substeps + 1])
-        after, r, a, b, r_x, r_u = (np.array(value) for value in outputs)
-        change = a @ (scale * dx[:, k]) + b @ du[:, k]
+    opti.subject_to(opti.bounded(bounds[0].T, du, bounds[1].T))
+    cost = casadi.sumsqr(np.sqrt(input_weights(model)) * (casadi.vec(du) + plan.ravel() - 1.0))
+    for k, (i, h) in enumerate(zip(GRID.interval, GRID.step_s, strict=True)):
+        inputs = (state, plan[i], road[:, k], road[:, k + 1], h)
+        r, a, b, c = (np.array(value) for value in model.slopes(*inputs))
+        change = a @ (scale * dx[:, k]) + b @ du[:, i]
         opti.subject_to(dx[:, k + 1] == change / scale)
-        opti.subject_to(opti.bounded(bounds[0][k], du[:, k], bounds[1][k]))
-        cost += casadi.sumsqr(r + r_x @ (scale * dx[:, k]) + r_u @ du[:, k])
-        state = after[:, 0]
+        cost += h / PERIOD_S * casadi.sumsqr(r + c @ (scale * dx[:, k + 1]))
+        state = np.array(model.step(*inputs))[:, 0]
     ending = state - terminal.rest @ road[:, -1]
     cost += casadi.sumsqr(terminal.root @ (ending + scale * dx[:, -1]))
     opti.minimize(0.5 * cost)

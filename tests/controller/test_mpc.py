@@ -135,14 +135,14 @@ def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
     model = late._model
     start = np.concatenate([moving(), np.zeros(2)])
     later = start
-    for _ in range(2):
-        later = np.array(model.step(later, 1.5, np.zeros((1, 3)), 0.01))[:, 0]
+    for _ in range(4):
+        later = np.array(model.step(later, 1.5, 0.0, 0.0, 0.005))[:, 0]
     np.testing.assert_allclose(planned_from(late, start[:5]), later[:5], rtol=1e-9)
 
 
 def planned_from(controller: PredictiveController, x: np.ndarray) -> np.ndarray:
     controller.step(estimate(QUARTER, x), None)
-    return controller._condense._state[:5]
+    return controller._condense.states[:5, 0]
 
 
 def test_run_times_are_told_but_there_are_none_before_the_first_step() -> None:

@@ -1,0 +1,155 @@
+"""CasADi's expressions as machine code: an SX function's instruction list, put down as LLVM's and compiled.
+
+CasADi interprets its instructions one by one; here each becomes an LLVM instruction, for one point or for
+several side by side in the lanes of the processor's vector registers. Nothing is reordered or contracted, so
+the numbers are CasADi's own. The compiler is the one that Numba brings along; users need none.
+"""
+
+import ctypes
+from collections.abc import Iterator
+
+import casadi
+import llvmlite.binding as llvm
+import numba.core.codegen  # noqa: F401  makes LLVM ready
+import numpy as np
+
+_OPERATIONS = {
+    casadi.OP_ASSIGN: "fadd {t} {a}, {zero}",
+    casadi.OP_ADD: "fadd {t} {a}, {b}",
+    casadi.OP_SUB: "fsub {t} {a}, {b}",
+    casadi.OP_MUL: "fmul {t} {a}, {b}",
+    casadi.OP_DIV: "fdiv {t} {a}, {b}",
+    casadi.OP_NEG: "fneg {t} {a}",
+    casadi.OP_SQ: "fmul {t} {a}, {a}",
+    casadi.OP_TWICE: "fadd {t} {a}, {a}",
+    casadi.OP_INV: "fdiv {t} {one}, {a}",
+    casadi.OP_FMIN: "call {t} @llvm.minnum.{s}({t} {a}, {t} {b})",
+    casadi.OP_FMAX: "call {t} @llvm.maxnum.{s}({t} {a}, {t} {b})",
+    casadi.OP_FABS: "call {t} @llvm.fabs.{s}({t} {a})",
+    casadi.OP_SQRT: "call {t} @llvm.sqrt.{s}({t} {a})",
+    casadi.OP_EXP: "call {t} @llvm.exp.{s}({t} {a})",
+    casadi.OP_LOG: "call {t} @llvm.log.{s}({t} {a})",
+}
+_COMPARISONS = {
+    casadi.OP_LT: "fcmp olt {t} {a}, {b}",
+    casadi.OP_LE: "fcmp ole {t} {a}, {b}",
+    casadi.OP_EQ: "fcmp oeq {t} {a}, {b}",
+    casadi.OP_NE: "fcmp une {t} {a}, {b}",
+    casadi.OP_NOT: "fcmp oeq {t} {a}, {zero}",
+    casadi.OP_IF_ELSE_ZERO: "fcmp une {t} {a}, {zero}",
+}
+_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2, *[ctypes.c_int64] * 3)
+
+
+class Kernel:
+    """An SX function compiled for the columns of an array, each column a point.
+
+    The rows of `points` are the inputs, argument below argument, nonzeros by columns as CasADi stores them;
+    those of `results` the outputs likewise. With one lane, a point may read what the point before it wrote.
+    Raises NotImplementedError for an operation that it does not know.
+    """
+
+    def __init__(self, function: casadi.Function, lanes: int = 1):
+        module = llvm.parse_assembly(_module(function, lanes))
+        machine = llvm.Target.from_default_triple().create_target_machine(
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten()
+        )
+        self._engine = llvm.create_mcjit_compiler(module, machine)  # owns the code
+        self._engine.finalize_object()
+        self._run = _SIGNATURE(self._engine.get_function_address("kernel"))
+        self.lanes = lanes
+        self.rows_in = sum(function.nnz_in(i) for i in range(function.n_in()))
+        self.rows_out = sum(function.nnz_out(i) for i in range(function.n_out()))
+
+    def __call__(self, points: np.ndarray, results: np.ndarray, count: int) -> None:
+        """Evaluate the first `count` columns of `points` (rows_in, n) into `results` (rows_out, n), float64.
+
+        count: a multiple of the lanes. Both may be views of one array. Raises ValueError for what does
+        not fit.
+        """
+        self._check("points", points, self.rows_in, count)
+        self._check("results", results, self.rows_out, count)
+        self._run(
+            points.ctypes.data, results.ctypes.data, count, points.strides[0] // 8, results.strides[0] // 8
+        )
+
+    def _check(self, name: str, array: np.ndarray, rows: int, count: int) -> None:
+        fits = array.ndim == 2 and array.shape[0] >= rows and array.shape[1] >= count
+        if not (fits and array.dtype == np.float64 and array.strides[1] == 8):
+            raise ValueError(f"{name} must be float64 of at least ({rows}, {count}), got {array.shape}")
+        if count % self.lanes:
+            raise ValueError(f"count must be a multiple of {self.lanes}, got {count}")
+
+
+def _module(function: casadi.Function, lanes: int) -> str:
+    """LLVM assembly of `kernel(points, results, count, row length of points, of results)`."""
+    number, suffix = ("double", "f64") if lanes == 1 else (f"<{lanes} x double>", f"v{lanes}f64")
+    body = "\n".join(f"  {line}" for line in _body(function, lanes, number, suffix))
+    intrinsics = {"minnum": 2, "maxnum": 2, "fabs": 1, "sqrt": 1, "exp": 1, "log": 1}
+    declared = "\n".join(
+        f"declare {number} @llvm.{name}.{suffix}({', '.join([number] * arguments)})"
+        for name, arguments in intrinsics.items()
+    )
+    return f"""
+{declared}
+define void @kernel(ptr %points, ptr %results, i64 %count, i64 %in, i64 %out)
+    "min-legal-vector-width"="{64 * lanes}" {{
+start:
+  br label %point
+point:
+  %at = phi i64 [0, %start], [%next, %point]
+{body}
+  %next = add i64 %at, {lanes}
+  %more = icmp slt i64 %next, %count
+  br i1 %more, label %point, label %done
+done:
+  ret void
+}}
+"""
+
+
+def _body(function: casadi.Function, lanes: int, number: str, suffix: str) -> Iterator[str]:
+    """Each of CasADi's instructions in turn; `held` tells what its work vector holds."""
+    held: dict[int, str] = {}
+    flag = "i1" if lanes == 1 else f"<{lanes} x i1>"
+    symbols = {"t": number, "s": suffix, "zero": _constant(0.0, lanes), "one": _constant(1.0, lanes)}
+    first_in = np.cumsum([0, *(function.nnz_in(i) for i in range(function.n_in()))])
+    first_out = np.cumsum([0, *(function.nnz_out(i) for i in range(function.n_out()))])
+    for k in range(function.n_instructions()):
+        op, source, target = (
+            function.instruction_id(k),
+            function.instruction_input(k),
+            function.instruction_output(k),
+        )
+        if op == casadi.OP_OUTPUT:
+            yield from _address(k, "results", "out", first_out[target[0]] + target[1])
+            yield f"store {number} {held[source[0]]}, ptr %p{k}, align 8"
+        elif op == casadi.OP_INPUT:
+            yield from _address(k, "points", "in", first_in[source[0]] + source[1])
+            yield f"%v{k} = load {number}, ptr %p{k}, align 8"
+            held[target[0]] = f"%v{k}"
+        elif op == casadi.OP_CONST:
+            held[target[0]] = _constant(function.instruction_constant(k), lanes)
+        else:
+            operands = dict(zip("ab", (held[i] for i in source), strict=False))
+            if op in _COMPARISONS:
+                yield f"%c{k} = " + _COMPARISONS[op].format(**symbols, **operands)
+                chosen = operands["b"] if op == casadi.OP_IF_ELSE_ZERO else symbols["one"]
+                yield f"%v{k} = select {flag} %c{k}, {number} {chosen}, {number} {symbols['zero']}"
+            elif op in _OPERATIONS:
+                yield f"%v{k} = " + _OPERATIONS[op].format(**symbols, **operands)
+            else:
+                raise NotImplementedError(f"CasADi operation {op} of {function.name()} has no translation")
+            held[target[0]] = f"%v{k}"
+
+
+def _address(k: int, array: str, row_length: str, row: int) -> Iterator[str]:
+    yield f"%r{k} = mul i64 {row}, %{row_length}"
+    yield f"%e{k} = add i64 %r{k}, %at"
+    yield f"%p{k} = getelementptr double, ptr %{array}, i64 %e{k}"
+
+
+def _constant(value: float, lanes: int) -> str:
+    """LLVM writes doubles exactly as hexadecimal bits."""
+    bits = f"0x{np.float64(value).view(np.uint64):016X}"
+    return bits if lanes == 1 else "<" + ", ".join([f"double {bits}"] * lanes) + ">"
