@@ -10,8 +10,10 @@ from collections.abc import Iterator
 
 import casadi
 import llvmlite.binding as llvm
-import numba.core.codegen  # noqa: F401  makes LLVM ready
 import numpy as np
+
+llvm.initialize_native_target()
+llvm.initialize_native_asmprinter()
 
 _OPERATIONS = {
     casadi.OP_ASSIGN: "fadd {t} {a}, {zero}",
@@ -51,8 +53,9 @@ class Kernel:
 
     def __init__(self, function: casadi.Function, lanes: int = 1):
         module = llvm.parse_assembly(_module(function, lanes))
+        # More optimising would compile four times longer for code that runs in a few microseconds anyway.
         machine = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten()
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=0
         )
         self._engine = llvm.create_mcjit_compiler(module, machine)  # owns the code
         self._engine.finalize_object()
