@@ -1,10 +1,10 @@
-"""`foreride compare`: controllers x perceptions x seeds on some scenarios, in one table."""
+"""`foreride compare`: controllers x perceptions x scenarios x seeds, in one table."""
 
 import argparse
 
-from scenarios.commands.options import add_case_options, cases_of, console, simulate_all, write_comparison
-from scenarios.report.table import comparison
-from scenarios.runfolder import folder_name, write
+from scenarios.commands.options import add_case_options, cases_of, jobs_of, simulated
+from scenarios.commands.tables import add_table_options, baseline_of, publish
+from scenarios.runfolder import folder_name, row, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -14,15 +14,18 @@ def add(commands: argparse._SubParsersAction) -> None:
         "scenarios", nargs="+", metavar="SCENARIO", help="names in the library, or YAML files"
     )
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
+    add_table_options(command)
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run the cases and print their table; `--out` keeps the run folders too."""
-    runs = simulate_all(cases_of(arguments, arguments.scenarios))
-    console.print(comparison(runs, width=console.width))
-    for run in runs if arguments.out else ():
-        write(run, arguments.out / folder_name(run))
-    if arguments.json:
-        write_comparison(arguments.json, runs)
+    """Run the cases and print their table; `--out` keeps the run folders too, each as soon as it is done."""
+    wanted = cases_of(arguments, arguments.scenarios)
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    rows = []
+    for run in simulated(wanted, jobs=jobs_of(arguments)):
+        rows.append(row(run))
+        if arguments.out:
+            write(run, arguments.out / folder_name(run))
+    publish(arguments, rows)
     return 0

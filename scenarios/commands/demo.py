@@ -6,12 +6,12 @@ from pathlib import Path
 from files.atomic import write_text
 from scenarios.cases import cases
 from scenarios.closed_loop import Run
-from scenarios.commands.options import add_output_options, console, simulate_all, write_comparison
+from scenarios.commands.options import add_output_options, console, simulate_all
+from scenarios.commands.tables import add_table_options, publish
 from scenarios.loading import load
 from scenarios.report.figures import write_overview
 from scenarios.report.film import write_film
-from scenarios.report.table import comparison
-from scenarios.runfolder import folder_name, to_json, write
+from scenarios.runfolder import folder_name, row, to_json, write
 
 SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
 CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
@@ -23,6 +23,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--seed", type=int, default=0, help="seed of noise and weather (default 0)")
     command.add_argument("--no-film", action="store_true", help="leave out the film")
     add_output_options(command)
+    add_table_options(command)
     command.set_defaults(execute=execute)
 
 
@@ -31,10 +32,9 @@ def execute(arguments: argparse.Namespace) -> int:
     out = arguments.out or Path("runs/demo")
     wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
     runs = simulate_all(wanted, keep_images=True)
-    title = "Half car, noisy sensors, 20 Hz camera, 50 ms latency"
-    console.print(comparison(runs, title, console.width))
     for run in runs:
         write(run, out / folder_name(run))
+    publish(arguments, [row(run) for run in runs], "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
     metrics = {folder_name(run): run.metrics for run in runs}
     write_text(out / "metrics.json", to_json(metrics) + "\n")
     write_overview(out / "overview.png", runs)
@@ -44,8 +44,6 @@ def execute(arguments: argparse.Namespace) -> int:
             write_film(out / "film.mp4", _pairs(runs))
         written.append("film.mp4")
     console.print(f"{out}: {', '.join(written)} and {len(runs)} run folders")
-    if arguments.json:
-        write_comparison(arguments.json, runs)
     return 0
 
 

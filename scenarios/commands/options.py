@@ -1,25 +1,26 @@
 """Options and output shared by the commands that run cases."""
 
 import argparse
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import (
     BarColumn,
-    MofNCompleteColumn,
     Progress,
+    TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
 
-from files.atomic import write_text
 from files.errors import InputError
 from scenarios.cases import PERCEPTIONS, Case, cases
-from scenarios.closed_loop import Run, simulate
+from scenarios.closed_loop import Run
 from scenarios.loading import load
-from scenarios.runfolder import environment, row, to_json
+from scenarios.parallel import simulate_each
+from scenarios.report.table import short_name
 
 _FILE_WIDTH = 140
 
@@ -46,13 +47,25 @@ def add_case_options(command: argparse.ArgumentParser, controllers: str, percept
     known = f"{', '.join(PERCEPTIONS)} (default {perceptions})"
     command.add_argument("--perception", type=comma_list, default=ladder, metavar="A,B,...", help=known)
     command.add_argument("--seeds", type=comma_list, metavar="0,1,...", help="overrides the scenario's seed")
+    command.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
+    )
     add_field_options(command)
     add_output_options(command)
 
 
+def jobs_of(arguments: argparse.Namespace) -> int:
+    """How many worker processes were asked for."""
+    if arguments.jobs < 0:
+        raise InputError(f"--jobs must be >= 0, got {arguments.jobs}")
+    return arguments.jobs or os.cpu_count() or 1
+
+
 def add_field_options(command: argparse.ArgumentParser) -> None:
     """Add what overrides fields of the scenario."""
-    command.add_argument("--vehicle", metavar="MODEL", help="quarter, half, or a YAML file of parameters")
+    command.add_argument(
+        "--vehicle", metavar="MODEL", help="quarter, half, full, or a YAML file of parameters"
+    )
     command.add_argument("--observer", choices=("truth", "sensors"), help="overrides the scenario's observer")
     command.add_argument(
         "--set",
@@ -99,23 +112,27 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     return cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
 
 
-def simulate_all(wanted: list[Case], keep_images: bool = False) -> list[Run]:
-    """Run the cases one after another behind a progress bar with the time left."""
+def simulate_all(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:
+    """Run the cases behind a progress bar with the time left."""
+    return list(simulated(wanted, keep_images, jobs))
+
+
+def simulated(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> Iterator[Run]:
+    """Yield the run of each case, in order, behind a progress bar with the time left."""
+    with progress_bar() as progress:
+        bar = progress.add_task("", total=sum(case.scenario.ticks for case in wanted))
+
+        def advance(case: Case, ticks: int) -> None:
+            told = f"{case.scenario.name} {short_name(case.controller)} {case.perception}"
+            progress.update(bar, description=told, advance=ticks)
+
+        yield from simulate_each(wanted, jobs, keep_images, advance)
+
+
+def progress_bar() -> Progress:
+    """A bar with the time that is left; it vanishes when all is done."""
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
+        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
-    runs = []
-    with Progress(*columns, console=console, transient=True) as progress:
-        bar = progress.add_task("", total=sum(case.scenario.ticks for case in wanted))
-        for case in wanted:
-            progress.update(bar, description=f"{case.scenario.name} {case.controller} {case.perception}")
-            runs.append(simulate(case, keep_images=keep_images, advance=lambda n: progress.advance(bar, n)))
-    return runs
-
-
-def write_comparison(path: Path, runs: list[Run]) -> None:
-    """Write the rows of a comparison as JSON, schema 1."""
-    document = {"schema": 1, "manifest": environment(), "rows": [row(run) for run in runs]}
-    write_text(path, to_json(document) + "\n")
-    console.print(f"numbers: {path}")
+    return Progress(*columns, console=console, transient=True)

@@ -3,10 +3,10 @@
 import argparse
 from pathlib import Path
 
-from scenarios.commands.options import add_case_options, cases_of, console, simulate_all, write_comparison
+from scenarios.commands.options import add_case_options, cases_of, console, jobs_of, simulated
+from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.figures import write_event_figure
-from scenarios.report.table import comparison
-from scenarios.runfolder import folder_name, write
+from scenarios.runfolder import folder_name, row, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -14,19 +14,20 @@ def add(commands: argparse._SubParsersAction) -> None:
     command = commands.add_parser("run", help="drive one scenario and write a run folder")
     command.add_argument("scenario", help="name in the library, or a YAML file")
     add_case_options(command, controllers="mpc_preview", perceptions="oracle")
+    add_table_options(command)
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run the cases, print their table, write one folder for each."""
-    runs = simulate_all(cases_of(arguments, [arguments.scenario]))
-    console.print(comparison(runs, width=console.width))
+    wanted = cases_of(arguments, [arguments.scenario])
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
     out = arguments.out or Path("runs")
-    for run in runs:
+    runs = []
+    for run in simulated(wanted, jobs=jobs_of(arguments)):
         write(run, out / folder_name(run))
-    figure = out / f"{runs[0].case.scenario.name}.png"
-    write_event_figure(figure, runs)
+        runs.append(run)
+    publish(arguments, [row(run) for run in runs])
+    write_event_figure(out / f"{runs[0].case.scenario.name}.png", runs)
     console.print(f"run folders and figure: {out}/")
-    if arguments.json:
-        write_comparison(arguments.json, runs)
     return 0

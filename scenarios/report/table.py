@@ -1,68 +1,137 @@
-"""The comparison as a terminal table."""
+"""The comparison as a table: in the terminal, in Markdown, in LaTeX."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import groupby
-from statistics import fmean
 
 from rich import box
 from rich.table import Table
 
-from scenarios.closed_loop import Run
+from scenarios.statistics import Interval, Variant
 
-Column = tuple[str, str, str]
 
-_COLUMNS: tuple[Column, ...] = (
-    ("J / passive", "objective", ".3f"),
-    ("Wk RMS\nm/s²", "wk_rms", ".3f"),
-    ("VDV\nm/s^1.75", "vdv", ".2f"),
-    ("peak acc.\nm/s²", "peak_acc", ".2f"),
-    ("rattle\npeak mm", "rattle_peak", ".0f"),
-    ("stops\nms", "stop_time", ".0f"),
-    ("tyre load\nRMS", "tyre_load_rms", ".3f"),
-    ("lift\nms", "lift_time", ".0f"),
+@dataclass(frozen=True)
+class Column:
+    """A metric as it is shown: what it is called, its unit, its place in `metrics`, factor and format."""
+
+    name: str
+    unit: str
+    metric: str
+    style: str
+    factor: float = 1.0
+
+
+COLUMNS = (
+    Column("Wk RMS", "m/s²", "wk_rms", ".3f"),
+    Column("VDV", "m/s^1.75", "vdv", ".2f"),
+    Column("peak acc.", "m/s²", "peak_acc", ".2f"),
+    Column("rattle peak", "mm", "rattle_peak", ".0f", 1e3),
+    Column("stops", "ms", "stop_time", ".0f", 1e3),
+    Column("tyre load", "RMS", "tyre_load_rms", ".3f"),
+    Column("lift", "ms", "lift_time", ".0f", 1e3),
 )
-_ESSENTIAL = ("objective", "wk_rms", "vdv", "tyre_load_rms", "lift_time")
-_NARROW = 136
-_FACTOR = {"rattle_peak": 1e3, "stop_time": 1e3, "lift_time": 1e3}
+_ESSENTIAL = ("wk_rms", "vdv", "tyre_load_rms", "lift_time")
+_WIDE = 130
+_HEADS = ("scenario", "controller", "preview")
+_OBJECTIVE = Column("J", "(m/s²)²", "objective", ".3f")
 
 
-def comparison(runs: Sequence[Run], title: str = "", width: int = _NARROW) -> Table:
-    """Mean over seeds for each scenario, controller and perception; J relative to passive where it ran.
+def comparison(
+    variants: Sequence[Variant], title: str = "", width: int = _WIDE, baseline: str | None = None
+) -> Table:
+    """The terminal's table: means over seeds; J relative to the baseline with its confidence interval.
 
     `width` is that of the terminal in characters; a narrow one gets the essential columns only.
     """
-    columns = [column for column in _COLUMNS if width >= _NARROW or column[1] in _ESSENTIAL]
-    table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left")
-    for name in ("scenario", "controller", "preview"):
+    columns = [column for column in COLUMNS if width >= _WIDE or column.metric in _ESSENTIAL]
+    captured = any(variant.captured for variant in variants)
+    table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
+    for name in _HEADS:
         table.add_column(name, no_wrap=True)
-    for name, _, _ in columns:
-        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column(_effect_head(variants, baseline).replace(" / ", " /\n"), justify="right", no_wrap=True)
+    if captured:
+        table.add_column("cap-\ntured", justify="right", no_wrap=True)
+    for column in columns:
+        table.add_column(f"{column.name}\n{column.unit}", justify="right")
     table.add_column("fall-\nbacks", justify="right")
-    for scenario, group in groupby(runs, key=lambda run: run.case.scenario.name):
-        _add_scenario(table, scenario, list(group), columns)
+    for _, group in groupby(variants, key=lambda variant: (variant.scenario, variant.vehicle)):
+        members = list(group)
+        for index, variant in enumerate(members):
+            first = variant.scenario if index == 0 else ""
+            cells = [first, short_name(variant.controller), variant.perception]
+            cells.append(_shown(*_effect(variant), spread=True))
+            cells += [_percent(variant.captured)] if captured else []
+            cells += [_shown(variant.metrics[column.metric], column) for column in columns]
+            cells.append(str(variant.fallbacks) if variant.fallbacks else "-")
+            table.add_row(*cells, end_section=index == len(members) - 1)
     return table
 
 
-def _add_scenario(table: Table, scenario: str, runs: Sequence[Run], columns: Sequence[Column]) -> None:
-    passive = {run.case.seed: run.metrics["objective"] for run in runs if run.case.controller == "passive"}
-    variants = dict.fromkeys((run.case.controller, run.case.perception) for run in runs)
-    for index, variant in enumerate(variants):
-        members = [run for run in runs if (run.case.controller, run.case.perception) == variant]
-        cells = [_cell(members, metric, style, passive) for _, metric, style in columns]
-        fallbacks = sum(int(run.solver.get("fallbacks", 0)) for run in members)
-        first = scenario if index == 0 else ""
-        last = index == len(variants) - 1
-        controller, perception = variant
-        shown = controller.rpartition(":")[2]
-        table.add_row(
-            first, shown, perception, *cells, str(fallbacks) if fallbacks else "-", end_section=last
-        )
+def markdown(variants: Sequence[Variant], baseline: str | None = None) -> str:
+    """The comparison as a Markdown table (GitHub's pipes), every number with its interval."""
+    heads, rows = _full(variants, baseline)
+    align = ["---"] * len(_HEADS) + ["---:"] * (len(heads) - len(_HEADS))
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, align, *rows))
 
 
-def _cell(runs: Sequence[Run], metric: str, style: str, passive: dict[int, float]) -> str:
-    values = [run.metrics[metric] * _FACTOR.get(metric, 1.0) for run in runs]
-    if metric == "objective":
-        if any(run.case.seed not in passive for run in runs):
-            return f"{fmean(values):.3f} abs"
-        values = [run.metrics[metric] / passive[run.case.seed] for run in runs]
-    return format(fmean(values), style)
+def latex(variants: Sequence[Variant], baseline: str | None = None) -> str:
+    """The comparison as a LaTeX `tabular`; needs the package booktabs."""
+    heads, rows = _full(variants, baseline)
+    lines = [
+        "% \\usepackage{booktabs}",
+        f"\\begin{{tabular}}{{{'l' * len(_HEADS)}{'r' * (len(heads) - len(_HEADS))}}}",
+        "\\toprule",
+        _tex_row(heads),
+        "\\midrule",
+        *(_tex_row(row) for row in rows),
+        "\\bottomrule",
+        "\\end{tabular}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def short_name(controller: str) -> str:
+    """A controller's name without the file it comes from."""
+    return controller.rpartition(":")[2]
+
+
+def _full(variants: Sequence[Variant], baseline: str | None) -> tuple[list[str], list[list[str]]]:
+    captured = any(variant.captured for variant in variants)
+    heads = [*_HEADS, "seeds", _effect_head(variants, baseline), *(["captured"] if captured else [])]
+    heads += [f"{column.name} ({column.unit})" for column in COLUMNS]
+    rows = []
+    for variant in variants:
+        row = [variant.scenario, short_name(variant.controller), variant.perception, str(len(variant.seeds))]
+        row.append(_shown(*_effect(variant), spread=True))
+        row += [_percent(variant.captured)] if captured else []
+        rows.append(row + [_shown(variant.metrics[c.metric], c, spread=True) for c in COLUMNS])
+    return heads, rows
+
+
+def _effect(variant: Variant) -> tuple[Interval, Column]:
+    """J relative to the baseline, or J itself where there is none."""
+    return variant.ratio.get("objective", variant.metrics["objective"]), _OBJECTIVE
+
+
+def _effect_head(variants: Sequence[Variant], baseline: str | None) -> str:
+    relative = all("objective" in variant.ratio for variant in variants)
+    return f"J / {baseline}" if relative and baseline else "J"
+
+
+def _shown(value: Interval, column: Column, spread: bool = False) -> str:
+    text = format(value.mean * column.factor, column.style)
+    if not spread or value.low is None or value.high is None or value.low == value.high:
+        return text
+    low, high = (format(limit * column.factor, column.style) for limit in (value.low, value.high))
+    return f"{text} [{low} {high}]"
+
+
+def _percent(value: Interval | None) -> str:
+    return "-" if value is None else f"{100 * value.mean:.0f} %"
+
+
+_TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "²": "$^2$", "^": r"\^{}"}
+
+
+def _tex_row(cells: Sequence[str]) -> str:
+    return " & ".join("".join(_TEX.get(letter, letter) for letter in cell) for cell in cells) + r" \\"

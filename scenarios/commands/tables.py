@@ -1,0 +1,82 @@
+"""Where a comparison's numbers go: terminal, JSON, Parquet, Markdown, LaTeX."""
+
+import argparse
+import io
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from files.atomic import write_bytes, write_text
+from scenarios.commands.options import console
+from scenarios.report.table import comparison, latex, markdown
+from scenarios.runfolder import environment, to_json
+from scenarios.statistics import Row, Variant, pick, summarise, variants_of
+
+DEFAULT_BASELINE = "passive"
+
+
+def add_table_options(command: argparse.ArgumentParser) -> None:
+    """Add the baseline of the effects and the files that a table may be written to."""
+    told = f"what effects are relative to, such as mpc_preview@oracle (default {DEFAULT_BASELINE})"
+    command.add_argument("--baseline", metavar="NAME[@PERCEPTION]", help=told)
+    command.add_argument("--parquet", type=Path, metavar="FILE", help="write one row a run as Parquet")
+    command.add_argument("--markdown", type=Path, metavar="FILE", help="write the table as Markdown")
+    command.add_argument("--latex", type=Path, metavar="FILE", help="write the table as LaTeX (booktabs)")
+
+
+def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | None:
+    """The baseline asked for, checked; without a wish the passive car where it runs, else none."""
+    if wished is not None:
+        pick(wished, ran)
+        return wished
+    return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in ran) else None
+
+
+def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> None:
+    """Print the table of the rows and write the files that the options ask for."""
+    baseline = baseline_of(arguments.baseline, variants_of(rows))
+    variants = summarise(rows, baseline)
+    console.print(comparison(variants, title, console.width, baseline))
+    if arguments.json:
+        write_text(arguments.json, to_json(document(rows, variants, baseline)) + "\n")
+    if arguments.parquet:
+        write_bytes(arguments.parquet, parquet(rows))
+    if arguments.markdown:
+        write_text(arguments.markdown, markdown(variants, baseline))
+    if arguments.latex:
+        write_text(arguments.latex, latex(variants, baseline))
+    files = (arguments.json, arguments.parquet, arguments.markdown, arguments.latex)
+    if any(files):
+        console.print(f"numbers: {', '.join(str(path) for path in files if path)}")
+
+
+def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None) -> dict[str, Any]:
+    """The comparison as schema 1 of the JSON file: manifest, rows, and their summary."""
+    summary = [variant.plain() for variant in variants]
+    return {
+        "schema": 1, "manifest": environment(), "rows": list(rows), "baseline": baseline, "summary": summary,
+    }  # fmt: skip
+
+
+def parquet(rows: Sequence[Row]) -> bytes:
+    """The rows as a Parquet file: metrics under their own names, the rest under dotted ones."""
+    sink = io.BytesIO()
+    pq.write_table(pa.Table.from_pylist([flat(row) for row in rows]), sink, compression="zstd")
+    return sink.getvalue()
+
+
+def flat(row: Row) -> dict[str, Any]:
+    """One row without nesting: metrics under their own names, deeper mappings as JSON text."""
+    line: dict[str, Any] = {}
+    for name, value in row.items():
+        if not isinstance(value, dict):
+            line[name] = value
+            continue
+        prefix = "" if name == "metrics" else f"{name}."
+        for inner, part in value.items():
+            line[prefix + inner] = json.dumps(part, sort_keys=True) if isinstance(part, dict | list) else part
+    return line

@@ -1,0 +1,43 @@
+"""Many cases on several processes; the results come in the order of the cases."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from scenarios.cases import Case
+from scenarios.closed_loop import Run, simulate
+
+Advance = Callable[[Case, int], None]
+"""Told of every stretch of ticks that a case has done."""
+
+
+class WorkerDied(RuntimeError):
+    """A worker process ended without an answer, most likely for want of memory."""
+
+
+def simulate_each(
+    wanted: Sequence[Case], jobs: int, keep_images: bool, advance: Advance = lambda case, ticks: None
+) -> Iterator[Run]:
+    """Yield the run of each case in order; `jobs` > 1 computes that many at a time.
+
+    A run depends on its case alone, so the number of jobs changes no result. InputError of a case ends all;
+    a worker that dies raises `WorkerDied`.
+    """
+    if jobs == 1 or len(wanted) < 2:
+        for case in wanted:
+            yield simulate(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
+        return
+    # Spawned, because forking a process whose libraries have started threads may hang.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=context) as pool:
+        waiting = [pool.submit(simulate, case, keep_images) for case in wanted]
+        try:
+            for case, future in zip(wanted, waiting, strict=True):
+                future.add_done_callback(lambda _, case=case: advance(case, case.scenario.ticks))  # type: ignore[misc]
+            for future in waiting:
+                yield future.result()
+        except BrokenProcessPool:
+            raise WorkerDied("a worker process died; fewer --jobs take less memory") from None
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)

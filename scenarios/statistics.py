@@ -1,0 +1,163 @@
+"""What a comparison says: means over seeds with confidence intervals, paired effects against a baseline."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import InputError
+
+Row = Mapping[str, Any]
+"""One run as `scenarios.runfolder.row` describes it."""
+
+BOUND = "clairvoyant"
+"""The controller whose objective is the least that any controller could reach."""
+LEAST_SEEDS = 3
+"""Fewer values say nothing about their spread."""
+CONFIDENCE = 0.95
+RESAMPLES = 9999
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A mean and its 95 % bootstrap confidence interval; no limits where there are fewer than three seeds."""
+
+    mean: float
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One line of a comparison: a scenario and vehicle driven by one controller with one perception.
+
+    metrics: of the runs themselves. difference, ratio: of each run to the baseline's run of the same seed,
+    metric by metric (no ratio where a baseline is zero). captured: the share of what there was to win over
+    the baseline, objective of the clairvoyant bound against it; None where the bound is not known.
+    """
+
+    scenario: str
+    vehicle: str
+    controller: str
+    perception: str
+    seeds: tuple[int, ...]
+    metrics: dict[str, Interval]
+    difference: dict[str, Interval] = field(default_factory=dict)
+    ratio: dict[str, Interval] = field(default_factory=dict)
+    captured: Interval | None = None
+    fallbacks: int = 0
+
+    def plain(self) -> dict[str, Any]:
+        """As nested dicts, for JSON."""
+        return asdict(self)
+
+
+def summarise(rows: Sequence[Row], baseline: str | None = None) -> list[Variant]:
+    """One `Variant` for each scenario, vehicle, controller and perception, in the order of the rows.
+
+    baseline: `controller`, or `controller@perception` where it ran with several; None for no effects.
+    """
+    groups: dict[tuple[str, str, str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((*_event(row), row["controller"], row["perception"]), []).append(row)
+    beside = {} if baseline is None else paired(rows, *pick(baseline, variants_of(rows)))
+    bound = {(*_event(row), row["seed"]): row for row in rows if row["controller"] == BOUND}
+    return [_variant(key, members, beside, bound) for key, members in groups.items()]
+
+
+def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
+    """The (controller, perception) pairs that ran, each once."""
+    return list(dict.fromkeys((row["controller"], row["perception"]) for row in rows))
+
+
+def pick(baseline: str, ran: Sequence[tuple[str, str]]) -> tuple[str, str]:
+    """The one (controller, perception) among those that ran which `baseline` names; else InputError."""
+    controller, _, perception = baseline.partition("@")
+    found = [pair for pair in ran if pair[0] == controller and perception in ("", pair[1])]
+    if len(found) != 1:
+        known = ", ".join("@".join(pair) for pair in dict.fromkeys(ran))
+        raise InputError(f"--baseline must name one of {known}, got {baseline!r}")
+    return found[0]
+
+
+def paired(rows: Sequence[Row], controller: str, perception: str) -> dict[tuple[str, str, int], Row]:
+    """The runs of one controller and perception by scenario, vehicle and seed."""
+    return {
+        (*_event(row), row["seed"]): row
+        for row in rows
+        if (row["controller"], row["perception"]) == (controller, perception)
+    }
+
+
+def intervals(values: NDArray[np.float64]) -> list[Interval]:
+    """Mean and bias-corrected accelerated bootstrap interval (Efron 1987) of each row of (rows, seeds)."""
+    from scipy.stats import bootstrap  # slow to import, and needed for several seeds only
+
+    means = values.mean(axis=1)
+    if values.shape[1] < LEAST_SEEDS:
+        return [Interval(float(mean)) for mean in means]
+    limits = np.stack([means, means])
+    spread = np.ptp(values, axis=1) > 1e-12 * np.abs(means)
+    if spread.any():
+        limits[:, spread] = bootstrap(
+            (values[spread],), np.mean, axis=-1, confidence_level=CONFIDENCE, n_resamples=RESAMPLES,
+            vectorized=True, rng=np.random.default_rng(0),
+        ).confidence_interval  # fmt: skip
+    return [
+        Interval(mean, low, high) if np.isfinite(low + high) else Interval(mean)
+        for mean, low, high in np.vstack([means, limits]).T.tolist()
+    ]
+
+
+def _event(row: Row) -> tuple[str, str]:
+    return row["scenario"], row["vehicle"]
+
+
+def _variant(
+    key: tuple[str, str, str, str],
+    members: Sequence[Row],
+    beside: Mapping[tuple[str, str, int], Row],
+    bound: Mapping[tuple[str, str, int], Row],
+) -> Variant:
+    names = list(members[0]["metrics"])
+    own = _matrix(members, names)
+    partners = [beside.get((*_event(row), row["seed"])) for row in members]
+    difference: dict[str, Interval] = {}
+    ratio: dict[str, Interval] = {}
+    captured = None
+    if partners and all(partner is not None for partner in partners):
+        other = _matrix([partner for partner in partners if partner], names)
+        difference = dict(zip(names, intervals(own - other), strict=True))
+        whole = (other > 0).all(axis=1)
+        parts = intervals(own[whole] / other[whole]) if whole.any() else []
+        ratio = dict(zip(np.array(names)[whole].tolist(), parts, strict=True))
+        captured = _captured(members, [partner for partner in partners if partner], bound)
+    return Variant(
+        *key,
+        seeds=tuple(row["seed"] for row in members),
+        metrics=dict(zip(names, intervals(own), strict=True)),
+        difference=difference,
+        ratio=ratio,
+        captured=captured,
+        fallbacks=sum(int(row["solver"].get("fallbacks", 0)) for row in members),
+    )
+
+
+def _captured(
+    members: Sequence[Row], partners: Sequence[Row], bound: Mapping[tuple[str, str, int], Row]
+) -> Interval | None:
+    """(J_baseline - J) / (J_baseline - J_bound), where there was something to win in every run."""
+    shares = []
+    for row, partner in zip(members, partners, strict=True):
+        best = bound.get((*_event(row), row["seed"]))
+        room = partner["metrics"]["objective"] - best["metrics"]["objective"] if best else 0.0
+        if room <= 0.0:
+            return None
+        shares.append((partner["metrics"]["objective"] - row["metrics"]["objective"]) / room)
+    return intervals(np.array([shares]))[0]
+
+
+def _matrix(rows: Sequence[Row], names: Sequence[str]) -> NDArray[np.float64]:
+    return np.array([[row["metrics"][name] for row in rows] for name in names], dtype=float)
