@@ -56,7 +56,11 @@ def true_boxes(
     limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
     boxes, classes = [], []
     for feature in road.features:
-        if feature.end_m < pose.x + _LEAST_AHEAD_M or feature.start_m > pose.x + range_m:
+        if (
+            feature.cls is None
+            or feature.end_m < pose.x + _LEAST_AHEAD_M
+            or feature.start_m > pose.x + range_m
+        ):
             continue
         box = _box(road, feature, camera, pose, limit)
         if box is not None:

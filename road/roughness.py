@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from road.checks import check_choice, check_integer
+from road.checks import check_choice, check_integer, check_number
 
 ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")
 REFERENCE_N0 = 0.1  # cycles/m
@@ -15,20 +15,25 @@ WAVINESS = 2.0
 LOWEST_N, HIGHEST_N = 0.01, 10.0  # cycles/m; ISO 8608 itself covers 0.011 to 2.83
 STEP_M = 0.02
 BLOCK_M = 1024.0
-TRACK_SPACING_M = 0.75  # puts tracks under wheels at y = +-0.75 m and under the lane centre
 TRACKS = 11
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """ISO 8608 class "A" (very good) to "H" (very poor), geometric mean, and the seed of the realisation."""
+    """ISO 8608 class "A" (very good) to "H" (very poor), geometric mean, and the seed of the realisation.
+
+    The surface is exact on lines half of `track_m` apart, the middle one at y = 0, so that it is right under
+    the wheels of a car of that track; between them it is interpolated, which smooths short waves.
+    """
 
     iso_class: str
     seed: int = 0
+    track_m: float = 1.5
 
     def __post_init__(self) -> None:
         check_choice("iso_class", self.iso_class, ISO_CLASSES)
         check_integer("seed", self.seed, 0)
+        check_number("track_m", self.track_m, 0.5, 4.0)
 
     @property
     def psd_n0_m3(self) -> float:
@@ -51,7 +56,7 @@ class RoughSurface(NamedTuple):
         """Bilinear height (m), broadcast over x and y; constant in y beyond the outermost tracks."""
         count, samples = self.heights.shape
         column = np.asarray(x, float) / STEP_M
-        row = np.clip((np.asarray(y, float) - self.y_m[0]) / TRACK_SPACING_M, 0.0, count - 1.0)
+        row = np.clip((np.asarray(y, float) - self.y_m[0]) / (self.y_m[1] - self.y_m[0]), 0.0, count - 1.0)
         i = np.floor(column).astype(np.int64)
         j = np.minimum(row.astype(np.int64), count - 2)
         s, t = column - i, row - j
@@ -68,8 +73,10 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
 
     Gaussian spectral lines with the class's PSD, correlated across tracks as on an isotropic surface
     (Kamash and Robson, J. Sound Vib. 57(1), 1978): for waviness 2 the cross spectrum of two lines a distance
-    b apart is G_d(n) * u K_1(u), u = 2 pi n b. Roads of up to BLOCK_M share their realisation, whatever
-    their length; longer ones take a block of twice, four times... that length.
+    b apart is G_d(n) * u K_1(u), u = 2 pi n b. Then the lines of each third of an octave are scaled together
+    to the mean square that the class gives it: every realisation, not only their mean, is of its class.
+    Roads of up to BLOCK_M share their realisation, whatever their length; longer ones take a block of twice,
+    four times... that length.
     """
     period = BLOCK_M
     while period < length_m:
@@ -77,7 +84,7 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     samples = round(period / STEP_M)
     n = np.fft.rfftfreq(samples, STEP_M)
     active = (n >= LOWEST_N) & (n <= HIGHEST_N)
-    y = TRACK_SPACING_M * np.arange(-(TRACKS // 2), TRACKS // 2 + 1, dtype=np.float64)
+    y = roughness.track_m / 2 * np.arange(-(TRACKS // 2), TRACKS // 2 + 1, dtype=np.float64)
     distance = np.abs(y[:, None] - y[None, :])
     coherence = isotropic_coherence(2 * np.pi * n[active, None, None] * distance)
     root = np.linalg.cholesky(coherence + 1e-9 * np.eye(TRACKS))
@@ -86,10 +93,20 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     # A spectral line Z adds a mean square of 2 E|Z|^2 / samples^2 = G / period, and E|line|^2 is 2.
     scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
     spectrum = np.zeros((TRACKS, len(n)), complex)
-    spectrum[:, active] = (np.einsum("kij,kj->ki", root, line) * scale[:, None]).T
+    spectrum[:, active] = _levelled(np.einsum("kij,kj->ki", root, line).T, n[active]) * scale
     heights = np.fft.irfft(spectrum, samples, axis=1)
     heights.setflags(write=False)
     return RoughSurface(y, heights)
+
+
+def _levelled(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray[np.complex128]:
+    """Lines (tracks, k), E|line|^2 = 2, with weighted mean square exactly 2 in each third of an octave."""
+    band = np.floor(3 * np.log2(n / LOWEST_N) + 1e-9).astype(np.int64)
+    first = np.flatnonzero(np.diff(band, prepend=-1))
+    weight = n**-WAVINESS
+    power = np.add.reduceat(np.abs(lines) ** 2 * weight, first, axis=1)
+    gain = np.sqrt(2 * np.add.reduceat(weight, first) / power)
+    return lines * np.repeat(gain, np.diff(first, append=len(n)), axis=1)
 
 
 def isotropic_coherence(u: ArrayLike) -> NDArray[np.float64]:

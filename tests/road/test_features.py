@@ -6,12 +6,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from files.errors import InputError
-from road.features import FEATURE_KINDS, PAINTS, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.features import (
+    FEATURE_KINDS,
+    PAINTS,
+    ExpansionJoint,
+    FlatTopHump,
+    HalfSineBump,
+    ManholeCover,
+    Pothole,
+    SinusoidalHump,
+    SpeedCushion,
+    Step,
+    TrapezoidalBump,
+    WattsHump,
+)
 
 EXAMPLES = [
     HalfSineBump(10.0, 0.08, 0.4),
     WattsHump(10.0),
     FlatTopHump(10.0),
+    SinusoidalHump(10.0),
+    TrapezoidalBump(10.0),
+    SpeedCushion(10.0),
     Pothole(10.0, 0.08, 0.6, 0.5, y_m=0.75, seed=4),
 ]
 potholes = st.builds(
@@ -48,6 +64,54 @@ def test_flat_top_profile():
     np.testing.assert_allclose(
         hump.height(x, 0), 0.09 * np.array([0, 0, 0.5, 1, 1, 1, 0.5, 0, 0]), atol=1e-12
     )
+
+
+def test_sinusoidal_hump_is_a_raised_cosine():
+    hump = SinusoidalHump(2.0, 0.1, 4.0)
+    x = np.linspace(2, 6, 41)
+    np.testing.assert_allclose(hump.height(x, 0), 0.05 * (1 - np.cos(np.pi * (x - 2) / 2)), atol=1e-15)
+    assert hump.height(2.001, 0) < 1e-7  # meets the road without an edge
+
+
+def test_trapezoid_may_rise_steeper_than_it_falls():
+    bump = TrapezoidalBump(1.0, 0.06, 0.8, ramp_up_m=0.1, ramp_down_m=0.3)
+    x = 1 + np.array([-0.1, 0, 0.05, 0.1, 0.5, 0.65, 0.8, 0.9])
+    np.testing.assert_allclose(bump.height(x, 0), 0.06 * np.array([0, 0, 0.5, 1, 1, 0.5, 0, 0]), atol=1e-12)
+
+
+def test_car_in_the_middle_straddles_a_cushion_and_beside_it_climbs():
+    cushion = SpeedCushion(10.0)
+    x = np.linspace(10, 13, 301)
+    assert not cushion.height(x, 0.75).any()
+    assert not cushion.height(x, -0.75).any()
+    assert cushion.height(x, 0.75 - 0.5).max() == cushion.height_m
+    assert np.abs(np.diff(cushion.height(x, 0))).max() / 0.01 == pytest.approx(0.125)  # 1 in 8
+    y = np.linspace(-0.7, 0.7, 281)
+    assert np.abs(np.diff(cushion.height(11.5, y))).max() / 0.005 == pytest.approx(0.25)  # 1 in 4
+
+
+def test_expansion_joint_is_a_gap_between_its_lips():
+    plain, lipped = ExpansionJoint(1.0, 0.06, 0.03), ExpansionJoint(1.0, 0.06, 0.03, 0.01, 0.1)
+    np.testing.assert_array_equal(plain.height([0.99, 1.03, 1.07], 0.0), [0, -0.03, 0])
+    np.testing.assert_array_equal(lipped.height([0.99, 1.05, 1.13, 1.2, 1.27], 0), [0, 0.01, -0.03, 0.01, 0])
+    assert (plain.end_m, lipped.end_m) == (pytest.approx(1.06), pytest.approx(1.26))
+    assert plain.height(1.03, 3.6) == 0
+
+
+def test_manhole_cover_is_a_sunk_or_raised_disc():
+    sunk = ManholeCover(1.0, -0.03, 0.6, y_m=0.5, edge_m=0.05)
+    x, y = np.random.default_rng(0).uniform([0.9, 0.1], [1.7, 0.9], (3000, 2)).T
+    inside = np.hypot(x - 1.3, y - 0.5) < 0.3
+    np.testing.assert_array_equal(sunk.height(x, y) != 0, inside)
+    assert sunk.height(1.3, 0.5) == -0.03
+    assert sunk.height(1.025, 0.5) == pytest.approx(-0.015)
+    assert ManholeCover(1.0, 0.01).height(1.35, 0.0) == 0.01
+
+
+def test_step_stays():
+    step = Step(5.0, -0.04, ramp_m=0.1, y_min_m=0.0)
+    np.testing.assert_allclose(step.height([4, 5, 5.05, 5.1, 500], 1.0), [0, 0, -0.02, -0.04, -0.04])
+    assert not step.height([4.0, 6.0], -1.0).any()
 
 
 def test_bump_runs_out_at_its_lateral_ends():
@@ -103,8 +167,12 @@ def test_height_is_zero_outside_the_footprint_continuous_and_of_one_sign(feature
 
 
 def test_kinds_and_paints():
-    assert set(FEATURE_KINDS) == {"half_sine_bump", "watts_hump", "flat_top_hump", "pothole"}
-    assert [f.cls for f in EXAMPLES] == [0, 0, 0, 1]
+    assert set(FEATURE_KINDS) == {
+        "half_sine_bump", "sinusoidal_hump", "watts_hump", "flat_top_hump", "trapezoidal_bump",
+        "speed_cushion", "pothole", "expansion_joint", "manhole_cover", "step",
+    }  # fmt: skip
+    assert [f.cls for f in EXAMPLES] == [0, 0, 0, 0, 0, 0, 1]
+    assert {kind.cls for kind in (ExpansionJoint, ManholeCover, Step)} == {None}
     for paint in PAINTS:
         assert HalfSineBump(1.0, 0.05, 0.4, paint=paint).paint == paint
 
@@ -119,6 +187,11 @@ def test_kinds_and_paints():
         (lambda: HalfSineBump(1.0, 0.1, 0.4, y_min_m=1.0, y_max_m=1.0), "^y_max_m must be > 1"),
         (lambda: HalfSineBump(1.0, 0.1, 0.4, taper_m=4.0), "^taper_m must be >= 0 and <= 3.5"),
         (lambda: HalfSineBump(1.0, 0.1, 0.4, paint="blue"), "^paint must be one of plain, .*'blue'"),
+        (lambda: TrapezoidalBump(1.0, ramp_up_m=0.5), "^ramp_down_m must be > 0 and <= 0.1, got 0.2"),
+        (lambda: SpeedCushion(1.0, taper_m=0.8), "^taper_m must be >= 0 and <= 0.7"),
+        (lambda: ExpansionJoint(1.0, gap_m=0.0), "^gap_m must be > 0"),
+        (lambda: ManholeCover(1.0, edge_m=0.5), "^edge_m must be > 0 and <= 0.35"),
+        (lambda: Step(1.0, 0.0), "^height_m must differ from 0"),
         (lambda: WattsHump(1.0, height_m=0.3, length_m=0.4), "^height_m must be <= length_m / 2"),
         (lambda: FlatTopHump(1.0, ramp_m=2.0), "^ramp_m must be > 0 and <= 1.8"),
         (lambda: Pothole(1.0, 0.0, 0.6, 0.5), "^depth_m must be > 0"),

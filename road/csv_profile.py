@@ -1,0 +1,78 @@
+"""Road profiles as CSV.
+
+    # anything after a hash is a comment
+    x_m,left_m,right_m
+    0.00,0.0000,0.0000
+    0.05,0.0004,0.0001
+
+The first column is the distance along the road; the others are heights: one `z_m` for the whole width, or
+`left_m` and `right_m` under wheels at y = +-0.75 m, or columns named by their place, `y=-0.8,y=0.8`.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import InputError
+
+TRACK_M = 1.5
+_NAMED = {"z_m": 0.0, "left_m": TRACK_M / 2, "right_m": -TRACK_M / 2}
+_ALLOWED = "x_m followed by z_m, or by left_m and right_m, or by y=<position in m> columns"
+
+Array = NDArray[np.float64]
+
+
+def read(path: Path) -> tuple[Array, Array, Array]:
+    """Stations (n,), lateral positions (m,) ascending and heights (m, n) in a CSV profile.
+
+    Raises InputError naming the file, line and value.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
+    texts = [(number, line.split("#")[0].strip()) for number, line in enumerate(lines, 1)]
+    texts = [(number, text) for number, text in texts if text]
+    if not texts:
+        raise InputError(f"{path}: is empty; the first line must be {_ALLOWED}")
+    rows = [[cell.strip() for cell in row] for row in csv.reader(text for _, text in texts)]
+    places = _places(path, rows[0])
+    table = np.array([_numbers(path, texts[k][0], rows[k], rows[0]) for k in range(1, len(rows))])
+    if not len(table):
+        raise InputError(f"{path}: has a header, but no stations")
+    order = np.argsort(places)
+    return table[:, 0], places[order], np.ascontiguousarray(table[:, 1:].T[order])
+
+
+def _places(path: Path, header: list[str]) -> Array:
+    """Lateral positions of the height columns."""
+    wrong = InputError(f"{path}: header must be {_ALLOWED}, got {','.join(header)[:80]!r}")
+    if len(header) < 2 or header[0] != "x_m":
+        raise wrong
+    if header[1:] == ["z_m"] or (set(header[1:]) == {"left_m", "right_m"} and len(header) == 3):
+        return np.array([_NAMED[name] for name in header[1:]])
+    try:
+        places = np.array([float(name.removeprefix("y=")) for name in header[1:] if name.startswith("y=")])
+    except ValueError:
+        raise wrong from None
+    unfit = len(places) != len(header) - 1 or len(np.unique(places)) != len(places)
+    if unfit or not np.all(np.abs(places) <= 50):
+        raise wrong
+    return places
+
+
+def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
+    if len(row) != len(header):
+        raise InputError(f"{path}: line {line} has {len(row)} values, the header {len(header)}")
+    values = []
+    for name, text in zip(header, row, strict=True):
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not np.isfinite(value):
+            raise InputError(f"{path}: line {line}: {name} must be a finite number, got {text[:40]!r}")
+        values.append(value)
+    return values

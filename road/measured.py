@@ -1,0 +1,105 @@
+"""Road surfaces from files: CSV profiles and ASAM OpenCRG."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from files.errors import InputError
+from road import csv_profile, opencrg
+
+MAX_BYTES = 1_000_000_000
+MAX_POINTS = 50_000_000
+MAX_RELIEF_M = 50.0  # beyond it, heights are elevations over the sea or millimetres
+MAX_LENGTH_M = 100_000.0
+FORMATS = (".csv", ".crg")
+
+
+class MeasuredSurface(NamedTuple):
+    """Heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0."""
+
+    x_m: NDArray[np.float64]
+    y_m: NDArray[np.float64]
+    heights: NDArray[np.float64]
+
+    def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Bilinear height (m), broadcast over x and y; constant beyond the outermost stations and lines."""
+        z = self.heights
+        i, s = _cell(self.x_m, x)
+        if len(self.y_m) == 1:
+            return np.broadcast_arrays(z[0, i] + s * (z[0, i + 1] - z[0, i]), np.asarray(y, float))[0].copy()
+        j, t = _cell(self.y_m, y)
+        near = z[j, i] + s * (z[j, i + 1] - z[j, i])
+        far = z[j + 1, i] + s * (z[j + 1, i + 1] - z[j + 1, i])
+        return near + t * (far - near)
+
+    @property
+    def length_m(self) -> float:
+        return float(self.x_m[-1])
+
+
+def read_surface(path: Path | str) -> MeasuredSurface:
+    """The surface in a .csv or .crg file, shifted so that it begins at x = 0 with a mean height of 0.
+
+    Raises InputError, in one line, for a file that cannot be read or does not describe a surface.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"{path}: a road file must end in {' or '.join(FORMATS)}")
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    if status.st_size > MAX_BYTES:
+        raise InputError(f"{path}: has {status.st_size} bytes, allowed are {MAX_BYTES}")
+    return _read(path, status.st_mtime_ns, status.st_size)
+
+
+def surface(
+    x: NDArray[np.float64], y: NDArray[np.float64], heights: NDArray[np.float64], source: str
+) -> MeasuredSurface:
+    """A surface that begins at x = 0 with a mean height of 0, from raw coordinates; checked.
+
+    Args:
+        x: (n,) stations; y: (m,) lines, positive left; heights: (m, n); all in m.
+        source: what an error names.
+    """
+    if len(x) < 2:
+        raise InputError(f"{source}: a profile needs at least 2 stations, got {len(x)}")
+    if heights.size > MAX_POINTS:
+        raise InputError(f"{source}: has {heights.size} points, allowed are {MAX_POINTS}")
+    for name, values in (("stations", x), ("lateral positions", y)):
+        if not np.all(np.isfinite(values)) or not np.all(np.diff(values) > 0):
+            raise InputError(f"{source}: {name} must be finite and ascend")
+    missing = np.argwhere(~np.isfinite(heights))
+    if len(missing):
+        line, station = missing[0]
+        raise InputError(f"{source}: no height at x = {x[station]:g} m, y = {y[line]:g} m")
+    if x[-1] - x[0] > MAX_LENGTH_M:
+        raise InputError(f"{source}: is {x[-1] - x[0]:g} m long, allowed are {MAX_LENGTH_M:g} m")
+    heights = heights - heights[:, 0].mean()
+    relief = float(np.abs(heights).max())
+    if relief > MAX_RELIEF_M:
+        raise InputError(
+            f"{source}: heights depart from the start by {relief:g} m, allowed are {MAX_RELIEF_M:g} m; "
+            "are they in metres, with the grade removed?"
+        )
+    heights.setflags(write=False)
+    return MeasuredSurface(x - x[0], y, heights)
+
+
+@lru_cache(maxsize=4)
+def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
+    """One file, read again when it has changed."""
+    if path.suffix.lower() == ".csv":
+        return surface(*csv_profile.read(path), str(path))
+    return surface(*opencrg.read(path), str(path))
+
+
+def _cell(grid: NDArray[np.float64], at: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Index of the grid cell and position 0..1 in it, clipped to the grid."""
+    at = np.clip(np.asarray(at, float), grid[0], grid[-1])
+    cell = np.clip(np.searchsorted(grid, at, side="right") - 1, 0, len(grid) - 2)
+    return cell, (at - grid[cell]) / (grid[cell + 1] - grid[cell])

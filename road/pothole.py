@@ -1,0 +1,78 @@
+"""Potholes."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from road.bumps import MAX_POSITION_M
+from road.checks import check_integer, check_number
+from road.rim import Rim, irregular_rim
+
+
+@dataclass(frozen=True)
+class Pothole:
+    """Hole with an irregular rim, walls of slope depth_m / wall_m, and a flat floor.
+
+    Args:
+        start_m: x of the near edge.
+        depth_m: depth of the floor under the road.
+        length_m: extent along x; exact on the line y = y_m, nowhere exceeded.
+        width_m: extent along y.
+        y_m: lateral position of the centre.
+        wall_m: horizontal run of the wall from the rim down to the floor.
+        irregularity: relative amplitude of the rim about an ellipse (0 is the ellipse).
+        seed: of the rim's shape.
+    """
+
+    kind: ClassVar[str] = "pothole"
+    cls: ClassVar[int] = 1
+    start_m: float
+    depth_m: float
+    length_m: float
+    width_m: float
+    y_m: float = 0.0
+    wall_m: float = 0.05
+    irregularity: float = 0.2
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
+        check_number("depth_m", self.depth_m, 0.0, 0.5, open_low=True)
+        check_number("length_m", self.length_m, 0.0, 20.0, open_low=True)
+        check_number("width_m", self.width_m, 0.0, 20.0, open_low=True)
+        check_number("y_m", self.y_m, -50.0, 50.0)
+        check_number("wall_m", self.wall_m, 0.0, min(self.length_m, self.width_m) / 2, open_low=True)
+        check_number("irregularity", self.irregularity, 0.0, 0.5)
+        check_integer("seed", self.seed, 0)
+
+    @property
+    def end_m(self) -> float:
+        return self.start_m + self.length_m
+
+    @property
+    def y_min_m(self) -> float:
+        return self.y_m - self.width_m / 2
+
+    @property
+    def y_max_m(self) -> float:
+        return self.y_m + self.width_m / 2
+
+    def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Height over the road (m, <= 0) at world points, broadcast over x and y."""
+        return -self.depth_m * np.clip(self._depth_into(x, y) / self.wall_m, 0.0, 1.0)
+
+    def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
+        """True inside the rim, broadcast over x and y."""
+        return self._depth_into(x, y) > 0
+
+    def _depth_into(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Distance (m) from the rim inwards along the ray to the centre; negative outside."""
+        dx = np.asarray(x, float) - (self.start_m + self.length_m / 2)
+        dy = np.asarray(y, float) - self.y_m
+        return self._rim.inward_distance(dx, dy, self.length_m / 2, self.width_m / 2)
+
+    @property
+    def _rim(self) -> Rim:
+        return irregular_rim(self.irregularity, self.seed)
