@@ -15,6 +15,7 @@ from controller.passive import fixed, passive
 from controller.pdd import PowerDriven
 from controller.settings import ControllerSettings
 from controller.skyhook import Skyhook
+from controller.tuned import tuned_settings
 from controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
 from vehicle.parameters import Car
@@ -56,9 +57,10 @@ def build(
 ) -> Controller:
     """Build the controller called `name`, or the user's own named as `path/to/file.py:name`.
 
+    Without settings it is tuned as shipped for the vehicle's kind.
     Raises InputError for a name that does not exist and for settings that do not fit the vehicle.
     """
-    settings, timing = settings or ControllerSettings(), timing or Timing()
+    settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
     if _is_user(name):
         return _build_user(name, vehicle, settings.user, timing)
     entry = _entry(name)

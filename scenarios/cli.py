@@ -5,7 +5,19 @@ import sys
 from collections.abc import Sequence
 
 from files.errors import InputError
-from scenarios.commands import compare, demo, detector, doctor, perception, render, run, validation
+from scenarios.commands import (
+    compare,
+    demo,
+    detector,
+    doctor,
+    perception,
+    regress,
+    render,
+    run,
+    tune,
+    validation,
+)
+from scenarios.parallel import WorkerDied
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -18,7 +30,7 @@ def parser() -> argparse.ArgumentParser:
         description="What a car gains when its suspension sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (demo, run, compare, perception, render, detector, validation, doctor):
+    for command in (demo, run, compare, regress, tune, perception, render, detector, validation, doctor):
         command.add(commands)
     return top
 
@@ -30,6 +42,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(arguments.execute(arguments) or 0)
     except InputError as error:
         print(f"foreride: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except WorkerDied as error:
+        print(f"foreride: {error}", file=sys.stderr)
+        return CHECK_FAILED
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        print(f"foreride: {place}{error.strerror or error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt:
         print("foreride: interrupted", file=sys.stderr)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from controller.tuned import tuned_mapping
 from files import strict
 from files.errors import InputError
 from files.yaml12 import parse
@@ -26,16 +27,33 @@ def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
     single parameters under `vehicle.parameters`. Anything wrong raises one-line `InputError`.
     """
     path = _find(name_or_path)
-    mapping = _read(path)
-    source = str(path)
+    return structure(read(path), path, overrides)
+
+
+def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: str = "") -> Scenario:
+    """The scenario that the mapping at `place` in the file at `path` describes, overridden and validated.
+
+    Tuned settings that are shipped for its kind of car stand where it does not set its own.
+    """
+    source = f"{path}{place}"
+    if not isinstance(mapping, dict):
+        raise InputError(f"{source}: a scenario must be a mapping of fields, got {type(mapping).__name__}")
     for override in overrides:
         _override(mapping, override)
-        source = f"{path} (with --set)"
     mapping.setdefault("name", path.stem)
     mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
-    scenario = strict.structure(Scenario, mapping, source)
+    _fill_in_tuned(mapping)
+    scenario = strict.structure(Scenario, mapping, f"{source} (with --set)" if overrides else source)
     assert isinstance(scenario, Scenario)
     return scenario
+
+
+def read(path: Path) -> Any:
+    """What a YAML file holds; InputError where it cannot be read or is no YAML."""
+    try:
+        return parse(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({error})") from None
 
 
 def _find(name_or_path: str) -> Path:
@@ -49,16 +67,6 @@ def _find(name_or_path: str) -> Path:
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(names())}"
         raise InputError(f"scenario {name_or_path!r} is neither a file nor in the library; {hint}")
     return FOLDER / f"{name_or_path}.yaml"
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        mapping = parse(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(mapping, dict):
-        raise InputError(f"{path}: a scenario must be a mapping of fields, got {type(mapping).__name__}")
-    return mapping
 
 
 def _override(mapping: dict[str, Any], override: str) -> None:
@@ -96,7 +104,7 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     choice = {"model": "half"} if choice is None else choice
     if not isinstance(choice, dict):
         raise InputError(
-            f"{scenario}: vehicle must be a mapping with model (quarter, half or a file), got {choice!r}"
+            f"{scenario}: vehicle must be a mapping with model (quarter, half, full or a file), got {choice!r}"
         )
     model = choice.get("model", "half")
     own = scenario.parent / str(model)
@@ -107,3 +115,17 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     replaced = choice.get("parameters", {})
     merged = parameters | replaced if isinstance(replaced, dict) else replaced
     return choice | {"model": str(model), "parameters": merged}
+
+
+def _fill_in_tuned(mapping: dict[str, Any]) -> None:
+    """Put the shipped settings of the car's kind under those given; validation tells what is malformed."""
+    parameters = mapping["vehicle"]["parameters"]
+    control = mapping.setdefault("control", {})
+    given = control.setdefault("settings", {}) if isinstance(control, dict) else None
+    kind = parameters.get("kind") if isinstance(parameters, dict) else None
+    if not isinstance(given, dict) or not isinstance(kind, str):
+        return
+    for name, tuned in tuned_mapping(kind).items():
+        own = given.get(name, {})
+        if isinstance(own, dict):
+            given[name] = tuned | own

@@ -1,0 +1,38 @@
+"""The tuned settings that are shipped for each kind of car; `foreride tune` makes them."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from controller.settings import ControllerSettings
+from files import strict
+
+FOLDER = Path(__file__).parent / "tuned"
+
+
+@lru_cache(maxsize=8)
+def tuned_settings(kind: str) -> ControllerSettings:
+    """What is shipped for cars of this kind: `quarter_car`, `half_car` or `full_car`."""
+    settings = strict.read(ControllerSettings, FOLDER / f"{kind}.yaml")
+    assert isinstance(settings, ControllerSettings)
+    return settings
+
+
+def tuned_mapping(kind: str) -> dict[str, dict[str, Any]]:
+    """The same as plain values, one mapping for each controller that is tuned."""
+    mapping = strict.to_mapping(tuned_settings(kind))
+    return {name: values for name, values in mapping.items() if name in TUNED}
+
+
+TUNED = (
+    "fixed",
+    "skyhook",
+    "skyhook2",
+    "groundhook",
+    "hybrid",
+    "add",
+    "sh_add",
+    "pdd",
+    "lqr_clipped",
+)
+"""The controllers whose settings are tuned."""

@@ -1,0 +1,85 @@
+"""`foreride tune`: find the settings of the reactive controllers on roads that no report uses."""
+
+import argparse
+from pathlib import Path
+
+from controller.tuned import TUNED
+from files import strict
+from files.atomic import write_text
+from files.errors import InputError
+from scenarios.commands.options import (
+    add_field_options,
+    add_output_options,
+    comma_list,
+    console,
+    overrides_of,
+)
+from scenarios.runfolder import environment, to_json
+from scenarios.schema import Scenario
+from scenarios.sets import load_all
+from scenarios.tuning import Judge, Tuned, spans_of, tune, with_settings
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("tune", help="tune the reactive controllers on a set of roads")
+    command.add_argument(
+        "events", nargs="*", default=["tuning"], metavar="SCENARIO", help="scenarios or sets (default tuning)"
+    )
+    names = ",".join(TUNED)
+    command.add_argument(
+        "--controllers", type=comma_list, default=list(TUNED), metavar="A,B,...", help=f"default {names}"
+    )
+    command.add_argument(
+        "--evaluations", type=int, default=32, metavar="N", help="settings tried for each (default 32)"
+    )
+    command.add_argument("--seed", type=int, default=1, help="of the search (default 1)")
+    add_field_options(command)
+    add_output_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Tune one controller after the other; write their settings to `--out` (default runs/tuned/KIND.yaml)."""
+    if arguments.evaluations < 8:
+        raise InputError(f"--evaluations must be >= 8, got {arguments.evaluations}")
+    scenarios = load_all(arguments.events, overrides_of(arguments))
+    car = scenarios[0].vehicle.parameters
+    searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
+    judge = Judge(scenarios)
+    found = []
+    for name, spans in searches.items():
+        with console.status(f"{name}: {arguments.evaluations} settings on {len(scenarios)} events"):
+            tuned = tune(judge, name, spans, arguments.evaluations, arguments.seed)
+        console.print(f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}")
+        found.append(tuned)
+        scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]
+    out = arguments.out or Path("runs") / "tuned" / f"{car.kind}.yaml"
+    write_text(out, settings_file(scenarios[0], found, _command(arguments)))
+    console.print(f"settings: {out}")
+    if arguments.json:
+        rows = [strict.to_mapping(tuned) for tuned in found]
+        document = {"schema": 1, "manifest": environment(), "rows": rows}
+        write_text(arguments.json, to_json(document) + "\n")
+    return 0
+
+
+def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
+    """The settings of all tuned controllers as YAML, with what made them and how well they do."""
+    scores = {tuned.controller: tuned.score for tuned in found}
+    lines = [f"# Made by: {command}", "# After each: mean over the events of J relative to passive."]
+    for name, values in strict.to_mapping(scenario.control.settings).items():
+        if name in TUNED:
+            pairs = ", ".join(f"{key}: {value:g}" for key, value in values.items())
+            score = f"  # {scores[name]:.4f}" if name in scores else ""
+            lines.append(f"{name}: {{{pairs}}}{score}")
+    return "\n".join(lines) + "\n"
+
+
+def _command(arguments: argparse.Namespace) -> str:
+    """The command line that does the same again."""
+    parts = ["foreride tune", *arguments.events]
+    if arguments.controllers != list(TUNED):
+        parts.append(f"--controllers {','.join(arguments.controllers)}")
+    parts += [f"--set {override}" for override in overrides_of(arguments)]
+    return " ".join([*parts, f"--evaluations {arguments.evaluations}", f"--seed {arguments.seed}"])

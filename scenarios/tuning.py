@@ -1,0 +1,131 @@
+"""Search for the settings with which a controller does best on a set of events."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from statistics import fmean
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from files.errors import InputError
+from scenarios.cases import Case
+from scenarios.closed_loop import simulate
+from scenarios.schema import Scenario
+
+
+class Span(NamedTuple):
+    """Where a setting is looked for; `ratio` where its order of magnitude is what is unknown."""
+
+    low: float
+    high: float
+    ratio: bool = False
+
+    def at(self, share: float) -> float:
+        """The value at a share 0 ... 1 of the span, to four digits, as it is written into files."""
+        low, high = np.log([self.low, self.high]) if self.ratio else (self.low, self.high)
+        value = low + float(np.clip(share, 0.0, 1.0)) * (high - low)
+        return float(f"{np.exp(value) if self.ratio else value:.4g}")
+
+
+_LEVELS = {"hard_ns_m": Span(1000.0, 4500.0), "soft_ns_m": Span(300.0, 1000.0)}
+_SHAPE = {"floor_ns_m": Span(300.0, 1200.0), "smoothing_m_s": Span(0.01, 0.4, ratio=True)}
+SPANS: dict[str, dict[str, Span]] = {
+    "fixed": {"front_ns_m": Span(300.0, 4500.0), "rear_ns_m": Span(300.0, 4500.0)},
+    "skyhook": {"sky_ns_m": Span(500.0, 8000.0), "ground_ns_m": Span(0.0, 2500.0), **_SHAPE},
+    "skyhook2": _LEVELS,
+    "groundhook": _LEVELS,
+    "hybrid": {"gain_ns_m": Span(500.0, 8000.0), "alpha": Span(0.0, 1.0), **_SHAPE},
+    "add": _LEVELS,
+    "sh_add": {**_LEVELS, "crossover_hz": Span(0.5, 10.0, ratio=True)},
+    "pdd": _LEVELS,
+    "lqr_clipped": {
+        "nominal_ns_m": Span(300.0, 2500.0),
+        "rho": Span(0.3, 10.0, ratio=True),
+        "force_weight": Span(1e-3, 1.0, ratio=True),
+        "smoothing_m_s": Span(0.01, 0.4, ratio=True),
+    },
+}
+"""What is tuned of each controller, and where."""
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The best settings found, their score, and the score of the settings that were there before.
+
+    A score is the mean over the events of J relative to the passive car.
+    """
+
+    controller: str
+    settings: dict[str, float]
+    score: float
+    before: float
+
+
+class Judge:
+    """Scores settings of one controller on events, each against the passive car with the same noise."""
+
+    def __init__(self, scenarios: Sequence[Scenario], advance: Callable[[], None] = lambda: None):
+        self._scenarios, self._advance = scenarios, advance
+        self._passive = [_objective(scenario, "passive") for scenario in scenarios]
+
+    def score(self, controller: str, settings: dict[str, float]) -> float:
+        """Mean over the events of J relative to the passive car."""
+        ratios = [
+            _objective(with_settings(scenario, controller, settings), controller) / passive
+            for scenario, passive in zip(self._scenarios, self._passive, strict=True)
+        ]
+        self._advance()
+        return fmean(ratios)
+
+
+def spans_of(controller: str, wheels: int) -> dict[str, Span]:
+    """What is tuned of a controller on a car with so many wheels; InputError where there is nothing."""
+    if controller not in SPANS:
+        raise InputError(f"controllers must be among {', '.join(SPANS)}, got {controller!r}")
+    return {name: span for name, span in SPANS[controller].items() if wheels > 1 or name != "rear_ns_m"}
+
+
+def tune(judge: Judge, controller: str, spans: dict[str, Span], evaluations: int, seed: int) -> Tuned:
+    """Look over the whole span with up to half of the evaluations, then climb from the best with the rest.
+
+    A scrambled Sobol sequence looks, a trust-region method on quadratic models climbs (COBYQA: Ragonneau &
+    Zhang, as in scipy). The settings of the scenarios themselves are among those tried, so that the result
+    is never worse.
+    """
+    tried: list[tuple[float, tuple[float, ...]]] = []
+
+    def ask(shares: np.ndarray) -> float:
+        values = [span.at(share) for span, share in zip(spans.values(), shares, strict=True)]
+        score = judge.score(controller, dict(zip(spans, values, strict=True)))
+        tried.append((score, tuple(shares)))
+        return score
+
+    before = judge.score(controller, {})
+    looks = int(np.log2(evaluations / 2))  # a Sobol sequence is even after powers of two
+    for point in qmc.Sobol(len(spans), rng=seed).random_base2(looks):
+        ask(point)
+    minimize(
+        ask,
+        min(tried)[1],
+        method="COBYQA",
+        bounds=[(0.0, 1.0)] * len(spans),
+        options={"maxfev": max(1, evaluations - len(tried) - 1), "initial_tr_radius": 0.1},
+    )
+    score, shares = min(tried)
+    if before <= score:
+        return Tuned(controller, {}, before, before)
+    settings = {name: span.at(share) for (name, span), share in zip(spans.items(), shares, strict=True)}
+    return Tuned(controller, settings, score, before)
+
+
+def with_settings(scenario: Scenario, controller: str, settings: dict[str, float]) -> Scenario:
+    """The scenario with some settings of one controller replaced."""
+    there = scenario.control.settings
+    changed = replace(there, **{controller: replace(getattr(there, controller), **settings)})
+    return replace(scenario, control=replace(scenario.control, settings=changed))
+
+
+def _objective(scenario: Scenario, controller: str) -> float:
+    return simulate(Case(scenario, controller, "none", scenario.seed)).metrics["objective"]

@@ -1,0 +1,103 @@
+"""The search for settings: on a bowl whose bottom is known, and on a road."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from controller.settings import ControllerSettings
+from controller.tuned import TUNED, tuned_settings
+from files import strict
+from files.errors import InputError
+from scenarios.cli import main
+from scenarios.loading import load
+from scenarios.tuning import SPANS, Span, spans_of, tune
+
+SHORT = """
+title: One bump
+speed_kmh: 40
+vehicle: {model: quarter}
+road: {length_m: 25, features: [{kind: half_sine_bump, start_m: 6, length_m: 0.5, height_m: 0.04}]}
+"""
+
+
+class Bowl:
+    """Stands in for a judge: least at hard 2000, soft 500; the settings there before score `before`."""
+
+    def __init__(self, before: float) -> None:
+        self.before, self.asked = before, 0
+
+    def score(self, controller: str, settings: dict[str, float]) -> float:
+        self.asked += 1
+        if not settings:
+            return self.before
+        return 0.5 + (settings["hard_ns_m"] / 2000 - 1) ** 2 + (settings["soft_ns_m"] / 500 - 1) ** 2
+
+
+def test_the_bottom_is_found_within_the_evaluations() -> None:
+    bowl: Any = Bowl(before=1.0)
+    found = tune(bowl, "add", SPANS["add"], evaluations=40, seed=1)
+    assert found.settings["hard_ns_m"] == pytest.approx(2000.0, rel=0.02)
+    assert found.settings["soft_ns_m"] == pytest.approx(500.0, rel=0.02)
+    assert found.score == pytest.approx(0.5, abs=1e-3)
+    assert bowl.asked <= 41
+
+
+def test_what_was_there_before_stays_where_nothing_better_is_found() -> None:
+    bowl: Any = Bowl(before=0.4)
+    found = tune(bowl, "add", SPANS["add"], evaluations=16, seed=1)
+    assert (found.settings, found.score) == ({}, 0.4)
+
+
+def test_the_same_seed_searches_the_same_places() -> None:
+    bowls: list[Any] = [Bowl(1.0), Bowl(1.0), Bowl(1.0)]
+    first, again, other = (
+        tune(bowl, "add", SPANS["add"], 12, seed) for bowl, seed in zip(bowls, (1, 1, 2), strict=True)
+    )
+    assert first == again != other
+
+
+def test_a_span_of_orders_of_magnitude_is_halved_by_its_geometric_mean() -> None:
+    assert Span(0.01, 1.0, ratio=True).at(0.5) == 0.1
+    assert Span(10.0, 20.0).at(0.5) == 15.0
+    assert Span(10.0, 20.0).at(-1e-9) == 10.0
+
+
+def test_each_controller_that_is_tuned_has_settings_of_these_names_that_fit_any_span() -> None:
+    assert set(SPANS) == set(TUNED)
+    for name, spans in SPANS.items():
+        for share in (0.0, 1.0):
+            values = {key: span.at(share) for key, span in spans.items()}
+            strict.structure(ControllerSettings, {name: values}, "test")
+
+
+def test_a_quarter_car_has_no_rear_damper_to_tune() -> None:
+    assert list(spans_of("fixed", 1)) == ["front_ns_m"]
+    assert list(spans_of("fixed", 2)) == ["front_ns_m", "rear_ns_m"]
+    with pytest.raises(InputError, match=r"controllers must be among fixed, .*got 'passive'"):
+        spans_of("passive", 1)
+
+
+@pytest.mark.parametrize("kind", ["quarter_car", "half_car"])
+def test_shipped_settings_reach_the_scenario_unless_it_says_otherwise(kind: str) -> None:
+    scenario = load("bump_8x40_30", [f"vehicle.model={kind}", "control.settings.skyhook.floor_ns_m=444"])
+    shipped, there = tuned_settings(kind), scenario.control.settings
+    assert there.hybrid == shipped.hybrid
+    assert there.skyhook.floor_ns_m == 444.0
+    assert there.skyhook.sky_ns_m == shipped.skyhook.sky_ns_m
+
+
+def test_the_command_writes_settings_that_can_be_read_back_and_are_no_worse(tmp_path: Path) -> None:
+    road, out = tmp_path / "road.yaml", tmp_path / "tuned.yaml"
+    road.write_text(SHORT)
+    asked = ["tune", str(road), "--controllers", "fixed", "--evaluations", "8", "--out", str(out)]
+    assert main(asked) == 0
+    settings = strict.read(ControllerSettings, out)
+    assert settings.fixed.front_ns_m != tuned_settings("quarter_car").fixed.front_ns_m
+    assert settings.hybrid == tuned_settings("quarter_car").hybrid
+    assert "# Made by: foreride tune" in out.read_text()
+
+
+def test_too_few_evaluations_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tune", "--evaluations", "3"]) == 2
+    assert "--evaluations must be >= 8, got 3" in capsys.readouterr().err
