@@ -18,7 +18,7 @@ class ComfortFilter:
         a, b, c = wk_second_order().state_space()
         d = np.zeros((1, 1))
         self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
-        self._levers = np.array([(1.0, -x)[: len(vehicle.body_inertia)] for x in vehicle.seat_x_m])
+        self._levers = np.array(vehicle.seat_levers)
         self._vehicle = vehicle
         self._period_s = period_s
         self.reset()

@@ -4,7 +4,7 @@ import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.kinematics import kinematics
-from vehicle.equations import rest_state
+from vehicle.equations import forces, rest_state
 from vehicle.parameters import Car
 from vehicle.sensors import Measurement, SensorNoise
 from vehicle.state import VehicleState
@@ -40,7 +40,10 @@ class Observer:
         self._filter = kinematics(vehicle, noise, timing.period_s)
         levers = np.array([corner.lever for corner in corners])
         self._body = np.linalg.pinv(levers)
-        carried = np.linalg.pinv(levers.T) @ np.diag(vehicle.body_inertia) @ self._body
+        spread = np.linalg.pinv(levers.T)
+        self._warp = np.eye(vehicle.wheels) - spread @ levers.T if vehicle.wheels > levers.shape[1] else None
+        carried = spread @ np.diag(vehicle.body_inertia) @ self._body
+        self._vehicle = vehicle
         self._mass = np.hstack([carried, np.diag([corner.unsprung_mass_kg for corner in corners])])
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
@@ -83,8 +86,15 @@ class Observer:
         )
 
     def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Highest that the road can be, and whether the tyre touches it there, (wheels,) each."""
+        """Highest that the road can be, and whether the tyre touches it there, (wheels,) each.
+
+        On more wheels than the body has motions, forces that cancel in the body are those of the struts.
+        """
         force = self._mass @ acceleration
+        if self._warp is not None:
+            still = np.zeros(self._wheels)
+            struts = forces(self._vehicle, self._vehicle_state(), still, still)
+            force = force + self._warp @ (struts.spring + struts.damper + struts.stop)
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection

@@ -54,13 +54,16 @@ class EgoMotion:
     """Complementary filters for pitch and heave, an odometer, and their recent history.
 
     axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
-    car, which has no pitch). The odometer starts at `x_m` and reads the centre of gravity.
+    car, which has no pitch); wheels at the same place share an axle, which moves by their mean. The
+    odometer starts at `x_m` and reads the centre of gravity.
     """
 
     def __init__(self, axle_x_m: tuple[float, ...], settings: Settings, x_m: float = 0.0) -> None:
-        if len(axle_x_m) not in (1, 2):
-            raise InputError(f"axle_x_m must have 1 or 2 entries, got {len(axle_x_m)}")
-        self.axle_x_m = np.asarray(axle_x_m, dtype=float)
+        axles = sorted(set(axle_x_m), reverse=True)
+        if len(axles) not in (1, 2):
+            raise InputError(f"axle_x_m must name 1 or 2 axles, got {len(axles)}")
+        self.axle_x_m = np.asarray(axles, dtype=float)
+        self._of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
         self.settings = settings
         self.x_m = x_m
         self._pitch = self._heave = self._heave_velocity = 0.0
@@ -124,7 +127,7 @@ class EgoMotion:
     def _update_pitch(self, measurement: Measurement, step: float, trust: float) -> None:
         if len(self.axle_x_m) == 1:
             return
-        front, rear = measurement.rattle_m
+        front, rear = self._over_axles(measurement.rattle_m)
         reference = (rear - front) / (self.axle_x_m[0] - self.axle_x_m[1])
         gain = trust * min(1.0, step / self.settings.reference_time_s)
         self._pitch += step * measurement.pitch_rate
@@ -140,7 +143,11 @@ class EgoMotion:
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""
+        over = self._over_axles(values)
         if len(self.axle_x_m) == 1:
-            return float(values[0])
+            return float(over[0])
         front, rear = self.axle_x_m
-        return float((front * values[1] - rear * values[0]) / (front - rear))
+        return float((front * over[1] - rear * over[0]) / (front - rear))
+
+    def _over_axles(self, values: np.ndarray) -> list[float]:
+        return [values[wheels].mean() for wheels in self._of_axle]

@@ -23,10 +23,11 @@ from vehicle.state import VehicleState
 class Run:
     """Everything one run produced.
 
-    signals: one value a tick under each name; per-wheel names end in `_0` (front), `_1` (rear).
+    signals: one value a tick under each name; per-wheel names end in `_0`, `_1`, ... (front, rear or
+        front left, front right, rear left, rear right).
     metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
-    track_y_m: lateral position of the wheels. looks: exposures, images included where asked for.
+    track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
     """
 
     case: Case
@@ -58,12 +59,12 @@ def simulate(
     started = perf_counter()
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     streams = random_streams(case.seed)
-    track_y_m = -car.track_m / 2
-    profiles = [wheel_profile(scenario.road, track_y_m, car.wheel_radius_m)] * car.wheels
+    tracks = {y: wheel_profile(scenario.road, y, car.wheel_radius_m) for y in car.wheel_y_m}
+    profiles = [tracks[y] for y in car.wheel_y_m]
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.speed_m_s)
     sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
-    perception, weights_sha256 = build_perception(case, profiles, track_y_m, streams, keep_images)
+    perception, weights_sha256 = build_perception(case, profiles, streams, keep_images)
     driver = Driver(case, plant, sensors, perception)
     try:
         driver.drive(advance)
@@ -81,7 +82,7 @@ def simulate(
         perception_stats=perception.stats(),
         timing=timing | driver.timing | perception.timing(),
         weights_sha256=weights_sha256,
-        track_y_m=track_y_m,
+        track_y_m=min(car.wheel_y_m),
         looks=perception.looks,
     )
 

@@ -25,7 +25,6 @@ Eye = Callable[[int, VehicleState], Look]
 def build_perception(
     case: Case,
     profiles: Sequence[WheelProfile],
-    track_y_m: float,
     streams: dict[str, np.random.Generator],
     keep_images: bool,
 ) -> tuple[Perception, str | None]:
@@ -45,7 +44,7 @@ def build_perception(
         weights = hashlib.sha256(detector.path.read_bytes()).hexdigest()
         eye = camera_eye(scenario, mount, detector, int(streams["image"].integers(2**31)), keep_images)
     estimator = Estimator(
-        scenario.camera.intrinsics, nominal, car.axle_x_m, (track_y_m,) * car.wheels, scenario.estimator
+        scenario.camera.intrinsics, nominal, car.axle_x_m, car.wheel_y_m, scenario.estimator
     )
     return Seeing(eye, estimator, scenario.camera.rate_hz, scenario.camera.latency_s), weights
 

@@ -13,7 +13,7 @@ from road.appearance import Appearance
 from road.camera import Camera, CameraMount
 from road.profile import Road
 from scenarios.clock import TICKS_PER_SECOND
-from vehicle.parameters import HalfCar, QuarterCar
+from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 
 KM_H = 1 / 3.6
@@ -24,7 +24,7 @@ class Vehicle:
     """The car: `model` names where its parameters came from, `parameters` holds all of them."""
 
     model: str
-    parameters: QuarterCar | HalfCar
+    parameters: Car
 
 
 @dataclass(frozen=True)

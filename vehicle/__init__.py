@@ -1,1 +1,1 @@
-"""Quarter and half car: parameters, equations, the MuJoCo plant, its sensors and its linear twin."""
+"""Quarter, half and full car: parameters, equations, the MuJoCo plant, its sensors and its linear twin."""

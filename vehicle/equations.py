@@ -1,15 +1,19 @@
-"""Vertical dynamics of quarter and half car, written once for NumPy and CasADi.
+"""Vertical dynamics of quarter, half and full car, written once for NumPy and CasADi.
 
-State, as deviations from static equilibrium on a flat road (SI; pitch positive nose-down):
+State, as deviations from static equilibrium on a flat road (SI; pitch positive nose-down, roll
+positive left side up):
 
     quarter  x = [z_s, v_s, z_u, v_u, c]
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
+    full     x = [z, v_z, theta, omega, phi, p, z_u1, v_u1, ... z_u4, v_u4, c_1, ... c_4]
 
-with c the actual damping coefficient, behind its lag. Rows come first: with NumPy a state may carry a
-trailing axis, x (states, n), and then every result does. `xp` names the arithmetic: the module `numpy`, the
-module `casadi` (columns), or FLOATS for lists of floats, the quickest way to a single state.
+with c the actual damping coefficient, behind its lag, and wheels in the order front, rear or front left,
+front right, rear left, rear right. Rows come first: with NumPy a state may carry a trailing axis, x (states,
+n), and then every result does. `xp` names the arithmetic: the module `numpy`, the module `casadi` (columns),
+or FLOATS for lists of floats, the quickest way to a single state.
 """
 
+from collections.abc import Sequence
 from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -24,8 +28,8 @@ Arithmetic = ModuleType | SimpleNamespace
 class Forces(NamedTuple):
     """Vertical forces of each wheel, rows (wheels, ...), N.
 
-    spring, damper and stop push the body up and the wheel down, as deviations from standstill; tyre is the
-    whole tyre force, static share included, and never negative.
+    spring, damper and stop push the body up and the wheel down, as deviations from standstill; spring
+    includes the anti-roll bars; tyre is the whole tyre force, static share included, and never negative.
     """
 
     spring: Any
@@ -90,11 +94,15 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
         push = corner.tyre_n_m * (road_height[i] - state.wheel[i])
         push = push + corner.tyre_damping_ns_m * (road_velocity[i] - state.wheel_velocity[i])
         tyre.append(xp.fmax(corner.static_tyre_n + push, 0.0))
+    for axle, stiffness in enumerate(parameters.anti_roll_n_m):
+        left, right = 2 * axle, 2 * axle + 1
+        twist = stiffness * (travel[left] - travel[right])
+        spring[left], spring[right] = spring[left] - twist, spring[right] + twist
     return Forces(_rows(xp, spring), _rows(xp, damper), _rows(xp, stop), _rows(xp, tyre))
 
 
 def accelerations(parameters: Car, acting: Forces) -> tuple[list, list]:
-    """Accelerations (body motions: heave[, pitch]; wheels) that the forces cause, lists of rows."""
+    """Accelerations (body motions; wheels) that the forces cause, lists of rows."""
     suspension = [acting.spring[i] + acting.damper[i] + acting.stop[i] for i in range(parameters.wheels)]
     body = [
         sum(corner.lever[j] * suspension[i] for i, corner in enumerate(parameters.corners)) / inertia
@@ -132,18 +140,23 @@ def body_acceleration(
     x: Any,
     road_height: Any,
     road_velocity: Any,
-    x_m: tuple[float, ...] | None = None,
+    levers: Sequence[Sequence[float]] | None = None,
     xp: Arithmetic = np,
 ) -> Any:
-    """Vertical acceleration of the body at the places `x_m` ahead of its centre of gravity, rows, m/s².
+    """Vertical acceleration of places on the body, rows, m/s².
 
-    Without `x_m`: above each wheel. `parameters.seat_x_m` gives the seats.
+    `levers` turn body motion into vertical motion of each place; without them: above each wheel.
+    `parameters.seat_levers` gives the seats.
     """
     body, _ = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
-    places = parameters.axle_x_m if x_m is None else x_m
-    if len(body) == 1:
-        return _rows(xp, [body[0] for _ in places])
-    return _rows(xp, [body[0] - place * body[1] for place in places])
+    if levers is None:
+        levers = [corner.lever for corner in parameters.corners]
+    return _rows(xp, [carried(lever, body) for lever in levers])
+
+
+def carried(lever: Sequence[float], body: Sequence[Any]) -> Any:
+    """Vertical motion of the place on the body with this lever, for the body's motions."""
+    return sum(arm * part for arm, part in zip(lever[1:], body[1:], strict=True)) + lever[0] * body[0]
 
 
 def _rattle(parameters: Car, state: Motion) -> tuple[list, list]:

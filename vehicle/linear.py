@@ -71,5 +71,8 @@ def _geometry(parameters: Car) -> tuple[Array, Array, Array]:
 def _stiffness(parameters: Car) -> Array:
     _, strut, wheel = _geometry(parameters)
     springs = np.diag([corner.spring_n_m for corner in parameters.corners])
+    for axle, stiffness in enumerate(parameters.anti_roll_n_m):
+        pair = slice(2 * axle, 2 * axle + 2)
+        springs[pair, pair] += stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
     tyres = np.diag([corner.tyre_n_m for corner in parameters.corners])
     return strut.T @ springs @ strut + wheel.T @ tyres @ wheel

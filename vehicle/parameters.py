@@ -1,58 +1,31 @@
-"""What a car is made of: parameters of the quarter and the half car, read from YAML.
+"""What a car is made of: parameters of quarter, half and full car, read from YAML.
 
-Both cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, then
-pitch) and a tuple of corners, front first.
+All cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, pitch,
+roll, as far as the car has them), a tuple of corners (front, rear or front left, front right, rear left, rear
+right) and the stiffness of its anti-roll bars.
 """
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Literal, overload
+from typing import ClassVar, Literal, overload
 
 from files import strict
 from files.errors import InputError
+from vehicle.corner import (
+    COMMON_POSITIVE,
+    CORNER_FIELDS,
+    CORNER_POSITIVE,
+    GRAVITY_M_S2,
+    Corner,
+    require,
+    require_axles,
+    require_order,
+)
+from vehicle.full_car import FullCar
 
-GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
+__all__ = ["GRAVITY_M_S2", "Car", "Corner", "FullCar", "HalfCar", "QuarterCar", "load_vehicle"]
 _SHIPPED = Path(__file__).parent / "parameters"
-
-
-@dataclass(frozen=True)
-class Corner:
-    """One wheel with its suspension, and where it holds the sprung mass.
-
-    `lever` turns body motion into vertical motion of the body above the wheel: z = lever · (heave[, pitch]).
-    `body_load_n` is the share of the sprung weight that rests on this corner at standstill.
-    """
-
-    x_m: float
-    lever: tuple[float, ...]
-    body_load_n: float
-    unsprung_mass_kg: float
-    spring_n_m: float
-    tyre_n_m: float
-    tyre_damping_ns_m: float
-    damping_min_ns_m: float
-    damping_max_ns_m: float
-    damping_passive_ns_m: float
-    damper_lag_s: float
-    stop_gap_m: float
-    stop_n_m2: float
-
-    @property
-    def static_tyre_n(self) -> float:
-        """Tyre force at standstill, N."""
-        return self.body_load_n + self.unsprung_mass_kg * GRAVITY_M_S2
-
-    @property
-    def static_rattle_m(self) -> float:
-        """How far the static load compresses the suspension spring, m."""
-        return self.body_load_n / self.spring_n_m
-
-    @property
-    def static_tyre_deflection_m(self) -> float:
-        """How far the static load compresses the tyre, m."""
-        return self.static_tyre_n / self.tyre_n_m
 
 
 @dataclass(frozen=True)
@@ -81,10 +54,10 @@ class QuarterCar:
     track_m: float = 1.5
 
     def __post_init__(self) -> None:
-        for name in ("sprung_mass_kg", *_CORNER_POSITIVE, *_COMMON_POSITIVE):
-            _require(name, getattr(self, name), above=0.0)
-        _require("tyre_damping_ns_m", self.tyre_damping_ns_m, least=0.0)
-        _require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
+        for name in ("sprung_mass_kg", *CORNER_POSITIVE, *COMMON_POSITIVE):
+            require(name, getattr(self, name), above=0.0)
+        require("tyre_damping_ns_m", self.tyre_damping_ns_m, least=0.0)
+        require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
 
     @property
     def wheels(self) -> int:
@@ -97,9 +70,24 @@ class QuarterCar:
         return (0.0,)
 
     @property
+    def wheel_y_m(self) -> tuple[float, ...]:
+        """Lateral positions of the wheels, left positive, m: the right track."""
+        return (-self.track_m / 2,)
+
+    @property
+    def anti_roll_n_m(self) -> tuple[float, ...]:
+        """No anti-roll bars."""
+        return ()
+
+    @property
     def seat_x_m(self) -> tuple[float, ...]:
         """Seat positions along the car, ahead of the centre of gravity, m."""
         return (0.0,)
+
+    @property
+    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+        """What turns body motion into vertical motion of each seat."""
+        return ((1.0,),)
 
     @property
     def body_inertia(self) -> tuple[float, ...]:
@@ -109,9 +97,11 @@ class QuarterCar:
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """The one corner."""
-        shared = {name: getattr(self, name) for name in _CORNER_FIELDS}
+        shared = {name: getattr(self, name) for name in CORNER_FIELDS}
         load = self.sprung_mass_kg * GRAVITY_M_S2
-        return (Corner(x_m=0.0, lever=(1.0,), body_load_n=load, damper_lag_s=self.damper_lag_s, **shared),)
+        lever, lag = (1.0,), self.damper_lag_s
+        y = self.wheel_y_m[0]
+        return (Corner(x_m=0.0, y_m=y, lever=lever, body_load_n=load, damper_lag_s=lag, **shared),)
 
 
 @dataclass(frozen=True)
@@ -143,23 +133,9 @@ class HalfCar:
     seat_x_m: tuple[float, ...] = (-0.1, -0.95)
 
     def __post_init__(self) -> None:
-        for name in ("body_mass_kg", "pitch_inertia_kg_m2", "front_axle_m", "rear_axle_m", *_COMMON_POSITIVE):
-            _require(name, getattr(self, name), above=0.0)
-        for name in _CORNER_FIELDS:
-            values = getattr(self, name)
-            if len(values) != 2:
-                raise InputError(f"{name} must hold 2 values (front, rear), got {len(values)}")
-            for i, value in enumerate(values):
-                bound = {"least": 0.0} if name == "tyre_damping_ns_m" else {"above": 0.0}
-                _require(f"{name}[{i}]", value, **bound)
-        for i in range(2):
-            limits = (self.damping_min_ns_m[i], self.damping_passive_ns_m[i], self.damping_max_ns_m[i])
-            _require_order(*limits, suffix=f"[{i}]")
-        for i, x in enumerate(self.seat_x_m):
-            if not -self.rear_axle_m <= x <= self.front_axle_m:
-                raise InputError(f"seat_x_m[{i}] must lie between the axles, got {x}")
-        if not self.seat_x_m:
-            raise InputError("seat_x_m must name at least one seat, got none")
+        for name in ("body_mass_kg", "pitch_inertia_kg_m2", "front_axle_m", "rear_axle_m", *COMMON_POSITIVE):
+            require(name, getattr(self, name), above=0.0)
+        require_axles(self)
 
     @property
     def wheels(self) -> int:
@@ -170,6 +146,21 @@ class HalfCar:
     def axle_x_m(self) -> tuple[float, ...]:
         """Wheel positions along the car, ahead of the centre of gravity, m."""
         return (self.front_axle_m, -self.rear_axle_m)
+
+    @property
+    def wheel_y_m(self) -> tuple[float, ...]:
+        """Lateral positions of the wheels, left positive, m: the right track."""
+        return (-self.track_m / 2,) * 2
+
+    @property
+    def anti_roll_n_m(self) -> tuple[float, ...]:
+        """No anti-roll bars."""
+        return ()
+
+    @property
+    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+        """What turns body motion into vertical motion of each seat."""
+        return tuple((1.0, -x) for x in self.seat_x_m)
 
     @property
     def body_inertia(self) -> tuple[float, ...]:
@@ -184,29 +175,17 @@ class HalfCar:
         return tuple(
             Corner(
                 x_m=x,
+                y_m=self.wheel_y_m[i],
                 lever=(1.0, -x),
                 body_load_n=self.body_mass_kg * GRAVITY_M_S2 * share,
                 damper_lag_s=self.damper_lag_s,
-                **{name: getattr(self, name)[i] for name in _CORNER_FIELDS},
+                **{name: getattr(self, name)[i] for name in CORNER_FIELDS},
             )
             for i, (x, share) in enumerate(zip(self.axle_x_m, shares, strict=True))
         )
 
 
-Car = QuarterCar | HalfCar
-
-_COMMON_POSITIVE = ("damper_lag_s", "wheel_radius_m", "track_m")
-_CORNER_POSITIVE = (
-    "unsprung_mass_kg",
-    "spring_n_m",
-    "tyre_n_m",
-    "damping_min_ns_m",
-    "damping_max_ns_m",
-    "damping_passive_ns_m",
-    "stop_gap_m",
-    "stop_n_m2",
-)
-_CORNER_FIELDS = (*_CORNER_POSITIVE, "tyre_damping_ns_m")
+Car = QuarterCar | HalfCar | FullCar
 
 
 @overload
@@ -214,9 +193,11 @@ def load_vehicle(name_or_path: Literal["quarter", "quarter_car"]) -> QuarterCar:
 @overload
 def load_vehicle(name_or_path: Literal["half", "half_car"]) -> HalfCar: ...
 @overload
+def load_vehicle(name_or_path: Literal["full", "full_car"]) -> FullCar: ...
+@overload
 def load_vehicle(name_or_path: str | Path) -> Car: ...
 def load_vehicle(name_or_path: str | Path) -> Car:
-    """The car of a shipped name (`quarter_car`, `half_car`; `quarter`, `half` for short) or of a YAML file.
+    """The car of a shipped name (such as `half_car`, or `half` for short) or of a YAML file.
 
     Raises InputError for an unknown name and for a file that does not describe a car.
     """
@@ -229,17 +210,3 @@ def load_vehicle(name_or_path: str | Path) -> Car:
             raise InputError(f"vehicle must be one of {', '.join(names)} or a .yaml file, got {text!r}")
         path = _SHIPPED / f"{stem}.yaml"
     return strict.read(Car, path)
-
-
-def _require(name: str, value: Any, above: float | None = None, least: float | None = None) -> None:
-    ok = isinstance(value, int | float) and math.isfinite(value)
-    if above is not None and not (ok and value > above):
-        raise InputError(f"{name} must be > {above:g} and finite, got {value}")
-    if least is not None and not (ok and value >= least):
-        raise InputError(f"{name} must be >= {least:g} and finite, got {value}")
-
-
-def _require_order(least: float, passive: float, most: float, suffix: str = "") -> None:
-    if not least <= passive <= most:
-        allowed = f"between damping_min_ns_m ({least:g}) and damping_max_ns_m ({most:g})"
-        raise InputError(f"damping_passive_ns_m{suffix} must lie {allowed}, got {passive:g}")

@@ -1,7 +1,6 @@
 """The car as a MuJoCo model driven over a road, in ticks of 1 ms."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import mujoco
@@ -11,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
 from vehicle.equations import rest_state
-from vehicle.parameters import GRAVITY_M_S2, Car
+from vehicle.mjcf import car_xml
+from vehicle.parameters import Car
 from vehicle.state import Array, Profile, VehicleState, observe, road_under
 
 RATE_HZ = 1000  # ticks a second
@@ -20,16 +20,12 @@ _CHUNK = 1000  # ticks of road prepared at once: looking it up tick by tick woul
 
 
 def build_model(parameters: Car) -> mujoco.MjModel:
-    """The MuJoCo model of a car: the MJCF of its kind with the parameters filled in.
+    """The MuJoCo model of a car.
 
     Gravity is on and carried by preload, so that joint zero is static equilibrium. All forces are elements of
     the model, so each of the four Runge-Kutta stages evaluates them anew.
     """
-    text = (Path(__file__).parent / "models" / f"{parameters.kind}.xml").read_text(encoding="utf-8")
-    names = ("wheel",) if parameters.wheels == 1 else ("front", "rear")
-    corners = dict(zip(names, parameters.corners, strict=True))
-    filled = text.format(car=parameters, step_s=STEP_S, gravity=GRAVITY_M_S2, **corners)
-    return mujoco.MjModel.from_xml_string(filled)
+    return mujoco.MjModel.from_xml_string(car_xml(parameters, STEP_S))
 
 
 class _Block(NamedTuple):

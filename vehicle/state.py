@@ -28,7 +28,8 @@ class VehicleState:
     """The car at one moment, or at n moments: then every entry has a trailing axis n.
 
     Displacements are deviations from static equilibrium on a flat road; rattle is body minus wheel, positive
-    when extended; pitch is positive nose-down; w wheels are ordered front, rear; SI units.
+    when extended; pitch is positive nose-down, roll left side up; w wheels are ordered front, rear or front
+    left, front right, rear left, rear right; SI units.
     """
 
     time_s: Any
@@ -39,6 +40,8 @@ class VehicleState:
     heave_velocity: Any
     pitch_rad: Any
     pitch_rate: Any
+    roll_rad: Any
+    roll_rate: Any
     wheel_z: Array  # (w,)
     wheel_v: Array  # (w,)
     damping: Array  # (w,) actual damping coefficient, N·s/m
@@ -49,6 +52,7 @@ class VehicleState:
     seat_acc: Array  # (seats,)
     cg_acc: Any
     pitch_acc: Any
+    roll_acc: Any
     wheel_acc: Array  # (w,)
     damper_force: Array  # (w,) on the body, up
     stop_force: Array  # (w,) on the body, up
@@ -86,9 +90,9 @@ def observe(
     acting = equations.forces(parameters, x, height, velocity, xp)
     travel, rate = equations.rattle(parameters, x, xp)
     body, wheel = equations.accelerations(parameters, acting)
-    flat = [0.0 * body[0]] * 3
-    pitch, pitch_rate, pitch_acc = (state.body[1], state.body_velocity[1], body[1]) if body[1:] else flat
-    static = [corner.static_tyre_n + flat[0] for corner in parameters.corners]
+    zero = 0.0 * body[0]
+    _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]
+    static = [corner.static_tyre_n + zero for corner in parameters.corners]
     return VehicleState(
         time_s=time_s,
         x_m=x_m,
@@ -96,18 +100,21 @@ def observe(
         x=np.array(x),
         heave_m=state.body[0],
         heave_velocity=state.body_velocity[0],
-        pitch_rad=pitch,
-        pitch_rate=pitch_rate,
+        pitch_rad=pitch[0],
+        pitch_rate=pitch[1],
+        roll_rad=roll[0],
+        roll_rate=roll[1],
         wheel_z=np.array(state.wheel),
         wheel_v=np.array(state.wheel_velocity),
         damping=np.array(state.damping),
         command=command,
         rattle_m=np.array(travel),
         rattle_velocity=np.array(rate),
-        body_acc=np.array([body[0] - place * pitch_acc for place in parameters.axle_x_m]),
-        seat_acc=np.array([body[0] - place * pitch_acc for place in parameters.seat_x_m]),
+        body_acc=np.array([equations.carried(corner.lever, body) for corner in parameters.corners]),
+        seat_acc=np.array([equations.carried(lever, body) for lever in parameters.seat_levers]),
         cg_acc=body[0],
-        pitch_acc=pitch_acc,
+        pitch_acc=pitch[2],
+        roll_acc=roll[2],
         wheel_acc=np.array(wheel),
         damper_force=np.array(acting.damper),
         stop_force=np.array(acting.stop),

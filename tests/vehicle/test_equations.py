@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from vehicle import equations
 from vehicle.parameters import Car, load_vehicle
 
-QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
-CARS: list[Car] = [QUARTER, HALF]
+QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
+CARS: list[Car] = [QUARTER, HALF, FULL]
 
 
 def random_inputs(car: Car, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -89,8 +89,16 @@ def test_body_acceleration_is_that_of_a_rigid_body() -> None:
     dx = equations.derivative(car, x, x[-2:], height, velocity)
     places = (1.25, 0.0, -1.45)
     expected = [dx[1] - place * dx[3] for place in places]
-    np.testing.assert_allclose(equations.body_acceleration(car, x, height, velocity, places), expected)
+    levers = [(1.0, -place) for place in places]
+    np.testing.assert_allclose(equations.body_acceleration(car, x, height, velocity, levers), expected)
     np.testing.assert_allclose(equations.body_acceleration(car, x, height, velocity), expected[::2])
+
+
+def test_an_anti_roll_bar_presses_the_wheel_of_the_shorter_strut_down() -> None:
+    x, still = equations.rest_state(FULL), np.zeros(4)
+    x[6] = 0.02  # front left wheel raised
+    spring = equations.forces(FULL, x, still, still).spring
+    np.testing.assert_allclose(spring, [(21e3 + 16e3) * 0.02, -16e3 * 0.02, 0.0, 0.0], atol=1e-9)
 
 
 def test_pressing_the_front_lifts_and_pitches_the_nose_up() -> None:

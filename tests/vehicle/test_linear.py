@@ -12,7 +12,7 @@ from vehicle.parameters import Car, load_vehicle
 from vehicle.plant import STEP_S, Plant
 
 BUMPY = Road(length_m=30.0, features=(HalfSineBump(3.0, 0.01, 0.8),))
-QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
+QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 
 
 def test_natural_frequencies_of_the_quarter_car() -> None:
@@ -30,6 +30,14 @@ def test_natural_frequencies_of_a_car_on_rigid_tyres() -> None:
     np.testing.assert_allclose(body, np.sort(expected), rtol=1e-6)
 
 
+def test_roll_frequency_with_anti_roll_bars_on_rigid_tyres() -> None:
+    """Springs at half the track b resist with 4 k b², bars with k (2 b)² each axle: w² = sum / I."""
+    car = replace(FULL, tyre_n_m=(1e12, 1e12))
+    stiffness = 4 * 21e3 * 0.75**2 + (16e3 + 8e3) * 1.5**2
+    expected = np.sqrt(stiffness / 540) / (2 * np.pi)
+    assert np.abs(natural_frequencies_hz(car) / expected - 1.0).min() < 1e-6
+
+
 def test_damped_poles_of_the_quarter_car() -> None:
     """The characteristic polynomial of the two-mass model, term by term."""
     m_s, m_u, k_s, k_t, c, c_t = 400.0, 42.0, 21e3, 195e3, 1500.0, 100.0
@@ -43,23 +51,26 @@ def with_damping(damping: float) -> list[Car]:
     return [
         replace(QUARTER, damping_passive_ns_m=damping),
         replace(HALF, damping_passive_ns_m=(damping, damping)),
+        replace(FULL, damping_passive_ns_m=(damping, damping)),
     ]
 
 
 @pytest.mark.parametrize("car", [car for damping in (300.0, 1500.0, 4500.0) for car in with_damping(damping)])
 def test_plant_agrees_with_the_twin_under_the_same_hold(car: Car) -> None:
     speed, ticks, wheels = 10.0, 2000, car.wheels
-    profile = wheel_profile(BUMPY, 0.75)
+    bumpy, flat = wheel_profile(BUMPY, 0.75), wheel_profile(Road(length_m=30.0), 0.75)
+    profiles = [bumpy, flat, bumpy, flat] if wheels == 4 else [bumpy] * wheels
     plant = Plant(car)
-    plant.reset([profile] * wheels, 0.0, speed)
+    plant.reset(profiles, 0.0, speed)
     plant.step([corner.damping_passive_ns_m for corner in car.corners], ticks)
     signals = plant.signals
     assert signals.tyre_force.min() > 0.0
     assert not signals.stop_force.any()
 
     at = np.stack([speed * STEP_S * np.arange(ticks + 1) + x for x in car.axle_x_m])
-    middle = profile.height(at[:, :-1] + speed * STEP_S / 2)
-    held = np.vstack([middle, np.diff(profile.height(at)) / STEP_S])
+    middle = [profile.height(x[:-1] + speed * STEP_S / 2) for profile, x in zip(profiles, at, strict=True)]
+    edges = [np.diff(profile.height(x)) / STEP_S for profile, x in zip(profiles, at, strict=True)]
+    held = np.vstack([*middle, *edges])
     twin = control.c2d(linear_twin(car), STEP_S, "zoh")
     time = STEP_S * np.arange(ticks)
     states = control.forced_response(twin, time, held).states

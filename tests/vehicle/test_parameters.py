@@ -6,11 +6,13 @@ import pytest
 
 from files import strict
 from files.errors import InputError
-from vehicle.parameters import GRAVITY_M_S2, HalfCar, QuarterCar, load_vehicle
+from vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
+FULL = load_vehicle("full_car")
 CHECKED: list[tuple[Any, str]] = [(QUARTER, f.name) for f in fields(QuarterCar)]
 CHECKED += [(HALF, f.name) for f in fields(HalfCar) if f.name != "seat_x_m"]
+CHECKED += [(FULL, f.name) for f in fields(FullCar) if not f.name.startswith("seat_")]
 
 
 def test_static_load_is_the_weight_and_balances_the_pitching_moment() -> None:
@@ -34,7 +36,9 @@ def test_short_names_and_files_load_the_same_car(tmp_path: Path) -> None:
 
 
 def test_unknown_name_lists_the_shipped_ones() -> None:
-    with pytest.raises(InputError, match=r"one of half_car, quarter_car or a \.yaml file, got 'tractor'"):
+    with pytest.raises(
+        InputError, match=r"one of full_car, half_car, quarter_car or a \.yaml file, got 'tractor'"
+    ):
         load_vehicle("tractor")
 
 

@@ -49,8 +49,8 @@ class Ledge:
 
 
 FLAT = Haversine(0.0, 1.0)
-QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
-CARS = [QUARTER, HALF]
+QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
+CARS = [QUARTER, HALF, FULL]
 
 
 def drive(
@@ -178,13 +178,15 @@ def energy(car: Car, signals: VehicleState) -> np.ndarray:
         total += corner.spring_n_m * signals.rattle_m[i] ** 2 / 2 + corner.stop_n_m2 * past**3 / 3
         touching = np.minimum(state.wheel[i], corner.static_tyre_deflection_m)
         total += corner.tyre_n_m * touching**2 / 2 + corner.static_tyre_n * (state.wheel[i] - touching)
+    for axle, stiffness in enumerate(car.anti_roll_n_m):
+        total += stiffness * (signals.rattle_m[2 * axle] - signals.rattle_m[2 * axle + 1]) ** 2 / 2
     return total
 
 
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.parametrize("damping", [300.0, 1500.0, 4500.0])
 def test_no_energy_is_gained_on_a_still_road(car: Car, damping: float) -> None:
-    heights = (0.3, 0.1)[: car.wheels]
+    heights = (0.3, 0.1, 0.25, 0.05)[: car.wheels]
     edges: list[Profile] = [Ledge(h, x) for h, x in zip(heights, car.axle_x_m, strict=True)]
     signals = drive(car, edges, 1.0, 6000, damping)
     assert (signals.stop_force != 0.0).any()
@@ -192,6 +194,27 @@ def test_no_energy_is_gained_on_a_still_road(car: Car, damping: float) -> None:
     total = energy(car, signals)[1:]
     assert np.diff(total).max() < 1e-6 * total[0]
     assert total[-1] < 0.05 * total[0]
+
+
+def test_full_car_is_two_half_cars_on_the_same_road_left_and_right() -> None:
+    bump = Haversine(0.12, 0.9, start_m=2.0)
+    half, full = drive(HALF, [bump] * 2, 9.0, 1500), drive(FULL, [bump] * 4, 9.0, 1500)
+    assert (half.tyre_force == 0.0).any()
+    np.testing.assert_allclose(full.heave_m, half.heave_m, atol=1e-12)
+    np.testing.assert_allclose(full.pitch_rad, half.pitch_rad, atol=1e-12)
+    np.testing.assert_allclose(full.roll_rad, 0.0, atol=1e-12)
+    for left in (0, 1):
+        np.testing.assert_allclose(full.tyre_force[left::2], half.tyre_force, rtol=1e-9)
+
+
+def test_a_bump_on_the_left_lifts_the_left_side_and_mirrors_on_the_right() -> None:
+    bump = Haversine(0.08, 0.5, start_m=2.0)
+    left = drive(FULL, [bump, FLAT, bump, FLAT], 9.0, 1000)
+    right = drive(FULL, [FLAT, bump, FLAT, bump], 9.0, 1000)
+    assert left.roll_rad[np.argmax(np.abs(left.roll_rad))] > 0.0
+    np.testing.assert_allclose(left.roll_rad, -right.roll_rad, atol=1e-12)
+    np.testing.assert_allclose(left.heave_m, right.heave_m, atol=1e-12)
+    np.testing.assert_allclose(left.rattle_m, right.rattle_m[[1, 0, 3, 2]], atol=1e-12)
 
 
 def test_a_mirrored_car_mirrors_its_motion() -> None:

@@ -1,0 +1,103 @@
+"""The full car: heave, pitch and roll of the body on four wheels."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+from files.errors import InputError
+from vehicle.corner import COMMON_POSITIVE, CORNER_FIELDS, GRAVITY_M_S2, Corner, require, require_axles
+
+
+@dataclass(frozen=True)
+class FullCar:
+    """Body with heave, pitch and roll on two axles of two wheels, SI units; pairs are (front, rear).
+
+    Seven degrees of freedom. Masses and inertias are those of the whole sprung mass; unsprung masses,
+    stiffnesses and damping those of one wheel. Roll is positive to the right (left side up) and small like
+    pitch: the body above (x, y) moves by heave - x · pitch + y · roll. An anti-roll bar presses the wheel
+    whose strut is the shorter one down and lifts the other by anti_roll_n_m times their difference.
+    """
+
+    kind: ClassVar[str] = "full_car"
+
+    body_mass_kg: float
+    pitch_inertia_kg_m2: float
+    roll_inertia_kg_m2: float
+    front_axle_m: float
+    rear_axle_m: float
+    unsprung_mass_kg: tuple[float, float]
+    spring_n_m: tuple[float, float]
+    tyre_n_m: tuple[float, float]
+    anti_roll_n_m: tuple[float, float] = (0.0, 0.0)
+    tyre_damping_ns_m: tuple[float, float] = (100.0, 100.0)
+    damping_min_ns_m: tuple[float, float] = (300.0, 300.0)
+    damping_max_ns_m: tuple[float, float] = (4500.0, 4500.0)
+    damping_passive_ns_m: tuple[float, float] = (1500.0, 1500.0)
+    stop_gap_m: tuple[float, float] = (0.08, 0.08)
+    stop_n_m2: tuple[float, float] = (1e7, 1e7)
+    damper_lag_s: float = 0.008
+    wheel_radius_m: float = 0.31
+    track_m: float = 1.5
+    seat_x_m: tuple[float, ...] = (-0.1, -0.95)
+    seat_y_m: tuple[float, ...] = (0.37, -0.37)
+
+    def __post_init__(self) -> None:
+        inertias = ("body_mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2")
+        for name in (*inertias, "front_axle_m", "rear_axle_m", *COMMON_POSITIVE):
+            require(name, getattr(self, name), above=0.0)
+        require_axles(self)
+        for i, stiffness in enumerate(self.anti_roll_n_m):
+            require(f"anti_roll_n_m[{i}]", stiffness, least=0.0)
+        if self.roll_inertia_kg_m2 > 2.0 * self.pitch_inertia_kg_m2:
+            raise InputError(
+                f"roll_inertia_kg_m2 must be <= twice the pitch inertia, got {self.roll_inertia_kg_m2:g}"
+            )
+        if len(self.seat_y_m) != len(self.seat_x_m):
+            raise InputError(
+                f"seat_y_m must hold {len(self.seat_x_m)} values like seat_x_m, got {len(self.seat_y_m)}"
+            )
+        for i, y in enumerate(self.seat_y_m):
+            if not abs(y) <= self.track_m / 2:
+                raise InputError(f"seat_y_m[{i}] must lie between the wheels, got {y}")
+
+    @property
+    def wheels(self) -> int:
+        """Number of wheels."""
+        return 4
+
+    @property
+    def axle_x_m(self) -> tuple[float, ...]:
+        """Wheel positions along the car, ahead of the centre of gravity, m."""
+        return (self.front_axle_m, self.front_axle_m, -self.rear_axle_m, -self.rear_axle_m)
+
+    @property
+    def wheel_y_m(self) -> tuple[float, ...]:
+        """Lateral positions of the wheels, left positive, m."""
+        return (self.track_m / 2, -self.track_m / 2) * 2
+
+    @property
+    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+        """What turns body motion into vertical motion of each seat."""
+        return tuple((1.0, -x, y) for x, y in zip(self.seat_x_m, self.seat_y_m, strict=True))
+
+    @property
+    def body_inertia(self) -> tuple[float, ...]:
+        """Inertia against each body motion: heave (kg), pitch, roll (kg·m²)."""
+        return (self.body_mass_kg, self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2)
+
+    @cached_property
+    def corners(self) -> tuple[Corner, ...]:
+        """Front left, front right, rear left, rear right."""
+        wheelbase = self.front_axle_m + self.rear_axle_m
+        shares = (self.rear_axle_m / wheelbase / 2, self.front_axle_m / wheelbase / 2)
+        return tuple(
+            Corner(
+                x_m=x,
+                y_m=y,
+                lever=(1.0, -x, y),
+                body_load_n=self.body_mass_kg * GRAVITY_M_S2 * shares[i // 2],
+                damper_lag_s=self.damper_lag_s,
+                **{name: getattr(self, name)[i // 2] for name in CORNER_FIELDS},
+            )
+            for i, (x, y) in enumerate(zip(self.axle_x_m, self.wheel_y_m, strict=True))
+        )

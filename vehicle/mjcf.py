@@ -1,0 +1,117 @@
+"""A car as MJCF, MuJoCo's model format.
+
+Joint zero is static equilibrium on a flat road: gravity is on and carried by the springs' rest lengths and a
+bias of the tyres. A strut's length is linear in the motions of body and wheel: small-angle geometry. With
+equal inertia in pitch and yaw the two hinges of a full car do not couple, so its mass matrix is the diagonal
+one of `vehicle.equations` at any angle.
+"""
+
+from vehicle.corner import GRAVITY_M_S2, Corner
+from vehicle.parameters import Car
+
+_CAR = """<mujoco model="{kind}">
+  <option timestep="{step_s}" integrator="RK4" gravity="0 0 -{gravity}">
+    <flag contact="disable" constraint="disable" sensor="disable" warmstart="disable" autoreset="disable"/>
+  </option>
+  <worldbody>
+{bodies}
+  </worldbody>
+  <tendon>
+{tendons}
+  </tendon>
+  <actuator>
+{actuators}
+  </actuator>
+</mujoco>
+"""
+_BODY_JOINTS = (
+    '<joint name="heave" type="slide" axis="0 0 1"/>',
+    '<joint name="pitch" type="hinge" axis="0 1 0"/>',
+    '<joint name="roll" type="hinge" axis="1 0 0"/>',
+)
+_BODY = """    <body name="body">
+      {joints}
+      <inertial pos="0 0 0" mass="{mass}" diaginertia="{inertia}"/>
+    </body>"""
+_WHEEL = """    <body name="{name}" pos="{corner.x_m} {corner.y_m} 0">
+      <joint name="{name}" type="slide" axis="0 0 1"/>
+      <inertial pos="0 0 0" mass="{corner.unsprung_mass_kg}" diaginertia="1 1 1"/>
+    </body>"""
+# Control: requested damping. Activation: actual damping, behind the lag. Force: minus damping times rate.
+_DAMPER = """    <general name="{name}_damper" tendon="{name}_strut"
+             dyntype="filter" dynprm="{corner.damper_lag_s}" gaintype="affine" gainprm="0 0 -1"
+             ctrllimited="true" ctrlrange="{corner.damping_min_ns_m} {corner.damping_max_ns_m}"/>"""
+# Control: force of the road's own motion. A tyre does not pull, hence the force range.
+_TYRE = """    <general name="{name}_tyre" joint="{name}" biastype="affine"
+             biasprm="{corner.static_tyre_n} -{corner.tyre_n_m} -{corner.tyre_damping_ns_m}"
+             forcelimited="true" forcerange="0 1e12"/>"""
+_WHEEL_NAMES = {
+    1: ("wheel",),
+    2: ("front", "rear"),
+    4: ("front_left", "front_right", "rear_left", "rear_right"),
+}
+
+
+def car_xml(parameters: Car, step_s: float) -> str:
+    """The MJCF of a car.
+
+    Joints: the body's motions, then the wheels. Actuators: dampers, then tyres.
+    """
+    named = list(zip(_WHEEL_NAMES[parameters.wheels], parameters.corners, strict=True))
+    tendons = [_strut(name, corner) for name, corner in named]
+    tendons += [stop for name, corner in named for stop in _stops(name, corner)]
+    tendons += _anti_roll_bars(parameters)
+    return _CAR.format(
+        kind=parameters.kind,
+        step_s=step_s,
+        gravity=GRAVITY_M_S2,
+        bodies="\n".join([_body(parameters), *(_WHEEL.format(name=n, corner=c) for n, c in named)]),
+        tendons="\n".join(tendons),
+        actuators="\n".join(part.format(name=n, corner=c) for part in (_DAMPER, _TYRE) for n, c in named),
+    )
+
+
+def _body(parameters: Car) -> str:
+    mass, *angular = parameters.body_inertia
+    pitch, roll = (*angular, *angular, 1.0, 1.0)[:2]
+    joints = "\n      ".join(_BODY_JOINTS[: len(parameters.body_inertia)])
+    return _BODY.format(joints=joints, mass=mass, inertia=f"{roll} {pitch} {pitch}")
+
+
+def _tendon(name: str, stiffness: str, springlength: str, length: dict[str, float]) -> str:
+    """A spring on a length that is the sum of joint coordinates times coefficients."""
+    joints = [f'      <joint joint="{joint}" coef="{coef}"/>' for joint, coef in length.items()]
+    head = f'    <fixed name="{name}" stiffness="{stiffness}" springlength="{springlength}">'
+    return "\n".join([head, *joints, "    </fixed>"])
+
+
+def _rattle(name: str, corner: Corner, sign: float = 1.0) -> dict[str, float]:
+    """Body minus wheel in terms of the joints, positive when extended."""
+    motions = zip(("heave", "pitch", "roll"), corner.lever, strict=False)
+    return {joint: sign * arm for joint, arm in motions} | {name: -sign}
+
+
+def _strut(name: str, corner: Corner) -> str:
+    length = _rattle(name, corner)
+    return _tendon(f"{name}_strut", f"{corner.spring_n_m}", f"{corner.static_rattle_m}", length)
+
+
+def _stops(name: str, corner: Corner) -> list[str]:
+    """A stop acts past its gap with a purely quadratic stiffness."""
+    law = f"0 {corner.stop_n_m2}", f"-1e3 {corner.stop_gap_m}"
+    return [
+        _tendon(f"{name}_rebound_stop", *law, _rattle(name, corner)),
+        _tendon(f"{name}_jounce_stop", *law, _rattle(name, corner, -1.0)),
+    ]
+
+
+def _anti_roll_bars(parameters: Car) -> list[str]:
+    """Springs on the difference in rattle of an axle's wheels."""
+    bars, names = [], _WHEEL_NAMES[parameters.wheels]
+    for axle, stiffness in enumerate(parameters.anti_roll_n_m):
+        left, right = 2 * axle, 2 * axle + 1
+        lengths = [_rattle(names[i], parameters.corners[i], sign) for i, sign in ((left, 1.0), (right, -1.0))]
+        joints = {joint for length in lengths for joint in length}
+        difference = {j: lengths[0].get(j, 0.0) + lengths[1].get(j, 0.0) for j in sorted(joints)}
+        bars.append(_tendon(f"anti_roll_bar_{axle}", f"{stiffness}", "0", difference))
+    return bars
