@@ -34,28 +34,28 @@ REPORTING = {"half_sine_bump": 6, "watts_hump": 3, "flat_top_hump": 3, "pothole"
 REPORTING_ROUGH = (("A", 90), ("B", 80), ("C", 60))
 TUNING = {"half_sine_bump": 2, "watts_hump": 1, "flat_top_hump": 1, "pothole": 2}
 TUNING_ROUGH = (("B", 70), ("C", 50))
-AFTER_S = 1.8
-"""Time for the car to come to rest behind a feature."""
 
 
 def main() -> None:
     rng = np.random.default_rng(101)
-    events = features(REPORTING, rng, approach_m=30.0) + roughs(REPORTING_ROUGH, 4.0, rng)
+    events = features(REPORTING, rng, approach_m=30.0, after_s=1.8) + roughs(REPORTING_ROUGH, 4.0, rng)
     events += [mixed(f"mixed_{index}", iso_class, rng) for index, iso_class in enumerate("AB")]
     write("reporting", "Events on which results are reported; no setting is chosen on them.", events)
     rng = np.random.default_rng(202)
-    events = features(TUNING, rng, approach_m=8.0) + roughs(TUNING_ROUGH, 2.5, rng)
+    events = features(TUNING, rng, approach_m=5.0, after_s=1.2) + roughs(TUNING_ROUGH, 2.0, rng)
     write("tuning", "Events on which `foreride tune` chooses settings; none is reported.", events)
 
 
-def features(counts: dict[str, int], rng: np.random.Generator, approach_m: float) -> list[dict[str, Any]]:
-    """One event for each feature: a flat road with it, `approach_m` ahead of the car's start."""
+def features(
+    counts: dict[str, int], rng: np.random.Generator, approach_m: float, after_s: float
+) -> list[dict[str, Any]]:
+    """One event for each feature: a flat road with it, `approach_m` ahead; the drive goes on for `after_s`."""
     events = []
     for kind, count in counts.items():
         for index, sizes in enumerate(sample(kind, count, rng)):
             speed = sizes.pop("speed_kmh")
             feature = place(kind, sizes, 2.0 + approach_m, rng)
-            length = 2.0 + approach_m + sizes["length_m"] + 3.0 + AFTER_S * speed / 3.6
+            length = 2.0 + approach_m + sizes["length_m"] + 3.0 + after_s * speed / 3.6
             road = {"length_m": float(np.ceil(length)), "features": [feature]}
             events.append(
                 {"name": f"{kind}_{index}", "title": title(feature, speed), "speed_kmh": speed, "road": road}

@@ -31,7 +31,11 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--controllers", type=comma_list, default=list(TUNED), metavar="A,B,...", help=f"default {names}"
     )
     command.add_argument(
-        "--evaluations", type=int, default=32, metavar="N", help="settings tried for each (default 32)"
+        "--evaluations",
+        type=int,
+        default=8,
+        metavar="N",
+        help="drives of the set for each number tuned (default 8)",
     )
     command.add_argument("--seed", type=int, default=1, help="of the search (default 1)")
     add_field_options(command)
@@ -41,16 +45,17 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Tune one controller after the other; write their settings to `--out` (default runs/tuned/KIND.yaml)."""
-    if arguments.evaluations < 8:
-        raise InputError(f"--evaluations must be >= 8, got {arguments.evaluations}")
+    if arguments.evaluations < 4:
+        raise InputError(f"--evaluations must be >= 4, got {arguments.evaluations}")
     scenarios = load_all(arguments.events, overrides_of(arguments))
     car = scenarios[0].vehicle.parameters
     searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
     judge = Judge(scenarios)
     found = []
     for name, spans in searches.items():
-        with console.status(f"{name}: {arguments.evaluations} settings on {len(scenarios)} events"):
-            tuned = tune(judge, name, spans, arguments.evaluations, arguments.seed)
+        evaluations = arguments.evaluations * len(spans)
+        with console.status(f"{name}: {evaluations} drives of {len(scenarios)} events"):
+            tuned = tune(judge, name, spans, evaluations, arguments.seed)
         console.print(f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}")
         found.append(tuned)
         scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]

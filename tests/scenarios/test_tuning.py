@@ -100,4 +100,4 @@ def test_the_command_writes_settings_that_can_be_read_back_and_are_no_worse(tmp_
 
 def test_too_few_evaluations_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["tune", "--evaluations", "3"]) == 2
-    assert "--evaluations must be >= 8, got 3" in capsys.readouterr().err
+    assert "--evaluations must be >= 4, got 3" in capsys.readouterr().err
