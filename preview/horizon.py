@@ -42,7 +42,7 @@ class RoadPreview:
         if distance.ndim != 1 or len(distance) < 2:
             raise InputError(f"distance_m must have shape (n,) with n >= 2, got {distance.shape}")
         steps = np.diff(distance)
-        if not (np.isfinite(distance).all() and steps[0] > 0 and np.allclose(steps, steps[0], atol=1e-9)):
+        if not (steps[0] > 0 and np.abs(steps - steps[0]).max() <= 1e-9 + 1e-5 * steps[0]):
             raise InputError("distance_m must ascend in equal steps, got unequal or descending ones")
         object.__setattr__(self, "distance_m", distance)
         wheels = np.asarray(self.height_m).shape[0] if np.ndim(self.height_m) == 2 else 0

@@ -45,6 +45,7 @@ class Plant:
     """
 
     _used: int  # ticks of the prepared road that lie behind
+    _seen: tuple[_Block, VehicleState] | None = None  # the state asked for last, several ask for the same
 
     def __init__(self, parameters: Car) -> None:
         self.parameters = parameters
@@ -113,8 +114,11 @@ class Plant:
     def state(self) -> VehicleState:
         """The car now."""
         last = self._log[-1]
-        x = last.states[-1, self._order].tolist()
-        return self._observe(self._tick / RATE_HZ, float(last.x_m[-1]), last.speed_m_s, x, last.command)
+        if self._seen is None or self._seen[0] is not last:
+            x = last.states[-1, self._order].tolist()
+            now = self._tick / RATE_HZ
+            self._seen = last, self._observe(now, float(last.x_m[-1]), last.speed_m_s, x, last.command)
+        return self._seen[1]
 
     @property
     def signals(self) -> VehicleState:
