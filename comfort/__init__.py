@@ -11,12 +11,18 @@ from comfort.measures import (
     vdv,
     weighted_rms,
 )
-from comfort.metrics import ride_metrics
+from comfort.metrics import METRICS, ride_metrics
+from comfort.occupant import SeatedPerson, acceleration_at, axis_values, body_motion, total_value
 from comfort.weighting import WEIGHTINGS, frequency_weighting, weight, wk_second_order
 
 __all__ = [
     "COMFORT_BANDS",
+    "METRICS",
     "WEIGHTINGS",
+    "SeatedPerson",
+    "acceleration_at",
+    "axis_values",
+    "body_motion",
     "comfort_bands",
     "crest_factor",
     "evdv",
@@ -25,6 +31,7 @@ __all__ = [
     "mtvv",
     "ride_metrics",
     "running_rms",
+    "total_value",
     "vdv",
     "weight",
     "weighted_rms",

@@ -64,7 +64,8 @@ def mtvv(acc: ArrayLike, rate: float, weighting: str | None = "Wk", averaging: A
 
 def vdv(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     """Vibration dose value: fourth root of the time integral of a_w^4 (m/s^1.75; 6.3.2)."""
-    return (np.sum(weight(acc, rate, weighting) ** 4, axis=-1) / rate) ** 0.25
+    power = np.square(weight(acc, rate, weighting))
+    return (np.sum(power * power, axis=-1) / rate) ** 0.25  # numpy's ** 4 is ten times slower
 
 
 def evdv(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:

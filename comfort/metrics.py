@@ -1,14 +1,41 @@
-"""The ride metrics of one run."""
+"""The ride metrics of one run, or of many at once."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comfort.measures import crest_factor, mtvv, vdv
+from comfort.holding import damper_heat, on_stop, relative_load
+from comfort.measures import crest_factor, evdv, mtvv, vdv
+from comfort.occupant import SeatedPerson, axis_values, body_motion, total_value
 from comfort.weighting import check_rate, weight
 from files.errors import InputError
 
 Array = NDArray[np.float64]
 TYRE_LOAD_WEIGHT = 3.0  # (m/s^2)^2, the exchange rate rho of dynamic tyre load for comfort
+
+
+METRICS = {
+    "wk_rms": "m/s²: root of the mean over seats of the squared Wk-weighted RMS of vertical acceleration",
+    "vdv": "m/s^1.75: vibration dose value, Wk, worst seat",
+    "evdv": "m/s^1.75: estimated vibration dose value, Wk, worst seat",
+    "mtvv": "m/s²: maximum transient vibration value (1 s), Wk, worst seat",
+    "crest_factor": "peak over RMS, Wk, worst seat",
+    "vibration_total": "m/s²: overall vibration total value of ISO 2631-1, 12 axes, worst seat",
+    "peak_acc": "m/s²: largest vertical acceleration of any seat, unweighted",
+    "pitch_acc_rms": "rad/s², unweighted; 0 without pitch",
+    "roll_acc_rms": "rad/s², unweighted; 0 without roll",
+    "rattle_rms": "m: suspension travel from equilibrium, over all wheels",
+    "rattle_peak": "m: largest suspension travel from equilibrium of any wheel",
+    "stop_time": "s during which any wheel is on a bump or rebound stop",
+    "tyre_load_rms": "root of the mean over wheels (so over axles) of (dynamic / static tyre load)²",
+    "tyre_load_p95": "95th percentile over time of |dynamic / static tyre load|, worst wheel",
+    "lift_time": "s during which any wheel carries nothing",
+    "damper_energy": "J turned into heat by all dampers",
+    "damper_power_peak": "W: the most that one damper takes up",
+    "objective": "(m/s²)²: wk_rms² + rho tyre_load_rms²",
+}
+"""Unit and meaning of every metric."""
 
 
 def ride_metrics(
@@ -20,91 +47,121 @@ def ride_metrics(
     static_tyre_force: ArrayLike,
     damper_power: ArrayLike,
     stop_gap_m: ArrayLike,
+    rebound_gap_m: ArrayLike | None = None,
     pitch_acc: ArrayLike | None = None,
+    roll_acc: ArrayLike | None = None,
     rho: float = TYRE_LOAD_WEIGHT,
-) -> dict[str, float]:
-    """Comfort, road holding and suspension use of one run, SI units.
+) -> dict[str, Any]:
+    """METRICS of one run, a float each; or of many runs, an array (runs,) each.
 
-    Seats are points of the sprung mass, where body heave and pitch combine: for a quarter car the mass
-    itself, otherwise the places that the vehicle's parameters name (`seat_x_m`).
+    Seats are points of the sprung mass, where heave, pitch and roll combine: for a quarter car the mass
+    itself, otherwise the places that the vehicle's parameters name. All signals may have one leading axis of
+    runs, the same in all of them.
 
     Args:
         rate_hz: sampling rate, >= 500 Hz.
         seat_acc: (seats, n) vertical acceleration, m/s^2.
-        rattle: (wheels, n) suspension travel from equilibrium, m.
+        rattle: (wheels, n) suspension travel from equilibrium, positive in extension, m.
         tyre_force: (wheels, n) vertical tyre force, static load included, >= 0, N.
         static_tyre_force: (wheels,) its value at rest, > 0, N.
         damper_power: (wheels, n) force times velocity taken up by the damper, W.
-        stop_gap_m: travel from equilibrium to either bump stop, > 0, m; one value or (wheels,).
-        pitch_acc: (n,) rad/s^2, or None for a car without pitch.
+        stop_gap_m: travel from equilibrium to the bump stop, > 0, m; one value or (wheels,).
+        rebound_gap_m: the same to the rebound stop; None where it is equal.
+        pitch_acc, roll_acc: (n,) rad/s^2, or None for a car without pitch or roll.
         rho: weight of tyre load in the objective, (m/s^2)^2, >= 0.
-
-    Returns:
-        wk_rms: m/s^2, root of the mean over seats of the squared Wk-weighted RMS.
-        vdv (m/s^1.75), mtvv (m/s^2), crest_factor: Wk-weighted, of the worst seat each.
-        peak_acc: m/s^2, largest |acceleration| of any seat, unweighted.
-        pitch_acc_rms: rad/s^2, unweighted; 0 without pitch.
-        rattle_rms, rattle_peak: m, over all wheels.
-        stop_time: s during which any wheel is on a bump stop.
-        tyre_load_rms: root of the mean over wheels (so over axles) of (dynamic / static tyre load)^2.
-        lift_time: s during which any wheel carries nothing.
-        damper_energy: J taken up by all dampers.
-        objective: wk_rms^2 + rho tyre_load_rms^2, (m/s^2)^2.
 
     Raises InputError naming the argument if shapes disagree or a value is out of range.
     """
     check_rate(rate_hz)
     seats = _signals("seat_acc", seat_acc)
-    n = seats.shape[1]
-    travel = _signals("rattle", rattle, (None, n))
+    runs, n = seats.shape[:-2], seats.shape[-1]
+    travel = _signals("rattle", rattle, (*runs, None, n))
     force = _signals("tyre_force", tyre_force, travel.shape)
     power = _signals("damper_power", damper_power, travel.shape)
-    static = np.asarray(static_tyre_force, float)
-    if static.shape != (len(force),) or not np.all(static > 0):
-        raise InputError(f"static_tyre_force must be {len(force)} values > 0, got {static.tolist()}")
-    gap = np.asarray(stop_gap_m, float)
-    if gap.shape not in ((), static.shape) or not (np.isfinite(gap) & (gap > 0)).all():
-        raise InputError(f"stop_gap_m must be > 0, one value or {len(force)}, got {stop_gap_m!r}")
+    pitch, roll = (
+        _rotation(name, acc, (*runs, n)) for name, acc in (("pitch_acc", pitch_acc), ("roll_acc", roll_acc))
+    )
     if not (np.isfinite(rho) and rho >= 0):
         raise InputError(f"rho must be >= 0, got {rho!r}")
-    pitch = (
-        np.zeros((1, n))
-        if pitch_acc is None
-        else _signals("pitch_acc", np.asarray(pitch_acc, float)[None], (1, n))
-    )
+    load = relative_load(force, _each_wheel("static_tyre_force", static_tyre_force, force))
+    bump = _each_wheel("stop_gap_m", stop_gap_m, force)
+    rebound = bump if rebound_gap_m is None else _each_wheel("rebound_gap_m", rebound_gap_m, force)
 
-    weighted = weight(seats, rate_hz, "Wk")
-    wk_rms, tyre_load_rms = _rms(weighted), _rms(force / static[:, None] - 1)
-    values = {
-        "wk_rms": wk_rms,
-        "vdv": vdv(weighted, rate_hz, None).max(),
-        "mtvv": mtvv(weighted, rate_hz, None).max(),
-        "crest_factor": crest_factor(weighted, rate_hz, None).max(),
-        "peak_acc": np.abs(seats).max(),
-        "pitch_acc_rms": _rms(pitch),
-        "rattle_rms": _rms(travel),
-        "rattle_peak": np.abs(travel).max(),
-        "stop_time": np.sum((np.abs(travel) > gap.reshape(-1, 1)).any(axis=0)) / rate_hz,
-        "tyre_load_rms": tyre_load_rms,
-        "lift_time": np.sum((force <= 0).any(axis=0)) / rate_hz,
-        "damper_energy": np.sum(power) / rate_hz,
-        "objective": wk_rms**2 + rho * tyre_load_rms**2,
+    values = _comfort(rate_hz, seats, pitch, roll) | _holding(rate_hz, force, load, travel, power)
+    values["stop_time"] = on_stop(travel, bump, rebound).any(axis=-2).sum(axis=-1) / rate_hz
+    values["objective"] = values["wk_rms"] ** 2 + rho * values["tyre_load_rms"] ** 2
+    return {name: values[name] if runs else float(values[name]) for name in METRICS}
+
+
+def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, Array]:
+    """What seats feel: `seats` (..., seats, n), rotations (..., n)."""
+    weighted = weight(seats, rate, "Wk")
+    # A seat moves with the body: its own motion and the rotations give that of its backrest and of the feet.
+    # Pitch and roll turn about an axis at the height of the seat, where the centre of gravity of a car is.
+    rotations = (np.broadcast_to(acc[..., None, :], seats.shape) for acc in (pitch, roll))
+    total = total_value(axis_values(rate, SeatedPerson.at(0.0), *body_motion(seats, *rotations)))
+    return {
+        "wk_rms": _rms(weighted),
+        "vdv": vdv(weighted, rate, None).max(axis=-1),
+        "evdv": evdv(weighted, rate, None).max(axis=-1),
+        "mtvv": mtvv(weighted, rate, None).max(axis=-1),
+        "crest_factor": crest_factor(weighted, rate, None).max(axis=-1),
+        "vibration_total": total.max(axis=-1),
+        "peak_acc": np.abs(seats).max(axis=(-2, -1)),
+        "pitch_acc_rms": np.sqrt(np.mean(pitch**2, axis=-1)),
+        "roll_acc_rms": np.sqrt(np.mean(roll**2, axis=-1)),
     }
-    return {name: float(value) for name, value in values.items()}
 
 
-def _signals(name: str, value: ArrayLike, shape: tuple[int | None, int] | None = None) -> Array:
-    """(rows, n) finite array; of the given shape, None for any number of rows."""
+def _holding(rate: float, force: Array, load: Array, travel: Array, power: Array) -> dict[str, Array]:
+    """What wheels, springs and dampers do; all (..., wheels, n)."""
+    return {
+        "rattle_rms": _rms(travel),
+        "rattle_peak": np.abs(travel).max(axis=(-2, -1)),
+        "tyre_load_rms": _rms(load),
+        "tyre_load_p95": np.percentile(np.abs(load), 95, axis=-1).max(axis=-1),
+        "lift_time": (force <= 0).any(axis=-2).sum(axis=-1) / rate,
+        "damper_energy": damper_heat(power, rate).sum(axis=-1),
+        "damper_power_peak": power.max(axis=(-2, -1)),
+    }
+
+
+def _signals(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
+    """(rows, n) or (runs, rows, n) finite array; of the given shape, None for any number of rows."""
     signals = np.asarray(value, float)
-    if signals.ndim != 2 or 0 in signals.shape:
+    if signals.ndim not in (2, 3) or 0 in signals.shape:
         raise InputError(f"{name} must have shape (rows, samples), got {signals.shape}")
-    if shape is not None and (shape[0] not in (None, signals.shape[0]) or shape[1] != signals.shape[1]):
-        rows = "any number of" if shape[0] is None else shape[0]
-        raise InputError(f"{name} must have {rows} rows of {shape[1]} samples, got shape {signals.shape}")
+    if shape is not None and not _fits(signals.shape, shape):
+        rows = "any number of" if shape[-2] is None else shape[-2]
+        runs = f"{shape[0]} runs of " if len(shape) == 3 else ""
+        raise InputError(f"{name} must have {runs}{rows} rows of {shape[-1]} samples, got {signals.shape}")
     if not np.all(np.isfinite(signals)):
         raise InputError(f"{name} must be finite, got nan or infinity")
     return signals
 
 
-def _rms(signals: Array) -> float:
-    return float(np.sqrt(np.mean(signals**2)))
+def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    pairs = zip(found, wanted, strict=True) if len(found) == len(wanted) else [(0, 1)]
+    return all(want is None or have == want for have, want in pairs)
+
+
+def _each_wheel(name: str, value: ArrayLike, force: Array) -> Array:
+    """One value > 0 for each wheel: (wheels,)."""
+    values, wheels = np.asarray(value, float), force.shape[-2]
+    single = values.shape == () and name != "static_tyre_force"
+    if not (single or values.shape == (wheels,)) or not (np.isfinite(values) & (values > 0)).all():
+        raise InputError(f"{name} must be {wheels} values > 0, got {values.tolist()}")
+    return np.broadcast_to(values, (wheels,))
+
+
+def _rotation(name: str, acc: ArrayLike | None, shape: tuple[int, ...]) -> Array:
+    if acc is None:
+        return np.zeros(shape)
+    rotation = np.asarray(acc, float)
+    if rotation.shape != shape or not np.all(np.isfinite(rotation)):
+        raise InputError(f"{name} must be {shape[-1]} finite samples, got shape {rotation.shape}")
+    return rotation
+
+
+def _rms(signals: Array) -> Array:
+    return np.sqrt(np.mean(signals**2, axis=(-2, -1)))

@@ -2,10 +2,15 @@
 
 from collections.abc import Iterator
 
-from scenarios.validation import comfort, road, vehicle
+from scenarios.validation import comfort, ride, road, vehicle
 from scenarios.validation.check import Check, Checks
 
-AREAS: dict[str, Checks] = {"Road": road.CHECKS, "Vehicle": vehicle.CHECKS, "Comfort": comfort.CHECKS}
+AREAS: dict[str, Checks] = {
+    "Road": road.CHECKS,
+    "Vehicle": vehicle.CHECKS,
+    "Comfort": comfort.CHECKS,
+    "Ride": ride.CHECKS,
+}
 
 
 def count() -> int:

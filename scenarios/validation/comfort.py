@@ -6,8 +6,17 @@ import numpy as np
 from scipy import signal
 from scipy.integrate import trapezoid
 
-from comfort import evdv, frequency_weighting, msdv, mtvv, running_rms, vdv, weight, weighted_rms
-from comfort.weighting import WEIGHTINGS
+from comfort import (
+    WEIGHTINGS,
+    evdv,
+    frequency_weighting,
+    msdv,
+    mtvv,
+    running_rms,
+    vdv,
+    weight,
+    weighted_rms,
+)
 from scenarios.validation.check import Check, Checks, relative
 from scenarios.validation.iso_tables import (
     BURST_INDICATIONS,
@@ -127,18 +136,37 @@ def _random() -> Check:
     )
 
 
-def _second_implementation() -> Check:
-    """The annex's continuous filter, written as one state space, simulated by scipy on a smooth pulse."""
+def _wk() -> tuple[list[complex], list[complex], float]:
+    """Zeros, poles and gain of Wk, written out from annex A."""
     w1, w2, w3, w5, w6 = (2 * np.pi * f for f in (0.4, 100.0, 12.5, 2.37, 3.35))
     zeros = [0, 0, -w3, *np.roots([1, w5 / 0.91, w5**2])]
     pairs = [(w1, 2**-0.5), (w2, 2**-0.5), (w3, 0.63), (w6, 0.91)]
-    poles = np.concatenate([np.roots([1, w / q, w**2]) for w, q in pairs])
+    poles = [root for w, q in pairs for root in np.roots([1, w / q, w**2])]
+    return zeros, poles, w2**2 * w3
+
+
+def _second_implementation() -> Check:
+    """The annex's continuous filter, written as one state space, simulated by scipy on a smooth pulse."""
     time = np.arange(0, 3, 1 / RATE_HZ)
     pulse = np.exp(-(((time - 1) / 0.03) ** 2))
     shifted = np.exp(-(((time + 0.182 / RATE_HZ - 1) / 0.03) ** 2))  # the filter's known advance
-    expected = signal.lsim(signal.ZerosPolesGain(zeros, poles, w2**2 * w3).to_ss(), shifted, time)[1]
+    expected = signal.lsim(signal.ZerosPolesGain(*_wk()).to_ss(), shifted, time)[1]
     deviation = np.max(np.abs(weight(pulse, RATE_HZ) - expected)) / np.max(np.abs(expected))
     return Check("Wk of a 30 ms pulse, waveform", "scipy.signal.lsim", float(deviation), 2e-3)
+
+
+def _phase() -> Check:
+    """Phase against the formula after the one advance of 0.182 samples that all frequencies share."""
+    impulse = np.zeros(40_000)
+    impulse[0] = 1.0
+    freqs = np.fft.rfftfreq(len(impulse), 1 / RATE_HZ)
+    band = (freqs >= 0.5) & (freqs <= 80)
+    s = 2j * np.pi * freqs[band]
+    zeros, poles, gain = _wk()
+    exact = gain * np.prod([s - z for z in zeros], axis=0) / np.prod([s - p for p in poles], axis=0)
+    found = np.fft.rfft(weight(impulse, RATE_HZ))[band] * np.exp(-s * 0.182 / RATE_HZ)
+    deviation = np.degrees(np.max(np.abs(np.angle(found / exact))))
+    return Check("Wk filter at 1000 Hz, phase 0.5-80 Hz", "formula of annex A", float(deviation), 1.0, "°")
 
 
 CHECKS: Checks = (
@@ -151,4 +179,5 @@ CHECKS: Checks = (
     _fading_memory,
     _random,
     _second_implementation,
+    _phase,
 )

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from comfort import ride_metrics
+from comfort import METRICS, SeatedPerson, axis_values, body_motion, ride_metrics, total_value
 from files.errors import InputError
 
 RATE, N = 1000.0, 20_000
@@ -57,10 +57,67 @@ def test_times_count_moments_in_which_any_wheel_is_affected():
     assert m["lift_time"] == pytest.approx(0.050)
 
 
-def test_quarter_car_has_no_pitch():
-    s = signals()
-    one = {k: v[:1] for k, v in s.items() if k not in ("pitch_acc", "stop_gap_m")}
-    assert ride_metrics(RATE, **one, stop_gap_m=0.08)["pitch_acc_rms"] == 0
+def test_bump_and_rebound_stops_may_differ():
+    rattle = np.zeros((2, N))
+    rattle[0, 100:200], rattle[1, 500:560] = -0.06, 0.06
+    m = ride_metrics(RATE, **signals(rattle=rattle, stop_gap_m=(0.05, 0.07), rebound_gap_m=0.1))
+    assert m["stop_time"] == pytest.approx(0.1)
+    m = ride_metrics(RATE, **signals(rattle=rattle, stop_gap_m=0.1, rebound_gap_m=(0.1, 0.05)))
+    assert m["stop_time"] == pytest.approx(0.06)
+
+
+def quarter(s):
+    return {k: v[:1] for k, v in s.items() if k not in ("pitch_acc", "stop_gap_m")} | {"stop_gap_m": 0.08}
+
+
+def test_quarter_car_has_neither_pitch_nor_roll():
+    m = ride_metrics(RATE, **quarter(signals()))
+    assert m["pitch_acc_rms"] == m["roll_acc_rms"] == 0
+
+
+def test_every_metric_is_described():
+    assert list(ride_metrics(RATE, **signals())) == list(METRICS)
+
+
+def test_tyre_load_percentile_and_peak_power():
+    force = np.full((2, N), 3000.0)
+    force[1, : N // 10] = 1500.0
+    power = np.zeros((2, N))
+    power[1, 7] = 900.0
+    static = (3000.0, 3000.0)
+    m = ride_metrics(RATE, **signals(tyre_force=force, static_tyre_force=static, damper_power=power))
+    assert m["tyre_load_p95"] == pytest.approx(0.5)
+    assert m["damper_power_peak"] == 900
+    assert m["damper_energy"] == pytest.approx(0.9)
+
+
+def test_total_value_is_that_of_the_worst_seat():
+    """Each seat's vertical acceleration with the body's rotations, at the height of the centre of gravity."""
+    wave = np.sin(2 * np.pi * 6 * TIME)
+    seats, pitch, roll = np.stack([wave, 2 * wave]), 3 * wave, 1.5 * wave
+    m = ride_metrics(RATE, **signals(seat_acc=seats, pitch_acc=pitch, roll_acc=roll))
+    expected = total_value(axis_values(RATE, SeatedPerson.at(0.0), *body_motion(2 * wave, pitch, roll)))
+    assert m["vibration_total"] == pytest.approx(float(expected), rel=1e-12)
+    assert m["vibration_total"] > m["wk_rms"]
+
+
+def test_many_runs_at_once_give_what_each_gives_alone():
+    rng = np.random.default_rng(1)
+    four = {
+        "seat_acc": rng.normal(size=(3, 4, 2000)),
+        "rattle": 0.03 * rng.normal(size=(3, 4, 2000)),
+        "tyre_force": np.maximum(4000 + 2000 * rng.normal(size=(3, 4, 2000)), 0),
+        "damper_power": 100 * rng.normal(size=(3, 4, 2000)),
+        "pitch_acc": rng.normal(size=(3, 2000)),
+        "roll_acc": rng.normal(size=(3, 2000)),
+    }
+    fixed = {"static_tyre_force": (4000.0, 4100.0, 3000.0, 3100.0), "stop_gap_m": 0.05, "rebound_gap_m": 0.06}
+    together = ride_metrics(RATE, **four, **fixed)
+    for run in range(3):
+        alone = ride_metrics(RATE, **{name: signal[run] for name, signal in four.items()}, **fixed)
+        for name, value in alone.items():
+            assert together[name].shape == (3,)
+            assert together[name][run] == pytest.approx(value, rel=1e-12), name
 
 
 def test_car_at_rest_scores_zero_everywhere():
@@ -99,9 +156,12 @@ def test_comfort_is_homogeneous_and_the_objective_quadratic(scale):
         ({"damper_power": np.full((2, N), np.inf)}, "damper_power must be finite"),
         ({"static_tyre_force": (1.0, 0.0)}, "static_tyre_force must be 2 values > 0"),
         ({"static_tyre_force": 3000.0}, "static_tyre_force must be 2 values > 0"),
-        ({"stop_gap_m": 0.0}, "stop_gap_m must be > 0"),
+        ({"stop_gap_m": 0.0}, "stop_gap_m must be 2 values > 0"),
+        ({"rebound_gap_m": (0.1, -0.1)}, "rebound_gap_m must be 2 values > 0"),
         ({"rho": -1.0}, "rho must be >= 0"),
-        ({"pitch_acc": np.zeros(3)}, "pitch_acc must have 1 rows? of"),
+        ({"roll_acc": np.full(N, np.nan)}, "roll_acc must be 20000 finite samples"),
+        ({"seat_acc": np.zeros((3, 2, N))}, "rattle must have 3 runs of any number of rows of 20000 samples"),
+        ({"pitch_acc": np.zeros(3)}, "pitch_acc must be 20000 finite samples, got shape"),
     ],
 )
 def test_bad_input_names_the_argument(change, message):

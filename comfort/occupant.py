@@ -1,0 +1,117 @@
+"""A seated person by ISO 2631-1:1997, 8.2.2: seat, backrest and feet, twelve axes, one total value.
+
+Axes are those of ISO 8855: x forward, y left, z up, rotations about them by the right-hand rule, so that
+pitch is positive nose-down. The seat cushion is taken as stiff: its own transmissibility is not part of it.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from comfort.measures import weighted_rms
+from comfort.weighting import check_rate
+from files.errors import InputError
+
+Array = NDArray[np.float64]
+Position = tuple[float, float, float]
+
+_X, _Y, _Z = range(3)
+
+
+class Axis(NamedTuple):
+    """One axis of evaluation: point of contact, weighting, and multiplying factor k (m/rad for rotations)."""
+
+    point: str
+    direction: int
+    rotation: bool
+    weighting: str
+    k: float
+
+
+AXES = {
+    "seat_x": Axis("seat", _X, False, "Wd", 1.0),
+    "seat_y": Axis("seat", _Y, False, "Wd", 1.0),
+    "seat_z": Axis("seat", _Z, False, "Wk", 1.0),
+    "seat_roll": Axis("seat", _X, True, "We", 0.63),
+    "seat_pitch": Axis("seat", _Y, True, "We", 0.4),
+    "seat_yaw": Axis("seat", _Z, True, "We", 0.2),
+    "backrest_x": Axis("backrest", _X, False, "Wc", 0.8),
+    "backrest_y": Axis("backrest", _Y, False, "Wd", 0.5),
+    "backrest_z": Axis("backrest", _Z, False, "Wd", 0.4),
+    "feet_x": Axis("feet", _X, False, "Wk", 0.25),
+    "feet_y": Axis("feet", _Y, False, "Wk", 0.25),
+    "feet_z": Axis("feet", _Z, False, "Wk", 0.4),
+}
+"""Weightings and factors for comfort of a seated person (tables 1 and 2, 8.2.2)."""
+
+
+@dataclass(frozen=True)
+class SeatedPerson:
+    """Where a person touches the car: (x, y, z) from the point whose motion is given, m."""
+
+    seat: Position
+    backrest: Position
+    feet: Position
+
+    def __post_init__(self) -> None:
+        for name in ("seat", "backrest", "feet"):
+            if np.shape(getattr(self, name)) != (3,) or not np.all(np.isfinite(getattr(self, name))):
+                raise InputError(f"{name} must be three finite values, m, got {getattr(self, name)!r}")
+
+    @classmethod
+    def at(cls, x_m: float, y_m: float = 0.0, z_m: float = 0.0) -> "SeatedPerson":
+        """A person on a car seat at this point: back 0.2 m behind and 0.35 m above it, feet 0.8 m ahead
+        and 0.27 m below (the seating package of an ordinary car by SAE J1100)."""
+        return cls((x_m, y_m, z_m), (x_m - 0.2, y_m, z_m + 0.35), (x_m + 0.8, y_m, z_m - 0.27))
+
+
+def body_motion(
+    heave_acc: ArrayLike, pitch_acc: ArrayLike | None = None, roll_acc: ArrayLike | None = None
+) -> tuple[Array, Array]:
+    """Translation and rotation, each (..., 3, n), of a body that heaves, pitches and rolls; from (..., n)."""
+    heave = np.asarray(heave_acc, float)
+    zero = np.zeros_like(heave)
+    pitch, roll = (zero if acc is None else np.asarray(acc, float) for acc in (pitch_acc, roll_acc))
+    return np.stack([zero, zero, heave], axis=-2), np.stack([roll, pitch, zero], axis=-2)
+
+
+def acceleration_at(position_m: Position, acc: ArrayLike, angular_acc: ArrayLike) -> Array:
+    """Acceleration (..., 3, n) of a point of a rigid body, from that of its origin and its rotation.
+
+    a + alpha x r: small motion, without the centripetal terms of second order in the angular rates.
+    """
+    spin, arm = np.asarray(angular_acc, float), np.asarray(position_m, float)[:, None]
+    return np.asarray(acc, float) + np.cross(spin, arm, axis=-2)
+
+
+def axis_values(
+    rate: float, person: SeatedPerson, acc: ArrayLike, angular_acc: ArrayLike
+) -> dict[str, Array]:
+    """Weighted RMS times k on each of AXES (m/s^2), for the body's motion (..., 3, n); see `body_motion`.
+
+    Raises InputError if shapes are wrong or the rate is too low.
+    """
+    check_rate(rate)
+    moved, turned = np.asarray(acc, float), np.asarray(angular_acc, float)
+    if moved.ndim < 2 or moved.shape[-2] != 3 or turned.shape != moved.shape:
+        shapes = f"{moved.shape} and {turned.shape}"
+        raise InputError(f"acc and angular_acc must both have shape (..., 3, samples), got {shapes}")
+    points = {name: acceleration_at(getattr(person, name), moved, turned) for name in _POINTS}
+    values = {}
+    for name, axis in AXES.items():
+        signal = (turned if axis.rotation else points[axis.point])[..., axis.direction, :]
+        still = not signal.any()  # which saves most of the filtering for a car without roll and pitch
+        values[name] = (
+            np.zeros(signal.shape[:-1]) if still else axis.k * weighted_rms(signal, rate, axis.weighting)
+        )
+    return values
+
+
+def total_value(values: dict[str, Array]) -> Array:
+    """Overall vibration total value: root of the sum of squares of `axis_values` (m/s^2; equation 10)."""
+    return np.sqrt(np.sum([np.square(value) for value in values.values()], axis=0))
+
+
+_POINTS = ("seat", "backrest", "feet")
