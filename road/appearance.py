@@ -8,11 +8,12 @@ from files.errors import InputError
 from road.checks import check_choice, check_number
 
 LIGHTS = ("noon", "overcast", "sunset", "night")
-WEATHERS = ("dry", "wet", "rain", "fog")
+WEATHERS = ("dry", "wet", "rain", "fog", "snow")
 SURFACES = ("asphalt", "old_asphalt", "concrete")
-VERGES = ("grass", "soil", "pavement")
+VERGES = ("grass", "soil", "pavement", "red_soil", "dry_grass", "gravel")
 CENTRE_LINES = ("none", "dashed", "solid", "double")
 LINE_COLOURS = ("white", "yellow")
+SURROUNDINGS = ("town", "country", "avenue")
 
 _CHOICES = {
     "light": LIGHTS,
@@ -21,6 +22,7 @@ _CHOICES = {
     "verge": VERGES,
     "centre_line": CENTRE_LINES,
     "line_colour": LINE_COLOURS,
+    "surroundings": SURROUNDINGS,
 }
 _RANGES = {
     "left_edge_m": (1.5, 6.5),
@@ -38,6 +40,15 @@ _RANGES = {
     "warmth": (-0.2, 0.2),
     "noise": (0.0, 0.05),
     "blur_px": (0.0, 2.0),
+    "paint_wear": (0.0, 1.0),
+    "decay": (0.0, 1.0),
+    "dirt": (0.0, 1.0),
+    "litter": (0.0, 1.0),
+    "puddles": (0.0, 1.0),
+    "street_lamps": (0.0, 1.0),
+    "glare": (0.0, 1.0),
+    "motion_blur_px": (0.0, 12.0),
+    "distortion": (-0.15, 0.1),
 }
 
 
@@ -49,7 +60,12 @@ class Appearance:
     carriageway; `wear`, `cracks`, `patches`, `distractors` and `tree_shadow` are densities in 0..1;
     `bonnet` is the share of the image height that the bonnet hides at the image centre; `exposure`
     multiplies the scene's own exposure; `warmth` shifts the white balance from blue (-) to red (+);
-    `noise` is that of a bright pixel as a share of full scale. Raises InputError for values out of range.
+    `noise` is that of a bright pixel as a share of full scale. `paint_wear` wears the paint of bumps beyond
+    `wear`; `decay` crumbles potholes and fills some with mud, gravel or water; `dirt`, `litter` and `puddles`
+    are what lies on the road; `street_lamps` is their brightness by night; `glare` that of a low sun in the
+    picture; `motion_blur_px` the way of the image's lower edge during the exposure; `distortion` the radial
+    coefficient of the lens, negative for a barrel. All of these are 0 unless asked for. Raises InputError for
+    values out of range.
     """
 
     light: str = "overcast"
@@ -74,6 +90,16 @@ class Appearance:
     warmth: float = 0.0
     noise: float = 0.008
     blur_px: float = 0.5
+    surroundings: str = "town"
+    paint_wear: float = 0.0
+    decay: float = 0.0
+    dirt: float = 0.0
+    litter: float = 0.0
+    puddles: float = 0.0
+    street_lamps: float = 0.0
+    glare: float = 0.0
+    motion_blur_px: float = 0.0
+    distortion: float = 0.0
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
@@ -86,35 +112,50 @@ class Appearance:
 
 def random_appearance(rng: np.random.Generator) -> Appearance:
     """Draw a look as varied as the roads of the data set; every field is drawn, in a fixed order."""
-    light = str(rng.choice(LIGHTS, p=(0.42, 0.3, 0.15, 0.13)))
-    surface = str(rng.choice(SURFACES, p=(0.45, 0.4, 0.15)))
+    light = str(rng.choice(LIGHTS, p=(0.4, 0.31, 0.14, 0.15)))
+    surface = str(rng.choice(SURFACES, p=(0.45, 0.42, 0.13)))
     low, high = {"asphalt": (0.07, 0.18), "old_asphalt": (0.14, 0.3), "concrete": (0.28, 0.42)}[surface]
     left, right = _random_edges(rng)
-    low_sun = light == "sunset"
+    ahead = light == "sunset" and rng.random() < 0.6  # the sun is in the picture
     return Appearance(
         light=light,
-        weather=str(rng.choice(WEATHERS, p=(0.72, 0.1, 0.11, 0.07))),
+        weather=str(rng.choice(WEATHERS, p=(0.68, 0.09, 0.1, 0.06, 0.07))),
         surface=surface,
-        verge=str(rng.choice(VERGES, p=(0.45, 0.25, 0.3))),
+        verge=str(rng.choice(VERGES, p=(0.25, 0.12, 0.28, 0.13, 0.12, 0.1))),
         left_edge_m=left,
         right_edge_m=right,
-        edge_lines=bool(rng.random() < 0.6),
-        centre_line=str(rng.choice(CENTRE_LINES, p=(0.3, 0.4, 0.2, 0.1))),
-        line_colour=str(rng.choice(LINE_COLOURS, p=(0.7, 0.3))),
+        edge_lines=bool(rng.random() < 0.5),
+        centre_line=str(rng.choice(CENTRE_LINES, p=(0.35, 0.35, 0.15, 0.15))),
+        line_colour=str(rng.choice(LINE_COLOURS, p=(0.65, 0.35))),
         brightness=float(rng.uniform(low, high)),
         wear=float(rng.uniform(0, 1)),
         cracks=float(rng.beta(1.2, 2)),
         patches=float(rng.beta(1.2, 2)),
         distractors=float(rng.beta(1.2, 2)),
-        sun_azimuth_deg=float(rng.uniform(-180, 180)),
-        sun_elevation_deg=float(rng.uniform(6, 18) if low_sun else rng.uniform(25, 75)),
-        tree_shadow=float(rng.uniform(0.2, 1) if rng.random() < 0.35 else 0.0),
-        bonnet=float(rng.uniform(0.03, 0.16) if rng.random() < 0.3 else 0.0),
-        exposure=float(np.clip(np.exp(rng.normal(0, 0.25)), 0.5, 2)),
+        sun_azimuth_deg=float(rng.uniform(-35, 35) if ahead else rng.uniform(-180, 180)),
+        sun_elevation_deg=float(rng.uniform(4, 18) if light == "sunset" else rng.uniform(25, 75)),
+        tree_shadow=_sometimes(rng, 0.3, 0.2, 1),
+        bonnet=_sometimes(rng, 0.25, 0.03, 0.16),
+        exposure=float(np.clip(np.exp(rng.normal(0, 0.28)), 0.45, 2.2)),
         warmth=float(np.clip(rng.normal(0, 0.05), -0.15, 0.15)),
         noise=float(rng.uniform(0.002, 0.02)),
         blur_px=float(rng.uniform(0.3, 0.9)),
+        surroundings=str(rng.choice(SURROUNDINGS, p=(0.3, 0.35, 0.35))),
+        paint_wear=_sometimes(rng, 0.55, 0.1, 1),
+        decay=float(rng.uniform(0.1, 1)),
+        dirt=_sometimes(rng, 0.5, 0.1, 1),
+        litter=_sometimes(rng, 0.4, 0.1, 1),
+        puddles=_sometimes(rng, 0.15, 0.2, 1),
+        street_lamps=_sometimes(rng, 0.6, 0.3, 1) if light == "night" else 0.0,
+        glare=_sometimes(rng, 0.8, 0.3, 1) if ahead else 0.0,
+        motion_blur_px=_sometimes(rng, 0.3, 1.5, 9),
+        distortion=_sometimes(rng, 0.4, -0.12, 0.04),
     )
+
+
+def _sometimes(rng: np.random.Generator, share: float, low: float, high: float) -> float:
+    """A number between `low` and `high` in a `share` of the cases, otherwise 0."""
+    return float(rng.uniform(low, high) if rng.random() < share else 0.0)
 
 
 def _random_edges(rng: np.random.Generator) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from road.appearance import Appearance
+from road.lighting import OVERCAST_WEATHER
 from road.texture import fractal
 
 AZIMUTH_SPAN_DEG = 160.0
@@ -40,7 +41,7 @@ class Panorama:
 def panorama(rng: np.random.Generator, look: Appearance) -> Panorama:
     """Paint the surroundings of a scene."""
     zenith, horizon, light = (np.array(v, np.float32) for v in _SKIES[look.light])
-    if look.weather in ("rain", "fog") and look.light != "night":
+    if look.weather in OVERCAST_WEATHER and look.light != "night":
         zenith, horizon = np.full(3, zenith.mean(), np.float32), np.full(3, horizon.mean() * 0.85, np.float32)
     up = np.clip((_HORIZON - np.arange(_ROWS)) / _HORIZON, 0, 1).astype(np.float32)[:, None, None]
     image = horizon + (zenith - horizon) * np.sqrt(up) + np.zeros((1, _COLUMNS, 1), np.float32)

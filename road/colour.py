@@ -12,6 +12,7 @@ from road.raycast import FAR_M, direction
 
 FADE_M = 12.0  # over this length the map gives way to the road's average colours
 HEADLIGHT_HEIGHT_M = 0.65
+POOL_REACH_M = 25.0  # a street lamp lights nothing beyond
 _SKY_DISTANCE_M = 150.0  # fog between the camera and the panorama
 _VERGE_M = 1.4  # this much of the map's edge is mirrored outwards
 _SHIFTS = np.array(LEVEL_COLUMN_SHIFTS)
@@ -33,12 +34,13 @@ class Conditions(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def colour(  # type: ignore[no-untyped-def]
-    view, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, image
+    view, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, pools, image
 ):
     """Fill `image` (H, W, 3) linear rgb from `drop` and `slope` (H, W), the ray caster's result.
 
     atlas: (rows, cols, 4) mip levels, one below the other (see `surface.Surface`); strip: (n, 4) average
-    colours across the road; panorama, reflected: see `background.Panorama`; haze: (3,).
+    colours across the road; panorama, reflected: see `background.Panorama`; haze: (3,);
+    pools: (n, 3) place (m) and strength of street lamps.
     """
     r, px, py = view.rotation, view.position[0], view.position[1]
     focal, cx, cy = view.focal, view.cx, view.cy
@@ -64,6 +66,10 @@ def colour(  # type: ignore[no-untyped-def]
                 _ground(atlas, strip, x, y, pixel / facing, distance, conditions.end_m, texel)
                 gain = _grain(grain, conditions, x, y, conditions.grain_m / pixel * min(1.0, 3 * facing))
                 lamps = _lamps(conditions, x - px, y - py, slope[v, u])
+                for k in range(pools.shape[0]):
+                    away = (x - pools[k, 0]) ** 2 + (y - pools[k, 1]) ** 2
+                    if away < POOL_REACH_M**2:
+                        lamps += pools[k, 2] * 0.16 / (1 + away / 25) ** 2
                 _illuminate(reflected, texel, gain * lamps, grazing, sx, sy, light)
             # Koschmieder's law: contrast fades exponentially towards the colour of the haze.
             veil = np.exp(-distance / conditions.fog_m)

@@ -15,11 +15,12 @@ import numpy as np
 
 from files.atomic import write_bytes, write_text
 from files.errors import InputError
-from road.appearance import random_appearance
+from road.appearance import Appearance, random_appearance
 from road.camera import Camera, CameraPose
 from road.features import Feature
 from road.profile import Road
 from road.render import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX, Frame, Scene
+from road.roadside import moving, standing
 from road.scenes import random_positions, random_road, random_view
 
 FORMAT = 1
@@ -28,7 +29,7 @@ SPLITS = ("train", "val", "test")
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
 VIEWS_PER_ROAD = 8
 LANE_HALF_WIDTH_M = 1.2
-_JPEG_QUALITY = (80, 95)
+_JPEG_QUALITY = (55, 96)
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,11 @@ def render_road(job: Job) -> list[dict]:
     look = random_appearance(rng)
     road = random_road(rng, look)
     scene = Scene(road, look, int(rng.integers(1 << 31)))
+    beside = standing(rng, look)
     rows = []
     for view, x in enumerate(random_positions(rng, road, VIEWS_PER_ROAD)[: job.views]):
         camera, pose = random_view(rng, x)
-        frame = scene.render(camera, pose, view)
+        frame = scene.render(camera, pose, view, [*beside, *moving(rng, look, x)])
         name = f"{SPLITS[job.split]}_{job.road:05d}_{view}.jpg"
         objects = list(_objects(road, frame, pose))
         label = "".join(_label(o["class"], o["box"], camera) for o in objects)
@@ -113,7 +115,7 @@ def render_road(job: Job) -> list[dict]:
             {
                 "image": name,
                 "road": job.road,
-                "condition": {"light": look.light, "weather": look.weather},
+                "condition": _condition(look),
                 "camera": asdict(camera),
                 "pose": asdict(pose),
                 "objects": objects,
@@ -137,16 +139,32 @@ def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
         yield from pool.map(render_road, jobs)
 
 
+def _condition(look: Appearance) -> dict:
+    """What groups images in an evaluation."""
+    return {
+        "light": look.light,
+        "weather": look.weather,
+        "low_sun": look.glare > 0,
+        "motion_blur_px": round(look.motion_blur_px, 2),
+        "surface": look.surface,
+        "verge": look.verge,
+        "surroundings": look.surroundings,
+    }
+
+
 def _objects(road: Road, frame: Frame, pose: CameraPose) -> Iterator[dict]:
     """Labels of a frame, in the order of its boxes; distances are camera to near edge along the road."""
-    for box, index, visible in zip(frame.boxes, frame.feature_index, frame.visible_px, strict=True):
+    found = zip(frame.boxes, frame.feature_index, frame.visible_px, frame.hidden, strict=True)
+    for box, index, visible, hidden in found:
         feature: Feature = road.features[index]
         yield {
             "class": feature.cls,
             "kind": feature.kind,
+            "paint": getattr(feature, "paint", None),
             "box": [float(v) for v in box],
             "height_px": float(box[3] - box[1]),
             "visible_px": int(visible),
+            "hidden": round(float(hidden), 3),
             "distance_m": round(feature.start_m - pose.x, 4),
             "in_ego_lane": feature.y_min_m < LANE_HALF_WIDTH_M and feature.y_max_m > -LANE_HALF_WIDTH_M,
         }
@@ -163,7 +181,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m road.dataset", description="Render a labelled data set.")
     parser.add_argument("--out", type=Path, required=True, help="folder to write, empty or new")
     parser.add_argument("--seed", type=int, default=0)
-    for split, default in zip(SPLITS, (5000, 300, 600), strict=True):
+    for split, default in zip(SPLITS, (5250, 1125, 1125), strict=True):
         parser.add_argument(f"--{split}", type=int, default=default, help=f"images (default {default})")
     parser.add_argument("--workers", type=int, default=1, help="processes (default 1)")
     options = parser.parse_args(arguments)

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from road import crumbled
 from road.appearance import Appearance
 from road.block import CELL_M, Block
-from road.features import Feature, Pothole
+from road.features import Bump, Feature, Pothole
+from road.fitting_paint import fitting_albedo
 from road.texture import fractal
 
 MARGIN_M = 0.6  # debris lies this far around a pothole
@@ -48,33 +50,53 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
     block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
         _pothole(block, spot, feature, rng, look)
+    elif feature.cls is None:
+        albedo = block.albedo[part]
+        np.copyto(albedo, fitting_albedo(albedo, x, y, feature, rng), where=spot.inside[..., None])
     else:
         _bump(block, spot, feature, rng, look)
 
 
-def _bump(block: Block, spot: Spot, feature: Feature, rng: np.random.Generator, look: Appearance) -> None:
+def _bump(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator, look: Appearance) -> None:
     # Laid later than the road around it: darker or lighter, with a joint at either edge.
+    if feature.paint == "bare":
+        _bare(block, spot, feature, rng)
+        return
     factor = rng.uniform(0.55, 0.85) if rng.random() < 0.6 else rng.uniform(1.12, 1.4)
     base = np.full(3, look.brightness * factor, np.float32)
     along = (spot.x - feature.start_m) / feature.length_m
     along, across = np.broadcast_arrays(along, spot.y - feature.y_min_m)
     cover, over, under = _pattern(feature, along, across, base, rng)
     worn = 1.2 - 0.8 * look.wear + (0.2 + 0.7 * look.wear) * block.noise["wear"][spot.part]
-    share = (cover * np.clip(worn, 0.1, 1)).astype(np.float32)[..., None]
+    worn -= look.paint_wear * (0.6 + 0.5 * block.noise["wear"][spot.part])
+    share = (cover * np.clip(worn, 0.1 * (1 - 0.8 * look.paint_wear), 1)).astype(np.float32)[..., None]
     joint = np.minimum(along, 1 - along) * feature.length_m < 0.025
     tone = (1 + block.noise["tone"][spot.part]) * (1 - rng.uniform(0.1, 0.5) * joint).astype(np.float32)
     skin = (under * (1 - share) + over * share) * tone[..., None]
     np.copyto(block.albedo[spot.part], skin, where=spot.inside[..., None])
 
 
+def _bare(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator) -> None:
+    """Of one piece with the road: light and shade tell, a seam at either edge, and what tyres rub off."""
+    noise = block.noise["wear"][spot.part]
+    from_edge = np.minimum(spot.x - feature.start_m, feature.end_m - spot.x)
+    seam = np.exp(-((from_edge / rng.uniform(0.02, 0.07)) ** 2)) * np.clip(0.7 + 0.8 * noise, 0, 1)
+    scuff = np.exp(-(((np.abs(spot.y) - 0.8) / 0.3) ** 2)) * np.clip(0.6 + noise, 0, 1.5)
+    gain = (
+        rng.uniform(0.85, 1.12) * (1 - rng.uniform(0.1, 0.5) * seam) * (1 + rng.uniform(-0.2, 0.15) * scuff)
+    )
+    albedo = block.albedo[spot.part]
+    np.copyto(albedo, albedo * gain.astype(np.float32)[..., None], where=spot.inside[..., None])
+
+
 def _pattern(
-    feature: Feature, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
+    feature: Bump, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cover (n, m) in 0..1 of the upper colour (3,), and the lower colour (3,), for a bump's paint.
+    """Cover (n, m) in 0..1 of the upper colour, and the lower one, (3,) or (n, m, 3), for a bump's paint.
 
     along: 0..1 from the near to the far edge; across: metres from the right end.
     """
-    name = getattr(feature, "paint", "plain")
+    name = feature.paint
     bar, slant = rng.uniform(0.25, 0.55), rng.choice((0.0, 0.5, -0.5))
     flip = (along > 0.5) & (rng.random() < 0.3)  # rubber humps whose two halves alternate
     bars = np.mod(np.floor(across / bar + slant * along), 2) == 0
@@ -92,10 +114,53 @@ def _pattern(
     if name == "red":
         brick = (np.mod(across, 0.2) < 0.02) | (np.mod(along * feature.length_m, 0.1) < 0.02)
         return 0.9 - 0.3 * brick, _RED, base
+    return _street_pattern(feature, along, across, base, rng)
+
+
+def _street_pattern(
+    feature: Bump, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `_pattern`: what photographs of Indian streets and of campus roads show."""
+    bar, lean = rng.uniform(0.25, 0.7), rng.uniform(-1.2, 1.2)
+    if feature.paint == "rubber":
+        return _rubber(feature, along, across, rng)
+    if feature.paint == "slanted":
+        return np.mod(across / bar + lean * along, 2) < rng.uniform(0.8, 1.3), _WHITE, base
+    if feature.paint == "white_yellow":
+        stripe = np.mod(np.floor(across / bar + lean * along), rng.choice((2, 4)))
+        colour = np.where((stripe % 4 == 0)[..., None], _WHITE, _YELLOW)
+        return (stripe % 2 == 0) | (rng.random() < 0.4), colour, base
+    if feature.paint == "zigzag":
+        wave = 0.2 + 0.6 * np.abs(2 * np.mod(across / (3 * bar), 1) - 1)
+        return np.abs(along - wave) < rng.uniform(0.1, 0.22), (_WHITE, _YELLOW)[rng.integers(2)], base
     return np.zeros(along.shape, np.float32), base, base
 
 
+def _rubber(
+    feature: Bump, along: np.ndarray, across: np.ndarray, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Bolted segments, black and yellow in turn, ribbed, with rounded black ends and cat's eyes."""
+    segment = rng.choice((0.25, 0.5, rng.uniform(0.2, 0.6)))
+    width = feature.y_max_m - feature.y_min_m
+    place = np.mod(across, segment)
+    yellow = np.mod(np.floor(across / segment), 2) == 0
+    yellow &= (across > 0.15) & (across < width - 0.15) & (place > 0.012)
+    if rng.random() < 0.5:  # the coloured inlay leaves a black frame
+        yellow &= (along > 0.12) & (along < 0.88) & (place > 0.03) & (place < segment - 0.03)
+    ribs = 1 - 0.35 * (np.mod(along * feature.length_m, 0.05) < 0.02)
+    eyes = ~yellow & (np.abs(place - segment / 2) < 0.05) & (np.abs(along - 0.25) < 0.09)
+    eyes &= rng.random() < 0.6
+    body = np.where(eyes[..., None], _WHITE, _BLACK * np.float32(rng.uniform(0.8, 2.2)) * ribs[..., None])
+    return yellow, _YELLOW * np.float32(rng.uniform(0.75, 1.35)), body.astype(np.float32)
+
+
 def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator, look: Appearance) -> None:
+    if look.decay and rng.random() < 0.35 + 0.5 * look.decay:
+        lumps, stones = (_noise_at(hole, spot, octaves, rng) for octaves in ((0.5, 0.5, 0.5, 0.4), (1.0,)))
+        crumbled.paint(
+            block, spot.part, hole, crumbled.Ground(spot.x, spot.y, spot.inside, lumps, stones), rng, look
+        )
+        return
     sink = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
     lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
     tint, least, most = _FILLS[str(rng.choice(list(_FILLS), p=(0.6, 0.25, 0.15)))]

@@ -22,7 +22,7 @@ _SKY = {
     "sunset": (0.30, (0.98, 0.97, 1.03)),
     "night": (1.0, (1.0, 0.95, 0.85)),  # scaled by `ambient` at render time, where the headlights are added
 }
-_OVERCAST_WEATHER = ("rain", "fog")
+OVERCAST_WEATHER = ("rain", "fog", "snow")
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def plan(look: Appearance) -> Light:
     direction = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
     sun, sun_colour = _SUN[look.light]
     sky, sky_colour = _SKY[look.light]
-    if look.weather in _OVERCAST_WEATHER and look.light != "night":
+    if look.weather in OVERCAST_WEATHER and look.light != "night":
         sun, sky = 0.05 * sun, sky + 0.3 * sun
     return Light(
         np.array(sun_colour) * sun,

@@ -9,9 +9,17 @@ from road.block import Block
 KERB_WIDTH_M = 0.16
 KERB_HEIGHT_M = 0.10
 _TINTS = {"asphalt": (0.98, 1.0, 1.03), "old_asphalt": (1.03, 1.0, 0.95), "concrete": (1.03, 1.0, 0.94)}
-_VERGES = {"grass": (0.09, 0.12, 0.035), "soil": (0.24, 0.17, 0.10), "pavement": (0.30, 0.29, 0.27)}
-_CONTRAST = {"grass": 0.9, "soil": 0.45, "pavement": 0.15}
-_WETNESS = {"dry": 0.0, "wet": 0.5, "rain": 0.75, "fog": 0.15}
+_VERGES = {
+    "grass": (0.09, 0.12, 0.035),
+    "soil": (0.24, 0.17, 0.10),
+    "pavement": (0.30, 0.29, 0.27),
+    "red_soil": (0.27, 0.12, 0.06),
+    "dry_grass": (0.20, 0.17, 0.07),
+    "gravel": (0.22, 0.20, 0.18),
+}
+_CONTRAST = {"grass": 0.9, "soil": 0.45, "pavement": 0.15, "red_soil": 0.4, "dry_grass": 0.8, "gravel": 0.5}
+_WETNESS = {"dry": 0.0, "wet": 0.5, "rain": 0.75, "fog": 0.15, "snow": 0.4}
+_RAGGED_M = {"grass": 0.1, "soil": 0.1, "pavement": 0.0, "red_soil": 0.35, "dry_grass": 0.2, "gravel": 0.3}
 
 
 def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
@@ -51,7 +59,7 @@ def _verge(block: Block, look: Appearance, side: int, edge: float) -> None:
         return
     part = (slice(None), slice(columns[0], columns[-1] + 1))
     distance = np.broadcast_to(beyond[part].astype(np.float32), block.height[part].shape)
-    ragged = 0.0 if look.verge == "pavement" else 0.10
+    ragged = _RAGGED_M[look.verge]
     wear = block.noise["wear"][part]
     outside = distance + ragged * wear > 0
     rough = np.clip(1 + _CONTRAST[look.verge] * (wear + 0.5 * block.noise["dirt"][part]), 0.25, 2.2)

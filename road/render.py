@@ -1,6 +1,6 @@
 """What the camera sees of a road: image, exact boxes and depth from the same ray hits."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
@@ -8,13 +8,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from road import background, lighting, sensor
+from road import background, lighting, optics, sensor, staging
 from road.appearance import Appearance
 from road.block import CELL_M, START_M
 from road.camera import Camera, CameraPose
 from road.colour import Conditions, colour
-from road.features import Feature, Pothole
+from road.features import Feature, ManholeCover, Pothole
 from road.profile import Road
+from road.props import Prop
 from road.raycast import FAR_M, View, trace
 from road.surface import Surface
 from road.texture import grain
@@ -22,10 +23,13 @@ from road.texture import grain
 MIN_BOX_HEIGHT_PX = 3
 MIN_BOX_WIDTH_PX = 4
 MIN_VISIBLE_PX = 20
-_FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0}
+MAX_HIDDEN = 0.6  # of what the view holds of a feature; more behind vehicles and people: not listed
+_FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0, "snow": 130.0}
 _HEADLIGHT = {"noon": 0.0, "overcast": 0.0, "sunset": 0.15, "night": 1.0}
 _AMBIENT = {"noon": 1.0, "overcast": 1.0, "sunset": 1.0, "night": 0.06}
 _KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposure of a road of albedo 0.2
+_SNOW_LEVEL = 1.7  # snow around the road makes the picture this much brighter
+_FLAKE_AT_NIGHT = 0.15  # radiance of a snowflake in the headlights
 _BANDS_PER_THREAD = 4  # the sky is cheap, so equal halves would leave a thread idle
 _NIGHT_LEVEL = 0.6  # irradiance by headlights for which the night is exposed
 
@@ -37,10 +41,12 @@ class Frame:
     Attributes:
         image: (H, W, 3) uint8 RGB.
         boxes: (n, 4) float32, xyxy pixel edges of the visible part of each feature that is at least
-            MIN_BOX_HEIGHT_PX high, MIN_BOX_WIDTH_PX wide and MIN_VISIBLE_PX pixels large.
+            MIN_BOX_HEIGHT_PX high, MIN_BOX_WIDTH_PX wide and MIN_VISIBLE_PX pixels large, and not hidden
+            by props for more than MAX_HIDDEN.
         classes: (n,) int64, 0 speed bump, 1 pothole.
         feature_index: (n,) int64 into `road.features`, ascending.
         visible_px: (n,) int64.
+        hidden: (n,) float32, share of the feature's pixels that props hide.
         depth: (H, W) float32 along the optical axis (m), inf where there is no ground.
     """
 
@@ -50,6 +56,7 @@ class Frame:
     feature_index: NDArray[np.int64]
     visible_px: NDArray[np.int64]
     depth: NDArray[np.float32]
+    hidden: NDArray[np.float32]
 
 
 class Scene:
@@ -75,35 +82,69 @@ class Scene:
             headlight=_HEADLIGHT[appearance.light],
             end_m=START_M + self._surface.rows * CELL_M,
         )
+        self._air = staging.Air(
+            lighting.plan(appearance),
+            self._conditions.ambient,
+            self._conditions.headlight,
+            self._conditions.fog_m,
+            self._panorama.haze,
+            appearance.weather in ("wet", "rain"),
+        )
         self._pool = sensor.noise_pool(rng)
         self._curve = sensor.tone_curve()
         self._exposure = _exposure(appearance)
         self._outlines = np.array([_outline(f) for f in road.features]).reshape(-1, 5)
 
-    def render(self, camera: Camera, pose: CameraPose, index: int = 0) -> Frame:
-        """Photograph the road; `index` (the frame's number) seeds rain and noise."""
+    def render(self, camera: Camera, pose: CameraPose, index: int = 0, props: Sequence[Prop] = ()) -> Frame:
+        """Photograph the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
         view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
         drop, slope, hits, depth = self._trace(camera, view)
         image = np.empty((*drop.shape, 3), np.float32)
-        sky, surface = self._panorama, self._surface
+        sky, surface, pools = self._panorama, self._surface, staging.lamp_pools(props)
         self._share_rows(
             lambda part, rows: colour(
                 part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
-                sky.image, sky.blurred, sky.haze, image[rows],
+                sky.image, sky.blurred, sky.haze, pools, image[rows],
             ),
             view, camera.height_px,
         )  # fmt: skip
-        rng = np.random.default_rng((self.seed, 4, index))
-        if self.appearance.weather == "rain":
-            sensor.rain_streaks(image, rng, sky.haze)
-        if self.appearance.bonnet:
-            rows = sensor.bonnet_row(self.appearance, camera.width_px, camera.height_px)
-            sensor.paint_bonnet(image, rows, sky.haze)
-            hits[np.arange(camera.height_px)[:, None] >= rows] = 0
-        pixels = sensor.develop(image, self.appearance, self._exposure, self._pool, rng, self._curve)
+        in_view = np.bincount(hits.ravel(), minlength=len(self.road.features) + 1)
+        if props:
+            staging.draw(image, hits, view, props, self._air)
+        in_sight = np.bincount(hits.ravel(), minlength=len(in_view))
+        hits, depth, pixels = self._expose(image, hits, depth, view, index)
         boxes, numbers, counts = visible_boxes(hits)
+        hidden = (1 - in_sight[numbers] / np.maximum(in_view[numbers], 1)).astype(np.float32)
+        kept = (hidden <= MAX_HIDDEN) & np.array(
+            [self.road.features[k - 1].cls is not None for k in numbers], bool
+        )
+        boxes, numbers, counts, hidden = boxes[kept], numbers[kept], counts[kept], hidden[kept]
         classes = np.array([self.road.features[k - 1].cls for k in numbers], np.int64)
-        return Frame(pixels, boxes, classes, numbers - 1, counts, depth)
+        return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)
+
+    def _expose(
+        self, image: np.ndarray, hits: np.ndarray, depth: np.ndarray, view: View, index: int
+    ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
+        """Air, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
+        look, haze = self.appearance, self._panorama.haze
+        rng = np.random.default_rng((self.seed, 4, index))
+        if look.motion_blur_px:
+            image = optics.motion_blur(image, view, look.motion_blur_px, rng)
+        if look.glare and look.weather not in lighting.OVERCAST_WEATHER:
+            optics.glare(image, view, self._air.light.direction, look.glare)
+        if look.weather == "rain":
+            sensor.rain_streaks(image, rng, haze)
+        if look.weather == "snow":
+            optics.snowfall(image, rng, np.maximum(haze, _FLAKE_AT_NIGHT))
+        if look.distortion:
+            image, hits, depth = optics.distort(image, (hits, depth), look.distortion)
+        if look.bonnet:
+            height, width = hits.shape
+            rows = sensor.bonnet_row(look, width, height)
+            sensor.paint_bonnet(image, rows, haze)
+            hits[np.arange(height)[:, None] >= rows] = 0
+        pixels = sensor.develop(image, look, self._exposure, self._pool, rng, self._curve)
+        return hits, depth, pixels
 
     def _trace(
         self, camera: Camera, view: View
@@ -159,10 +200,11 @@ def visible_boxes(
 def _exposure(look: Appearance) -> float:
     """Exposure that puts a road of mean brightness near the key, following its albedo 60 % of the way."""
     level = _NIGHT_LEVEL if look.light == "night" else lighting.plan(look).level
+    level *= _SNOW_LEVEL if look.weather == "snow" else 1.0
     return float(look.exposure * _KEY[look.light] / (level * 0.2**0.4 * look.brightness**0.6))
 
 
 def _outline(feature: Feature) -> tuple[float, float, float, float, float]:
-    """A bump's outline is its rectangle, exactly; a pothole has none here and is looked up in the id map."""
-    is_rectangle = 0.0 if isinstance(feature, Pothole) else 1.0
+    """A bump's outline is its rectangle, exactly; a hole's is none here and is looked up in the id map."""
+    is_rectangle = 0.0 if isinstance(feature, Pothole | ManholeCover) else 1.0
     return is_rectangle, feature.start_m, feature.end_m, feature.y_min_m, feature.y_max_m

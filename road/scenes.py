@@ -11,13 +11,19 @@ from road.roughness import Roughness
 ROAD_M = 62.0
 FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # cameras stand between
 _PAINT_SHARES = {
-    "plain": 0.2,
-    "yellow_black": 0.27,
-    "white_stripes": 0.22,
-    "white_triangles": 0.12,
-    "zebra": 0.12,
-    "red": 0.07,
+    "bare": 0.15,
+    "plain": 0.1,
+    "yellow_black": 0.1,
+    "white_stripes": 0.15,
+    "slanted": 0.17,
+    "white_triangles": 0.08,
+    "white_yellow": 0.09,
+    "zigzag": 0.06,
+    "zebra": 0.06,
+    "red": 0.04,
 }
+_RUBBER_SHARE = 0.2
+_HOLE_LOG_WIDTH = (np.log(0.2), np.log(1.1))
 _GAP_M = 1.0
 
 
@@ -42,8 +48,12 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
     right, left = look.right_edge_m + rng.uniform(0.05, 0.5), look.left_edge_m - rng.uniform(0.05, 0.5)
     if rng.random() < 0.12:
         right, left = (right, min(left, 0.2 + abs(right))) if rng.random() < 0.6 else (max(right, -1.0), left)
+    if rng.random() < _RUBBER_SHARE:
+        length, height = float(rng.uniform(0.3, 0.95)), float(rng.uniform(0.03, 0.075))
+        start = _start(rng, length)
+        return HalfSineBump(start, min(height, 0.18 * length), length, right, left, paint="rubber")
     paint = str(rng.choice(list(_PAINT_SHARES), p=list(_PAINT_SHARES.values())))
-    kind = rng.choice(3, p=(0.5, 0.25, 0.25))
+    kind = rng.choice(3, p=(0.42, 0.38, 0.2))
     if kind == 0:
         length = float(np.exp(rng.uniform(np.log(0.25), np.log(0.65))))
         height = float(np.clip(rng.uniform(0.03, 0.105), 0.08 * length, 0.3 * length))
@@ -73,36 +83,58 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
 
 def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]:
     """One pothole, or a cluster of up to five."""
-    count = int(rng.choice((1, 2, 3, 5), p=(0.65, 0.18, 0.1, 0.07)))
+    count = int(rng.choice((1, 2, 3, 5, 9), p=(0.55, 0.2, 0.12, 0.08, 0.05)))
+    large = rng.random() < 0.15
+    shallow = rng.random() < 0.35
     x = rng.uniform(2.5, ROAD_M - 4)
     # Most lie in a wheel track of the ego lane, where traffic digs them.
     track = rng.choice((-0.75, 0.75)) + rng.normal(0, 0.3)
     y = track if rng.random() < 0.55 else rng.uniform(look.right_edge_m + 0.5, look.left_edge_m - 0.5)
     holes = []
     for _ in range(count):
-        width = float(np.exp(rng.uniform(np.log(0.2), np.log(1.1))))
-        length = float(np.clip(width * rng.uniform(0.6, 1.5), 0.2, 1.25))
-        depth = float(np.clip(rng.uniform(0.02, 0.12), 0.02, 0.35 * min(width, length)))
-        hole_y = float(np.clip(y, look.right_edge_m + width / 2 + 0.1, look.left_edge_m - width / 2 - 0.1))
-        wall = float(rng.uniform(0.03, 0.45 * min(width, length)))
+        width = float(
+            np.exp(rng.uniform(np.log(0.7), np.log(1.8)) if large else rng.uniform(*_HOLE_LOG_WIDTH))
+        )
+        length = float(np.clip(width * rng.uniform(0.5, 1.6), 0.18, 2.2))
+        depth = float(rng.uniform(0.01, 0.03) if shallow else rng.uniform(0.025, 0.12))
+        depth = min(depth, 0.35 * min(width, length))
+        margin = width / 2 + 0.1
+        hole_y = float(np.clip(y, look.right_edge_m + margin, look.left_edge_m - margin))
+        wall = float(rng.uniform(0.02, 0.45 * min(width, length)))
         start = float(np.clip(x, 1.0, ROAD_M - 2))
         ragged, seed = float(rng.uniform(0.05, 0.5)), int(rng.integers(1 << 31))
-        holes.append(Pothole(start, depth, length, width, hole_y, min(wall, 0.2), ragged, seed))
+        holes.append(
+            Pothole(
+                start, depth, length, width, hole_y, min(wall, 0.4 if large or shallow else 0.2), ragged, seed
+            )
+        )
         x, y = x + rng.uniform(-1.2, 1.2), y + rng.normal(0, 0.7)
     return holes
 
 
 def random_view(rng: np.random.Generator, x_m: float) -> tuple[Camera, CameraPose]:
-    """A camera at about x: in half of the cases the default one, on a moving body."""
-    if rng.random() < 0.5:
+    """A camera at about x: the default one on a moving body, one in another car, or one held or mounted high.
+
+    Their shares are 45, 35 and 20 %. The last looks down on the road, as survey vehicles' cameras do.
+    """
+    kind = int(rng.choice(3, p=(0.45, 0.35, 0.2)))
+    if kind == 0:
         camera, mount = Camera(), CameraMount()
         pitch, roll, yaw = rng.normal(0, 0.008), rng.normal(0, 0.004), rng.normal(0, 0.01)
         heave, y = rng.normal(0, 0.02), rng.normal(0, 0.12)
     else:
-        camera = Camera(focal_px=float(rng.uniform(380, 600)))
-        mount = CameraMount(height_m=float(rng.uniform(1.0, 1.6)), pitch_deg=float(rng.uniform(2, 10)))
-        pitch, roll, yaw = 0.0, rng.uniform(-0.026, 0.026), rng.uniform(-0.052, 0.052)
-        heave, y = 0.0, rng.uniform(-0.6, 0.6)
+        focal = rng.uniform(340, 640) if kind == 1 else rng.uniform(380, 700)
+        height, tilt = (
+            (rng.uniform(0.9, 1.7), rng.uniform(0, 11))
+            if kind == 1
+            else (rng.uniform(1.3, 2.3), rng.uniform(8, 20))
+        )
+        camera, mount = (
+            Camera(focal_px=float(focal)),
+            CameraMount(height_m=float(height), pitch_deg=float(tilt)),
+        )
+        pitch, roll, yaw = 0.0, rng.normal(0, 0.02), rng.uniform(-0.08, 0.08)
+        heave, y = 0.0, rng.uniform(-0.8, 0.8)
     return camera, pose_of(
         mount, x_m, float(heave), float(pitch), y_cg=float(y), roll=float(roll), yaw=float(yaw)
     )

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from road import damage, feature_paint, lighting, markings, pavement
+from road import cover, damage, feature_paint, lighting, markings, pavement
 from road.appearance import Appearance
 from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, MASK_CELLS, START_M, Block
 from road.profile import Road
@@ -55,6 +55,7 @@ class Surface:
         length = self.rows * CELL_M
         self._damage = damage.plan(rng, look, self._edges, length)
         self._markings = markings.plan(rng, look, self._edges, length)
+        self._cover = cover.plan(np.random.default_rng((seed, 5)), look, self._edges, length)
         self._paint_seeds = [(seed, 2, number) for number in range(len(road.features))]
 
     def extend(self, x_m: float) -> None:
@@ -93,6 +94,7 @@ class Surface:
         markings.paint(block, self._markings)
         for number, (feature, seed) in enumerate(zip(self.road.features, self._paint_seeds, strict=True)):
             feature_paint.paint(block, feature, number + 1, np.random.default_rng(seed), self.look)
+        cover.paint(block, self._cover, self.look, self._edges)
         pavement.soak(block, self.look, self._edges)
         return block
 
@@ -147,7 +149,7 @@ def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     for feature in road.features:
         plain &= (x[:, 0] < feature.start_m) | (x[:, 0] > feature.end_m)
     height = np.zeros((len(x), y.shape[1]), np.float32)
-    if road.roughness is not None and plain.any():
+    if not road.is_flat_between_features and plain.any():
         thin = road.height(x[plain], y.reshape(1, -1, COARSE).mean(axis=2)).astype(np.float32)
         height[plain] = cv2.resize(thin, (y.shape[1], len(thin)), interpolation=cv2.INTER_LINEAR)
     if not plain.all():
