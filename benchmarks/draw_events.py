@@ -49,7 +49,7 @@ def main() -> None:
 def features(
     counts: dict[str, int], rng: np.random.Generator, approach_m: float, after_s: float
 ) -> list[dict[str, Any]]:
-    """One event for each feature: a flat road with it, `approach_m` ahead; the drive goes on for `after_s`."""
+    """One event a feature: a flat road with it, `approach_m` ahead; the drive goes on for `after_s`."""
     events = []
     for kind, count in counts.items():
         for index, sizes in enumerate(sample(kind, count, rng)):

@@ -15,7 +15,8 @@ from road.camera import CameraMount, CameraPose, pose_of
 from road.envelope import WheelProfile
 from road.render import Scene
 from scenarios.cases import Case
-from scenarios.perception import Blind, Look, Oracle, Perception, Seeing
+from scenarios.oracle import build_oracle
+from scenarios.perception import Blind, Look, Perception, Seeing
 from scenarios.schema import Scenario
 from vehicle.state import VehicleState
 
@@ -33,7 +34,7 @@ def build_perception(
     if case.perception == "none":
         return Blind(), None
     if case.perception == "oracle":
-        return Oracle(profiles=profiles, axle_x_m=car.axle_x_m), None
+        return build_oracle(scenario.road, profiles, car, scenario.oracle, streams["oracle"]), None
     nominal = scenario.camera.mount(max(car.axle_x_m))
     mount = true_mount(scenario, nominal, streams["mounting"])
     weights = None

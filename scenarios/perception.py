@@ -5,7 +5,7 @@ camera: rendered image, detector, estimator.
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -15,8 +15,7 @@ import numpy as np
 
 from detector.detection import Detections
 from preview.estimator import Estimator
-from preview.horizon import RoadPreview, oracle_preview
-from road.envelope import WheelProfile
+from preview.horizon import RoadPreview
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from vehicle.sensors import Measurement
 from vehicle.state import VehicleState
@@ -98,18 +97,6 @@ class Blind:
 
     def close(self) -> None:
         """Nothing is held."""
-
-
-@dataclass
-class Oracle(Blind):
-    """`oracle`: the true profile under each wheel; the upper rung of the ladder."""
-
-    profiles: Sequence[WheelProfile] = ()
-    axle_x_m: tuple[float, ...] = ()
-
-    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
-        """The true profile ahead."""
-        return oracle_preview(self.profiles, state().x_m + np.asarray(self.axle_x_m), time_s)
 
 
 class Seeing:

@@ -13,6 +13,7 @@ from road.appearance import Appearance
 from road.camera import Camera, CameraMount
 from road.profile import Road
 from scenarios.clock import TICKS_PER_SECOND
+from scenarios.oracle import OracleErrors
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 
@@ -105,6 +106,7 @@ class Scenario:
     camera: CameraSetup = field(default_factory=CameraSetup)
     detection: Detection = field(default_factory=Detection)
     boxes: BoxErrors = field(default_factory=BoxErrors)
+    oracle: OracleErrors = field(default_factory=OracleErrors)
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)
