@@ -1,4 +1,4 @@
-"""What a tyre feels of the road: the envelope of a rigid wheel and the mean over its contact patch."""
+"""What a tyre feels of the road: the effective height under each wheel, ready for a simulation."""
 
 from dataclasses import dataclass, field
 from math import floor
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
 from road.checks import check_number
+from road.enveloping import Enveloping, RigidWheel
 from road.profile import Road
 
 WHEEL_RADIUS_M = 0.31
@@ -91,63 +92,31 @@ def envelope(
 
     Args:
         heights: (..., n) road heights (m) every `step_m` along x; taken as constant beyond both ends.
-        radius_m: of the wheel, z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R; 0 for none.
+        radius_m: of the wheel; 0 for none.
         patch_m: length of the moving average; 0 for none.
 
     Returns: (..., n) effective heights.
     """
-    z = np.asarray(heights, float)
-    return _patch_mean(_rigid_wheel(z, step_m, radius_m), step_m, patch_m)
+    return RigidWheel(patch_m).effective_height(heights, step_m, radius_m)
 
 
 def wheel_profile(
     road: Road,
     y_m: float,
     radius_m: float = WHEEL_RADIUS_M,
-    patch_m: float = PATCH_M,
+    enveloping: Enveloping | None = None,
     step_m: float = STEP_M,
 ) -> WheelProfile:
-    """Effective height along the wheel track y = y_m, from MARGIN_M before the road to MARGIN_M beyond it."""
+    """Effective height along the wheel track y = y_m, from MARGIN_M before the road to MARGIN_M beyond it.
+
+    `enveloping` is the tyre's way over short obstacles, a rigid wheel with a patch of PATCH_M by default.
+    """
     check_number("y_m", y_m, -50.0, 50.0)
     check_number("radius_m", radius_m, 0.0, 2.0)
-    check_number("patch_m", patch_m, 0.0, 1.0)
     check_number("step_m", step_m, 0.0005, 0.1)
     count = int(np.ceil((road.length_m + 2 * MARGIN_M) / step_m)) + 1
     x = step_m * np.arange(count) - MARGIN_M
-    heights = envelope(road.height(x, y_m), step_m, radius_m, patch_m)
+    tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
+    heights = tyre.effective_height(road.height(x, y_m), step_m, radius_m)
     heights.setflags(write=False)
     return WheelProfile(-MARGIN_M, step_m, heights)
-
-
-def _rigid_wheel(z: NDArray[np.float64], step_m: float, radius_m: float) -> NDArray[np.float64]:
-    reach = int(radius_m / step_m)
-    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
-    result = z.copy()
-    for shift in range(-reach, reach + 1):
-        drop = np.sqrt(max(radius_m**2 - (shift * step_m) ** 2, 0.0)) - radius_m
-        window = padded[..., reach + shift : reach + shift + z.shape[-1]]
-        np.maximum(result, window + drop, out=result)
-    return result
-
-
-def _patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray[np.float64]:
-    """Exact integral mean of the linear interpolant over x +- patch / 2."""
-    if patch_m == 0:
-        return z
-    half = patch_m / 2 / step_m
-    reach = int(np.ceil(half))
-    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach + 1, reach + 1)], mode="edge")
-    area = np.zeros(padded.shape)
-    np.cumsum((padded[..., 1:] + padded[..., :-1]) / 2, axis=-1, out=area[..., 1:])
-    centre = np.arange(z.shape[-1], dtype=np.float64) + (reach + 1)
-    ahead, behind = _integral(padded, area, centre + half), _integral(padded, area, centre - half)
-    return (ahead - behind) / (2 * half)
-
-
-def _integral(
-    z: NDArray[np.float64], area: NDArray[np.float64], position: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Integral of the linear interpolant of z from 0 to fractional grid positions."""
-    cell = np.floor(position).astype(np.int64)
-    part = position - cell
-    return area[..., cell] + part * z[..., cell] + part**2 / 2 * (z[..., cell + 1] - z[..., cell])

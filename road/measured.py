@@ -1,5 +1,6 @@
 """Road surfaces from files: CSV profiles and ASAM OpenCRG."""
 
+import hashlib
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -18,11 +19,15 @@ FORMATS = (".csv", ".crg")
 
 
 class MeasuredSurface(NamedTuple):
-    """Heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0."""
+    """Heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0.
+
+    sha256: of the file that it was read from.
+    """
 
     x_m: NDArray[np.float64]
     y_m: NDArray[np.float64]
     heights: NDArray[np.float64]
+    sha256: str = ""
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Bilinear height (m), broadcast over x and y; constant beyond the outermost stations and lines."""
@@ -93,13 +98,13 @@ def surface(
 @lru_cache(maxsize=4)
 def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
     """One file, read again when it has changed."""
-    if path.suffix.lower() == ".csv":
-        return surface(*csv_profile.read(path), str(path))
-    return surface(*opencrg.read(path), str(path))
+    read = csv_profile.read if path.suffix.lower() == ".csv" else opencrg.read
+    found = surface(*read(path), str(path))
+    return found._replace(sha256=hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def _cell(grid: NDArray[np.float64], at: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Index of the grid cell and position 0..1 in it, clipped to the grid."""
-    at = np.clip(np.asarray(at, float), grid[0], grid[-1])
-    cell = np.clip(np.searchsorted(grid, at, side="right") - 1, 0, len(grid) - 2)
-    return cell, (at - grid[cell]) / (grid[cell + 1] - grid[cell])
+    inside = np.clip(np.asarray(at, float), grid[0], grid[-1])
+    cell = np.clip(np.searchsorted(grid, inside, side="right").astype(np.int64) - 1, 0, len(grid) - 2)
+    return cell, (inside - grid[cell]) / (grid[cell + 1] - grid[cell])

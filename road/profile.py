@@ -23,7 +23,8 @@ class Road:
     Heights of overlapping features add up. Chains are read once: their copies join the features. Roughness
     and the heights in `file` (.csv or .crg, see `measured`) rise smoothly from nothing at x = 0 over the
     first FADE_IN_M, so that a car at rest there is in equilibrium; behind the start the road is flat, beyond
-    the end the roughness goes on and the measured height stays.
+    the end the roughness goes on and the measured height stays. `file_sha256` pins the file's content; it is
+    filled in when the file is read, so that a recorded road tells when its file is no longer the same.
 
     Raises InputError if a feature is not wholly inside [0, length_m] or the file is bad or too short.
     """
@@ -33,6 +34,7 @@ class Road:
     roughness: Roughness | None = None
     chains: tuple[Chain, ...] = ()
     file: str | None = None
+    file_sha256: str | None = None
 
     def __post_init__(self) -> None:
         check_number("length_m", self.length_m, 0.0, 100_000.0, open_low=True)
@@ -47,11 +49,8 @@ class Road:
         ordered = tuple(sorted(self.features + chained, key=lambda feature: feature.start_m))
         object.__setattr__(self, "features", ordered)
         object.__setattr__(self, "chains", ())
-        if self._measured is not None and self._measured.length_m < self.length_m:
-            raise InputError(
-                f"length_m must be <= {self._measured.length_m:g} m, the length of {self.file}, "
-                f"got {self.length_m:g}"
-            )
+        if self._measured is not None:
+            self._check_file(self._measured)
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height of the road (m) at world points, broadcast over x and y."""
@@ -69,6 +68,15 @@ class Road:
             if near.any():
                 z[near] += feature.height(x[near], y[near])
         return z
+
+    def _check_file(self, measured: MeasuredSurface) -> None:
+        if measured.length_m < self.length_m:
+            raise InputError(
+                f"length_m must be <= {measured.length_m:g} m as {self.file} is, got {self.length_m:g}"
+            )
+        if self.file_sha256 not in (None, measured.sha256):
+            raise InputError(f"file_sha256 is not that of {self.file}: the file has changed")
+        object.__setattr__(self, "file_sha256", measured.sha256)
 
     @property
     def is_flat_between_features(self) -> bool:

@@ -23,22 +23,30 @@ def test_published_geometric_means(iso_class, value):
     assert Roughness(iso_class).psd_n0_m3 == pytest.approx(value * 1e-6)
 
 
-@pytest.mark.parametrize("iso_class", ["A", "C"])
-def test_welch_recovers_the_level_at_n0_and_the_waviness(iso_class):
-    roughness = Roughness(iso_class, seed=5)
+@pytest.mark.parametrize(("iso_class", "seed"), [("A", 5), ("C", 6), ("H", 7)])
+def test_welch_recovers_the_level_at_n0_and_the_waviness(iso_class, seed):
+    roughness = Roughness(iso_class, seed)
     z = rough_surface(roughness, LENGTH_M).heights[4]
     n, psd = welch(z, 1 / STEP_M, nperseg=round(200 / STEP_M), detrend="linear")
-    band = (n >= 0.03) & (n <= 3)
-    # Octave means, so that every octave counts alike in the fit.
-    edges = 0.03 * 2.0 ** np.arange(0, 7)
-    means = [
-        (np.log(n[i]).mean(), np.log(psd[i]).mean())
-        for low, high in pairwise(edges)
-        if (i := band & (n >= low) & (n < high)).any()
-    ]
-    slope, intercept = np.polyfit(*np.transpose(means), 1)
+    # Thirds of an octave, so that every octave counts alike in the fit.
+    edges = np.geomspace(0.02, 5, 25)
+    bands = [(n >= low) & (n < high) for low, high in pairwise(edges)]
+    centres = [np.exp(np.log(n[band]).mean()) for band in bands]
+    means = [np.mean(psd[band] * (n[band] / at) ** 2) for band, at in zip(bands, centres, strict=True)]
+    slope, level = np.polyfit(np.log(np.divide(centres, 0.1)), np.log(means), 1)
     assert -slope == pytest.approx(2.0, rel=0.05)
-    assert np.exp(intercept + slope * np.log(0.1)) == pytest.approx(roughness.psd_n0_m3, rel=0.08)
+    assert np.exp(level) == pytest.approx(roughness.psd_n0_m3, rel=0.05)
+
+
+def test_every_realisation_has_the_level_of_its_class_in_every_third_of_an_octave():
+    for seed in range(4):
+        z = rough_surface(Roughness("B", seed), 1000.0).heights
+        n = np.fft.rfftfreq(z.shape[1], STEP_M)
+        power = 2 * np.abs(np.fft.rfft(z)) ** 2 / z.shape[1] ** 2
+        for low in 0.02 * 2 ** (np.arange(24) / 3):
+            band = (n >= low - 1e-9) & (n < low * 2 ** (1 / 3) - 1e-9)
+            expected = displacement_psd(Roughness("B"), n[band]).sum() * n[1]
+            np.testing.assert_allclose(power[:, band].sum(axis=1), expected, rtol=0.05)
 
 
 def test_variance_is_the_integral_of_the_psd():
@@ -58,11 +66,28 @@ def test_tracks_are_coherent_as_on_an_isotropic_surface():
     settings = {"fs": 1 / STEP_M, "nperseg": round(100 / STEP_M)}
     n, cross = csd(surface.heights[left], surface.heights[right], **settings)
     power = welch(surface.heights[left], **settings)[1]
-    for target in (0.05, 0.1, 0.2, 1.0):
-        near = (n > 0.8 * target) & (n < 1.2 * target)
+    for low, high in pairwise([0.03, 0.06, 0.1, 0.15, 0.25, 0.5, 1.0, 3.0]):
+        near = (n > low) & (n < high)
         measured = cross[near].real.sum() / power[near].sum()
-        u = 2 * np.pi * target * 1.5
-        assert measured == pytest.approx(u * k1(u), abs=0.12)
+        u = 2 * np.pi * n[near] * 1.5
+        expected = np.sum(power[near] * u * k1(u)) / power[near].sum()
+        assert measured == pytest.approx(expected, abs=0.06)
+
+
+@pytest.mark.parametrize("track", [1.3, 1.9])
+def test_wheels_of_a_car_of_any_track_run_on_exact_lines(track):
+    surface = rough_surface(Roughness("B", 1, track_m=track), LENGTH_M)
+    x = STEP_M * np.arange(200_000)
+    left, right = surface.height(x, track / 2), surface.height(x, -track / 2)
+    n, psd = welch(left, 1 / STEP_M, nperseg=5000)
+    short = (n > 2) & (n < 5)
+    ratio = np.mean(psd[short] / displacement_psd(Roughness("B"), n[short]))
+    assert ratio == pytest.approx(1.0, abs=0.05)
+    cross = csd(left, right, 1 / STEP_M, nperseg=5000)[1]
+    long = (n > 0.06) & (n < 0.12)
+    u = 2 * np.pi * n[long] * track
+    expected = np.sum(psd[long] * u * k1(u)) / psd[long].sum()
+    assert cross[long].real.sum() / psd[long].sum() == pytest.approx(expected, abs=0.06)
 
 
 def test_isotropic_coherence_is_the_bessel_function():

@@ -1,0 +1,123 @@
+"""How a tyre rolls over what is shorter than itself: from the road's height to the height that it feels."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from road.checks import check_number
+
+
+@dataclass(frozen=True)
+class RigidWheel:
+    """A rigid wheel of the tyre's radius rolling over the road, then the mean over the contact patch.
+
+    z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R. It cannot reach into what is short, climbs
+    on edges a little late and drops on them as a circle; `patch_m` is the length of the mean, 0 for none.
+    """
+
+    kind: ClassVar[str] = "rigid_wheel"
+    patch_m: float = 0.1
+
+    def __post_init__(self) -> None:
+        check_number("patch_m", self.patch_m, 0.0, 1.0)
+
+    def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
+        """(..., n) heights (m) every `step_m` along x, constant beyond both ends, as felt."""
+        z = _follow(np.asarray(heights, float), step_m, radius_m, radius_m, 2.0)
+        return patch_mean(z, step_m, self.patch_m)
+
+
+@dataclass(frozen=True)
+class TandemCam:
+    """Two elliptical cams one behind the other, whose mean height the tyre feels (Schmeitz).
+
+    A. J. C. Schmeitz, A Semi-Empirical Three-Dimensional Model of the Pneumatic Tyre Rolling over Arbitrarily
+    Uneven Road Surfaces, thesis, TU Delft 2004; Pacejka, Tyre and Vehicle Dynamics, 3rd ed., ch. 10. Each cam
+    is the superellipse (|x| / a)^c + (|z| / b)^c = 1, which stands upright and follows the road. The defaults
+    are those of the 205/60R15 tyre of MF-Tyre/MF-Swift (TNO_car205_60R15.tir: ELLIPS_SHIFT 0.8335,
+    ELLIPS_LENGTH 1.471, ELLIPS_HEIGHT 0.9622, ELLIPS_ORDER 1.5174), whose contact patch is 0.132 m long at
+    4 kN by its Q_RA1 and Q_RA2.
+
+    Args:
+        length, height: semi-axes a and b over the tyre's radius.
+        order: c of the superellipse.
+        contact_m: length of the contact patch.
+        shift: distance between the cams over `contact_m`.
+    """
+
+    kind: ClassVar[str] = "tandem_cam"
+    length: float = 1.471
+    height: float = 0.9622
+    order: float = 1.5174
+    contact_m: float = 0.132
+    shift: float = 0.8335
+
+    def __post_init__(self) -> None:
+        check_number("length", self.length, 0.1, 3.0)
+        check_number("height", self.height, 0.1, 3.0)
+        check_number("order", self.order, 1.0, 4.0)
+        check_number("contact_m", self.contact_m, 0.0, 1.0)
+        check_number("shift", self.shift, 0.0, 2.0)
+
+    def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
+        """(..., n) heights (m) every `step_m` along x, constant beyond both ends, as felt."""
+        z = np.asarray(heights, float)
+        cam = _follow(z, step_m, self.length * radius_m, self.height * radius_m, self.order)
+        half = self.shift * self.contact_m / 2 / step_m
+        reach = int(np.ceil(half)) + 1
+        padded = np.pad(cam, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
+        centre = np.arange(z.shape[-1], dtype=np.float64) + reach
+        return (_linear(padded, centre + half) + _linear(padded, centre - half)) / 2
+
+
+Enveloping = RigidWheel | TandemCam
+
+
+def patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray[np.float64]:
+    """Exact integral mean of the linear interpolant of (..., n) heights over x +- patch / 2."""
+    if patch_m == 0:
+        return z
+    half = patch_m / 2 / step_m
+    reach = int(np.ceil(half))
+    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach + 1, reach + 1)], mode="edge")
+    area = np.zeros(padded.shape)
+    np.cumsum((padded[..., 1:] + padded[..., :-1]) / 2, axis=-1, out=area[..., 1:])
+    centre = np.arange(z.shape[-1], dtype=np.float64) + (reach + 1)
+    ahead, behind = _integral(padded, area, centre + half), _integral(padded, area, centre - half)
+    return (ahead - behind) / (2 * half)
+
+
+def _follow(
+    z: NDArray[np.float64], step_m: float, half_length_m: float, half_height_m: float, order: float
+) -> NDArray[np.float64]:
+    """Height of the lowest point of an upright superellipse that rests on the road at each place."""
+    reach = int(half_length_m / step_m)
+    padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
+    result = z.copy()
+    relief = np.ptp(z)
+    for shift in range(-reach, reach + 1):
+        share = (
+            (1.0 - (abs(shift) * step_m / half_length_m) ** order) ** (1 / order) if half_length_m else 1.0
+        )
+        drop = half_height_m * (1.0 - share)
+        if drop <= relief:  # otherwise the road cannot reach this part
+            window = padded[..., reach + shift : reach + shift + z.shape[-1]]
+            np.maximum(result, window - drop, out=result)
+    return result
+
+
+def _linear(z: NDArray[np.float64], position: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The linear interpolant of z at fractional grid positions."""
+    cell = np.floor(position).astype(np.int64)
+    return z[..., cell] + (position - cell) * (z[..., cell + 1] - z[..., cell])
+
+
+def _integral(
+    z: NDArray[np.float64], area: NDArray[np.float64], position: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Integral of the linear interpolant of z from 0 to fractional grid positions."""
+    cell = np.floor(position).astype(np.int64)
+    part = position - cell
+    return area[..., cell] + part * z[..., cell] + part**2 / 2 * (z[..., cell + 1] - z[..., cell])

@@ -1,0 +1,99 @@
+"""International Roughness Index: the mean suspension stroke of the golden car at 80 km/h.
+
+Sayers, On the Calculation of International Roughness Index from Longitudinal Road Profile, Transportation
+Research Record 1501, 1995; World Bank Technical Paper 46, 1986; ASTM E1926.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+from files.errors import InputError
+from road.checks import check_number
+
+SPEED_M_S = 80 / 3.6
+# The golden car, each over the sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.
+TYRE_S2, SPRING_S2, DAMPING_S, WHEEL = 653.0, 63.3, 6.0, 0.15
+BASE_M = 0.25  # the tyre's envelope is a mean over this length
+START_M = 11.0  # the car starts on the mean slope of this length
+MAX_STEP_M = 0.3  # ASTM E1926
+
+
+def iri(heights: ArrayLike, step_m: float) -> float:
+    """IRI (m/km) of a profile of (n,) heights (m) every `step_m` along x.
+
+    Raises InputError for a step over MAX_STEP_M, fewer than START_M of road or heights that are not finite.
+    """
+    return float(np.mean(rectified_slope(heights, step_m)) * 1000)
+
+
+def rectified_slope(heights: ArrayLike, step_m: float) -> NDArray[np.float64]:
+    """|stroke rate / speed| of the golden car in each interval; their mean is the IRI (m/m)."""
+    z = np.asarray(heights, float)
+    check_number("step_m", step_m, 0.0, MAX_STEP_M, open_low=True)
+    if z.ndim != 1 or not np.all(np.isfinite(z)):
+        raise InputError(f"heights must be (n,) finite values, got shape {z.shape}")
+    if (len(z) - 1) * step_m < START_M:
+        raise InputError(f"an IRI needs at least {START_M:g} m of road, got {(len(z) - 1) * step_m:g} m")
+    start = round(START_M / step_m)
+    initial = (z[min(start, len(z) - 1)] - z[0]) / (min(start, len(z) - 1) * step_m)
+    samples = max(1, round(BASE_M / step_m))
+    smooth = np.convolve(z, np.full(samples, 1 / samples), mode="valid")
+    return np.abs(_stroke_slope(np.diff(smooth) / step_m, initial, step_m))
+
+
+def transition(step_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """State transition (4, 4) and input (4,) matrices of the golden car over `step_m` of constant slope.
+
+    States: slope of the body's path, its rate of change (1/s), then the same of the wheel.
+    """
+    return _exact(_dynamics(), step_m / SPEED_M_S)
+
+
+def response(wavenumber: ArrayLike) -> NDArray[np.complex128]:
+    """Stroke slope over profile slope for a sinusoidal road, wavenumber in cycles/m; the closed form."""
+    s = 2j * np.pi * np.asarray(wavenumber, float) * SPEED_M_S
+    body = s**2 + DAMPING_S * s + SPRING_S2
+    wheel = WHEEL * s**2 + DAMPING_S * s + SPRING_S2 + TYRE_S2
+    coupling = DAMPING_S * s + SPRING_S2
+    # Body and wheel over road are coupling · k / d and body · k / d; their difference is -s² k / d.
+    return -TYRE_S2 * s**2 / (body * wheel - coupling**2)
+
+
+def _dynamics() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    k, c = SPRING_S2, DAMPING_S
+    a = np.array(
+        [
+            [0, 1, 0, 0],
+            [-k, -c, k, c],
+            [0, 0, 0, 1],
+            [k / WHEEL, c / WHEEL, -(TYRE_S2 + k) / WHEEL, -c / WHEEL],
+        ],
+        float,
+    )
+    return a, np.array([0.0, 0.0, 0.0, TYRE_S2 / WHEEL])
+
+
+def _exact(
+    model: tuple[NDArray[np.float64], NDArray[np.float64]], dt: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    a, b = model
+    block = np.zeros((5, 5))
+    block[:4, :4], block[:4, 4] = a * dt, b * dt
+    whole = expm(block)
+    return whole[:4, :4], whole[:4, 4]
+
+
+def _stroke_slope(slope: NDArray[np.float64], initial: float, step_m: float) -> NDArray[np.float64]:
+    """Body slope minus wheel slope after each interval; modal form, so that no loop runs over the road."""
+    phi, gamma = transition(step_m)
+    eigenvalues, vectors = np.linalg.eig(phi)
+    inputs = np.linalg.solve(vectors, gamma.astype(complex))
+    start = np.linalg.solve(vectors, np.array([initial, 0, initial, 0], complex))
+    output = (vectors[0] - vectors[2])[:, None]
+    modes = [
+        lfilter([gain], [1.0, -pole], slope.astype(complex), zi=np.array([pole * at]))[0]
+        for pole, gain, at in zip(eigenvalues, inputs, start, strict=True)
+    ]
+    return (output * np.array(modes)).sum(axis=0).real

@@ -1,0 +1,26 @@
+"""The `road` of a scenario file: what follows from its file and from the car is filled in."""
+
+from pathlib import Path
+from typing import Any
+
+from road.measured import read_surface
+
+
+def fill_in(road: Any, folder: Path, track_m: Any) -> Any:
+    """The block with its file found beside the scenario, the file's length and the car's track as defaults.
+
+    What is malformed is left alone for the validation to tell. Raises InputError for an unreadable file.
+    """
+    if not isinstance(road, dict):
+        return road
+    filled = dict(road)
+    if isinstance(filled.get("file"), str):
+        beside = folder / filled["file"]
+        filled["file"] = str(beside) if beside.is_file() else filled["file"]
+        filled.setdefault("length_m", read_surface(filled["file"]).length_m)
+    track = {"track_m": track_m} if isinstance(track_m, int | float) else {}
+    if isinstance(filled.get("roughness"), dict):
+        filled["roughness"] = track | filled["roughness"]
+    if isinstance(filled.get("chains"), list):
+        filled["chains"] = [track | chain if isinstance(chain, dict) else chain for chain in filled["chains"]]
+    return filled
