@@ -59,7 +59,9 @@ def simulate(
     started = perf_counter()
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     streams = random_streams(case.seed)
-    tracks = {y: wheel_profile(scenario.road, y, car.wheel_radius_m) for y in car.wheel_y_m}
+    tracks = {
+        y: wheel_profile(scenario.road, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m
+    }
     profiles = [tracks[y] for y in car.wheel_y_m]
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.speed_m_s)

@@ -9,6 +9,7 @@ from controller.tuned import tuned_mapping
 from files import strict
 from files.errors import InputError
 from files.yaml12 import parse
+from scenarios import road_block
 from scenarios.schema import Scenario
 from vehicle.parameters import load_vehicle
 
@@ -42,6 +43,7 @@ def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: st
         _override(mapping, override)
     mapping.setdefault("name", path.stem)
     mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
+    _fill_in_road(mapping, path)
     _fill_in_tuned(mapping)
     scenario = strict.structure(Scenario, mapping, f"{source} (with --set)" if overrides else source)
     assert isinstance(scenario, Scenario)
@@ -115,6 +117,17 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     replaced = choice.get("parameters", {})
     merged = parameters | replaced if isinstance(replaced, dict) else replaced
     return choice | {"model": str(model), "parameters": merged}
+
+
+def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:
+    parameters = mapping["vehicle"]["parameters"]
+    track_m = parameters.get("track_m") if isinstance(parameters, dict) else None
+    if "road" not in mapping:
+        return
+    try:
+        mapping["road"] = road_block.fill_in(mapping.get("road"), scenario.parent, track_m)
+    except InputError as error:
+        raise InputError(f"{scenario}: road.file: {error}") from None
 
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:

@@ -11,6 +11,7 @@ from preview.perception import BoxErrors
 from preview.settings import Settings as EstimatorSettings
 from road.appearance import Appearance
 from road.camera import Camera, CameraMount
+from road.enveloping import Enveloping, RigidWheel
 from road.profile import Road
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.oracle import OracleErrors
@@ -92,6 +93,7 @@ class Scenario:
     """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
 
     The car's centre of gravity starts at `start_m`; the run ends when the front axle reaches the road's end.
+    `enveloping` is the tyre's way over obstacles shorter than itself.
     `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
 
@@ -101,6 +103,7 @@ class Scenario:
     road: Road
     vehicle: Vehicle
     start_m: float = 2.0
+    enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
     sensors: SensorNoise = field(default_factory=SensorNoise)
     camera: CameraSetup = field(default_factory=CameraSetup)
