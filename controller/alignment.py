@@ -52,9 +52,11 @@ class Alignment:
         Bayes on a grid of ±3 sigmas: the preview's position sigma close to the wheel is the prior; the
         heights felt lately, relative to where that stretch begins, differ from the preview by FELT_SIGMA_M.
         """
-        near = np.abs(preview.distance_m) < REACH_M
-        sigma = float(preview.position_sigma_m[self._wheel, near].max(initial=0.0))
-        if sigma == 0.0 or len(self._felt) < 2:
+        sigmas = preview.position_sigma_m[self._wheel]
+        if len(self._felt) < 2 or not sigmas.any():
+            return AS_PREVIEWED
+        sigma = float(sigmas[np.abs(preview.distance_m) < REACH_M].max(initial=0.0))
+        if sigma == 0.0:
             return AS_PREVIEWED
         travelled, height = np.array(self._felt).T
         places = (travelled - self._travelled_m) + sigma * _SHIFTS[:, None]

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.signal import cont2discrete
 
 from comfort.weighting import wk_second_order
-from vehicle.equations import motion
+from vehicle.equations import state_size
 from vehicle.parameters import Car
 
 
@@ -18,19 +18,20 @@ class ComfortFilter:
         a, b, c = wk_second_order().state_space()
         d = np.zeros((1, 1))
         self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
-        self._levers = np.array(vehicle.seat_levers)
-        self._vehicle = vehicle
+        self._seats = len(vehicle.seat_levers)
+        self._velocities = np.zeros((self._seats, state_size(vehicle)))  # of the seats by the state
+        self._velocities[:, 1 : 2 * len(vehicle.body_inertia) : 2] = vehicle.seat_levers
         self._period_s = period_s
         self.reset()
 
     def reset(self) -> None:
         """Start from rest."""
-        self._states = np.zeros((2, len(self._levers)))
+        self._states = np.zeros((2, self._seats))
         self._velocity: np.ndarray | None = None
 
     def update(self, x: np.ndarray) -> np.ndarray:
         """Take in the vehicle state now; return the filter states (2 · seats,), seat by seat."""
-        velocity = self._levers @ np.array(motion(self._vehicle, x).body_velocity)
+        velocity = self._velocities @ x
         if self._velocity is not None:
             mean = (velocity - self._velocity) / self._period_s
             self._states = self._a @ self._states + self._b * mean

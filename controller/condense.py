@@ -43,12 +43,14 @@ class Condenser:
         self._weights = grid.step_s / period_s
         self._input_weights = np.repeat(input_weight * np.array(grid.intervals_s) / period_s, wheels)
         lanes = model.linearise.lanes
-        self._padded = -(-steps // lanes) * lanes
+        padded = -(-steps // lanes) * lanes
         # Columns are steps; the state that a step reaches is written where the next one begins.
-        self._points = np.zeros((model.linearise.rows_in, self._padded + 1))
+        self._points = np.zeros((model.linearise.rows_in, padded + 1))
         self._points[-1] = grid.step_s[-1]
         self._points[-1, :steps] = grid.step_s
-        self._results = np.zeros((model.linearise.rows_out, self._padded))
+        self._results = np.zeros((model.linearise.rows_out, padded))
+        self._advance = model.advance.bind(self._points, self._points[:, 1:], steps)
+        self._linearise = model.linearise.bind(self._points, self._results, padded)
         self._entries = _entries(model)
         self._hessian = np.zeros((intervals * wheels, intervals * wheels))
         self._gradient = np.zeros(intervals * wheels)
@@ -69,8 +71,8 @@ class Condenser:
         points[n_x : n_x + wheels, :steps] = plan.T[:, self._interval]
         points[n_x + wheels : n_x + 2 * wheels, :steps] = road[:, :-1]
         points[n_x + 2 * wheels : n_x + 3 * wheels, :steps] = road[:, 1:]
-        self._model.advance(points, points[:, 1:], steps)
-        self._model.linearise(points, self._results, self._padded)
+        self._advance()
+        self._linearise()
         root = self._terminal.root
         ending = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
         _condense(

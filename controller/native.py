@@ -6,7 +6,8 @@ the numbers are CasADi's own. The compiler is the one that Numba brings along; u
 """
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import casadi
 import llvmlite.binding as llvm
@@ -70,11 +71,14 @@ class Kernel:
         count: a multiple of the lanes. Both may be views of one array. Raises ValueError for what does
         not fit.
         """
+        self.bind(points, results, count)()
+
+    def bind(self, points: np.ndarray, results: np.ndarray, count: int) -> Callable[[], None]:
+        """Return the call that does this again and again for as long as both arrays are kept alive."""
         self._check("points", points, self.rows_in, count)
         self._check("results", results, self.rows_out, count)
-        self._run(
-            points.ctypes.data, results.ctypes.data, count, points.strides[0] // 8, results.strides[0] // 8
-        )
+        lengths = points.strides[0] // 8, results.strides[0] // 8
+        return partial(self._run, points.ctypes.data, results.ctypes.data, count, *lengths)
 
     def _check(self, name: str, array: np.ndarray, rows: int, count: int) -> None:
         fits = array.ndim == 2 and array.shape[0] >= rows and array.shape[1] >= count

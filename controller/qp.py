@@ -1,6 +1,5 @@
 """The box-constrained quadratic program, and whether its answer may be used."""
 
-from ctypes import c_int
 from typing import NamedTuple
 
 import daqp
@@ -24,14 +23,15 @@ def solve_box(hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: 
     "optimal", all numbers finite and inside the box; a solver's numbers without that are not to be trusted.
     """
     n = len(gradient)
-    if not (np.isfinite(hessian).all() and np.isfinite(gradient).all()):
-        return Solution(np.zeros(n), "not finite")
+    with np.errstate(invalid="ignore"):
+        if not np.isfinite(gradient @ hessian @ gradient):
+            return Solution(np.zeros(n), "not finite")
     rows = np.zeros((0, n))
-    x, _, status, _ = daqp.solve(hessian, gradient, rows, high, low, np.zeros(n, dtype=c_int))
+    x, _, status, _ = daqp.solve(hessian, gradient, rows, high, low, np.zeros(n, dtype=np.intc))
     if status != 1:
         return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
-    if not np.isfinite(x).all():
-        return Solution(np.zeros(n), "not finite")
-    if np.any(x < low - 1e-6) or np.any(x > high + 1e-6):
-        return Solution(np.zeros(n), "outside its bounds")
-    return Solution(np.clip(x, low, high), None)
+    inside = np.minimum(np.maximum(x, low), high)
+    error = np.abs(inside - x).max()
+    if not error <= 1e-6:
+        return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
+    return Solution(inside, None)

@@ -38,9 +38,18 @@ class RoadAhead:
         for alignment in self._alignments:
             alignment.feel(estimate)
         self._see(preview)
-        excess = estimate.road_height - self._previewed(np.zeros(1))[:, 0]
+        before = self._before
+        since = estimate.time_s - before.time_s if before is not None else 0.0
+        past, now = self._previewed(np.array([-since, 0.0])).T
+        excess = estimate.road_height - now
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
-        slope = estimate.road_velocity if preview is None else self._unforeseen_slope(estimate)
+        slope = estimate.road_velocity
+        if preview is not None:
+            slope = np.zeros(self._wheels)
+            if before is not None and since > 0.0:
+                # Momentary rates would differ by metres a second wherever an edge lies between two samples.
+                unforeseen = (estimate.road_height - before.road_height) - (now - past)
+                slope = np.where(before.contact, unforeseen / since, 0.0)
         self._slope = np.where(estimate.contact, slope, 0.0)
         self._before = estimate
 
@@ -49,18 +58,6 @@ class RoadAhead:
         decay = self._settings.slope_decay_s
         carried = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[:, None] + self._slope[:, None] * carried
-
-    def _unforeseen_slope(self, estimate: Estimate) -> np.ndarray:
-        """Felt rate of height beyond the previewed one, both as means since the last look, (wheels,) m/s.
-
-        Momentary rates would differ by metres a second wherever an edge lies between two samples.
-        """
-        if self._before is None or estimate.time_s <= self._before.time_s:
-            return np.zeros(self._wheels)
-        since = estimate.time_s - self._before.time_s
-        past, now = self._previewed(np.array([-since, 0.0])).T
-        felt = estimate.road_height - self._before.road_height
-        return np.where(self._before.contact, (felt - (now - past)) / since, 0.0)
 
     def _see(self, preview: RoadPreview | None) -> None:
         if preview is None:
@@ -71,11 +68,11 @@ class RoadAhead:
             earlier_m, doubt = alignment.shift(preview)
             heights = expected_heights(preview, wheel, doubt * self._settings.sigmas_early)
             rows.append(np.interp(self._grid + earlier_m, self._grid, heights) if earlier_m else heights)
-        self._expected = np.stack(rows)
+        self._expected = np.array(rows)
 
     def _previewed(self, times_s: np.ndarray) -> np.ndarray:
         distance = self._speed * times_s
-        return np.stack([np.interp(distance, self._grid, row) for row in self._expected])
+        return np.array([np.interp(distance, self._grid, row) for row in self._expected])
 
 
 def expected_heights(preview: RoadPreview, wheel: int, sigmas_early: float) -> np.ndarray:
