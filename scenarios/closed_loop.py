@@ -100,7 +100,8 @@ def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
         static_tyre_force=record.static_tyre_force[:, 0],
         damper_power=-record.damper_force * record.rattle_velocity,
         stop_gap_m=np.array([corner.stop_gap_m for corner in car.corners]),
-        pitch_acc=record.pitch_acc if car.wheels > 1 else None,
+        pitch_acc=record.pitch_acc,
+        roll_acc=record.roll_acc,
         rho=case.scenario.tyre_load_weight,
     )
 
