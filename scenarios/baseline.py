@@ -1,0 +1,132 @@
+"""Baseline files: cases with the metrics they had, as JSON that is committed beside the code."""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from files.atomic import write_text
+from files.errors import InputError
+from scenarios.cases import Case
+from scenarios.loading import load
+from scenarios.regression import Tolerance
+from scenarios.runfolder import environment, to_json
+
+SCHEMA = 1
+REFERENCE = Path(__file__).parent / "baselines" / "reference.json"
+"""foreride's own reference events."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """A case as a baseline names it, with the metrics it had.
+
+    scenario: a name in the library, or a file as seen from the baseline's folder. overrides: as for `--set`.
+    """
+
+    scenario: str
+    overrides: tuple[str, ...]
+    controller: str
+    perception: str
+    seed: int
+    metrics: dict[str, float]
+
+    def case(self, folder: Path) -> Case:
+        """The case to drive; `folder` is the baseline's."""
+        own = folder / self.scenario
+        scenario = load(str(own) if own.is_file() else self.scenario, self.overrides)
+        controller = self.controller
+        if ":" in controller and (folder / controller.rpartition(":")[0]).is_file():
+            controller = str(folder / controller)
+        return Case(scenario, controller, self.perception, self.seed)
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells it from the others of a file."""
+        return self.scenario, self.overrides, self.controller, self.perception, self.seed
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """The cases of a file, its own tolerances (absolute, SI), and the foreride that wrote it."""
+
+    held: tuple[Held, ...] = ()
+    tolerances: dict[str, float] | None = None
+    foreride: str = ""
+
+    def own_tolerances(self) -> dict[str, Tolerance]:
+        """The file's tolerances, which take the place of the usual ones."""
+        return {metric: Tolerance(absolute) for metric, absolute in (self.tolerances or {}).items()}
+
+    def renewed(self, held: Sequence[Held]) -> "Baseline":
+        """With these cases in place of those of the same key, and new ones at the end."""
+        known = {one.key: one for one in self.held} | {one.key: one for one in held}
+        return replace(self, held=tuple(known.values()))
+
+
+def seen_from(folder: Path, name: str) -> str:
+    """A scenario or own controller as it is named in a baseline that lies in `folder`."""
+    path, separator, inner = name.rpartition(":") if ".py:" in name else (name, "", "")
+    return os.path.relpath(path, folder) + separator + inner if Path(path).is_file() else name
+
+
+def write(path: Path, baseline: Baseline) -> None:
+    """Write a baseline file, whole or not at all."""
+    document = {
+        "schema": SCHEMA,
+        "manifest": environment(),
+        "tolerances": baseline.tolerances or {},
+        "cases": [
+            {
+                "scenario": one.scenario, "set": one.overrides, "controller": one.controller,
+                "perception": one.perception, "seed": one.seed, "metrics": one.metrics,
+            }
+            for one in baseline.held
+        ],
+    }  # fmt: skip
+    write_text(path, to_json(document) + "\n")
+
+
+def read(path: Path) -> Baseline:
+    """Read a baseline file; InputError where it is absent, broken, of another schema or a newer foreride."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); --accept writes a new one") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON ({error})") from None
+    found = document.get("schema") if isinstance(document, dict) else None
+    if found != SCHEMA:
+        told = f"schema must be {SCHEMA}, got {found!r}"
+        raise InputError(f"{path}: a baseline of another version ({told}); write it anew with --accept")
+    try:
+        wrote = str(document["manifest"]["versions"]["foreride"])
+        held = tuple(_held(case) for case in document["cases"])
+        tolerances = {name: float(value) for name, value in document["tolerances"].items()}
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        told = f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: is no baseline of schema {SCHEMA} ({told})") from None
+    if any(not value > 0 for value in tolerances.values()):
+        raise InputError(f"{path}: tolerances must be > 0, got {tolerances}")
+    if _number(wrote) > _number(version("foreride")):
+        told = f"written by foreride {wrote}, this is {version('foreride')}"
+        raise InputError(f"{path}: a baseline of another version ({told}); update foreride")
+    return Baseline(held, tolerances, wrote)
+
+
+def _held(case: Mapping[str, Any]) -> Held:
+    return Held(
+        scenario=str(case["scenario"]),
+        overrides=tuple(str(override) for override in case["set"]),
+        controller=str(case["controller"]),
+        perception=str(case["perception"]),
+        seed=int(case["seed"]),
+        metrics={name: float(value) for name, value in case["metrics"].items()},
+    )
+
+
+def _number(text: str) -> tuple[int, ...]:
+    return tuple(int(part) for part in text.split(".") if part.isdigit())

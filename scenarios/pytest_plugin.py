@@ -1,0 +1,72 @@
+"""The pytest fixture `ride_comfort`: drive a scenario and hold its metrics against a committed baseline.
+
+Every test has its own file, `ride_baselines/<module>-<test>.json` beside the test's, which
+`pytest --ride-accept` writes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:  # every pytest run imports this file; only a test that drives needs the rest
+    from scenarios.closed_loop import Run
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add `--ride-accept`."""
+    told = "write what ride_comfort measures as the new baselines"
+    parser.getgroup("foreride").addoption("--ride-accept", action="store_true", help=told)
+
+
+@pytest.fixture
+def ride_comfort(request: pytest.FixtureRequest) -> RideComfort:
+    """Call it with a scenario; it fails the test where a ride metric got worse than its tolerance allows."""
+    name = re.sub(r"[^\w.-]+", "_", request.node.name)
+    file = request.path.parent / "ride_baselines" / f"{request.path.stem}-{name}.json"
+    return RideComfort(file, request.config.getoption("--ride-accept"))
+
+
+class RideComfort:
+    """`ride_comfort("hump_flat_30", controller="mpc_preview")` drives, checks, and returns the run."""
+
+    def __init__(self, file: Path, accept: bool) -> None:
+        self._file, self._accept = file, accept
+
+    def __call__(
+        self,
+        scenario: str,
+        controller: str = "mpc_preview",
+        perception: str = "oracle",
+        seed: int = 0,
+        overrides: Sequence[str] = (),
+        tolerances: Mapping[str, float] | None = None,
+    ) -> Run:
+        """Drive one case. `scenario`, `controller`: as on the command line, files as seen from the test's
+        folder; `overrides`: as for `--set`; `tolerances`: absolute ones (SI) in place of the usual.
+        """
+        from scenarios.baseline import Baseline, Held, read, write
+        from scenarios.closed_loop import simulate
+        from scenarios.regression import Tolerance, changes, diff, failed, label, measured
+
+        asked = Held(scenario, tuple(overrides), controller, perception, seed, {})
+        case = asked.case(self._file.parent.parent)
+        baseline = read(self._file) if self._file.exists() else Baseline()
+        run = simulate(case)
+        if self._accept:
+            write(self._file, baseline.renewed([replace(asked, metrics=measured(run))]))
+            return run
+        held = {one.key: one for one in baseline.held}.get(asked.key)
+        if held is None:
+            pytest.fail(
+                f"{self._file}: no baseline of {label(case, overrides)}; pytest --ride-accept writes it"
+            )
+        own = {metric: Tolerance(value) for metric, value in (tolerances or {}).items()}
+        if failed(found := changes(held.metrics, measured(run), own)):
+            pytest.fail("\n  ".join([f"{label(case, overrides)} rides worse:", *diff(found)]), pytrace=False)
+        return run

@@ -1,0 +1,115 @@
+"""Ride metrics held against a baseline, each within a tolerance of its own physical size."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from scenarios.cases import Case
+from scenarios.closed_loop import Run
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What a metric may change by, `absolute` (SI) or `relative`, whichever is more; shown times `factor`."""
+
+    absolute: float
+    relative: float = 0.0
+    unit: str = ""
+    factor: float = 1.0
+
+    def of(self, expected: float) -> float:
+        """The change allowed around a baseline value."""
+        return max(self.absolute, self.relative * abs(expected))
+
+
+TOLERANCES = {
+    "objective": Tolerance(0.005, 0.02, "(m/s²)²"),
+    "wk_rms": Tolerance(0.005, 0.01, "m/s²"),
+    "vdv": Tolerance(0.02, 0.01, "m/s^1.75"),
+    "mtvv": Tolerance(0.02, 0.01, "m/s²"),
+    "crest_factor": Tolerance(0.2, 0.03),
+    "peak_acc": Tolerance(0.2, 0.03, "m/s²"),
+    "pitch_acc_rms": Tolerance(0.02, 0.02, "rad/s²"),
+    "rattle_rms": Tolerance(0.0002, 0.02, "mm", 1e3),
+    "rattle_peak": Tolerance(0.001, 0.02, "mm", 1e3),
+    "stop_time": Tolerance(0.002, 0.05, "ms", 1e3),
+    "tyre_load_rms": Tolerance(0.003, 0.02),
+    "lift_time": Tolerance(0.003, 0.05, "ms", 1e3),
+    "damper_energy": Tolerance(5.0, 0.02, "J"),
+    "fallbacks": Tolerance(0.5),
+}
+"""Less than a passenger could tell apart or a sensor resolve; a metric without an entry gets `OTHERS`."""
+OTHERS = Tolerance(1e-6, 0.02)
+NEUTRAL = frozenset({"crest_factor", "damper_energy"})
+"""Metrics whose change is worth telling but is no loss of comfort or safety."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One metric that left its tolerance (`allowed`, in the metric's unit)."""
+
+    metric: str
+    before: float
+    after: float
+    allowed: float
+
+    @property
+    def used(self) -> float:
+        """The change as a multiple of what is allowed."""
+        return abs(self.after - self.before) / self.allowed
+
+    @property
+    def verdict(self) -> str:
+        """`worse`, `better`, or `changed` for a metric of which neither can be said."""
+        if math.isnan(self.after):
+            return "worse"
+        if self.metric in NEUTRAL:
+            return "changed"
+        return "worse" if self.after > self.before else "better"
+
+
+def measured(run: Run) -> dict[str, float]:
+    """What a baseline holds of a run: its ride metrics, and how often the controller fell back."""
+    return run.metrics | {"fallbacks": float(run.solver.get("fallbacks", 0))}
+
+
+def changes(
+    before: Mapping[str, float], after: Mapping[str, float], own: Mapping[str, Tolerance]
+) -> list[Change]:
+    """The metrics outside their tolerance, worst first; a metric that is gone counts as not a number.
+
+    own: tolerances that take the place of the usual ones.
+    """
+    found = []
+    for metric, old in before.items():
+        new = after.get(metric, math.nan)
+        allowed = (own.get(metric) or TOLERANCES.get(metric, OTHERS)).of(old)
+        if not abs(new - old) <= allowed:
+            found.append(Change(metric, old, new, allowed))
+    return sorted(found, key=lambda change: (change.verdict != "worse", -change.used))
+
+
+def failed(found: Sequence[Change]) -> bool:
+    """Whether anything got worse."""
+    return any(change.verdict == "worse" for change in found)
+
+
+def diff(found: Sequence[Change]) -> list[str]:
+    """One line a change: what, from where to where, and how much of its tolerance that is."""
+    lines = []
+    for change in found:
+        shown = TOLERANCES.get(change.metric, OTHERS)
+        before, after, allowed = (
+            value * shown.factor for value in (change.before, change.after, change.allowed)
+        )
+        lines.append(
+            f"{change.verdict:<7} {change.metric:<13} {before:.4g} → {after:.4g} {shown.unit}".rstrip()
+            + f" ({after - before:+.2g}: {change.used:.1f} × its tolerance of {allowed:.2g})"
+        )
+    return lines
+
+
+def label(case: Case, overrides: Sequence[str] = ()) -> str:
+    """How a diff calls a case."""
+    chosen = f" ({', '.join(overrides)})" if overrides else ""
+    return f"{case.scenario.name} · {case.controller} · {case.perception} · seed {case.seed}{chosen}"
