@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from files.errors import InputError
-from road.appearance import LIGHTS, SURFACES, VERGES, WEATHERS, Appearance, random_appearance
+from road.appearance import LIGHTS, SURFACES, SURROUNDINGS, VERGES, WEATHERS, Appearance, random_appearance
 
 
 @pytest.mark.parametrize(
@@ -35,4 +35,14 @@ def test_draws_reach_every_choice() -> None:
     assert {look.weather for look in looks} == set(WEATHERS)
     assert {look.surface for look in looks} == set(SURFACES)
     assert {look.verge for look in looks} == set(VERGES)
+    assert {look.surroundings for look in looks} == set(SURROUNDINGS)
     assert all(look.right_edge_m < -1.4 < 1.4 < look.left_edge_m for look in looks)
+
+
+def test_a_glare_means_a_sun_in_the_picture_and_street_lamps_mean_night() -> None:
+    rng = np.random.default_rng(1)
+    looks = [random_appearance(rng) for _ in range(600)]
+    glaring = [look for look in looks if look.glare]
+    assert glaring
+    assert all(abs(look.sun_azimuth_deg) <= 35 and look.light == "sunset" for look in glaring)
+    assert all(look.light == "night" for look in looks if look.street_lamps)

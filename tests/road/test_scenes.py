@@ -4,8 +4,8 @@ import numpy as np
 
 from road.appearance import Appearance, random_appearance
 from road.camera import Camera
-from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.scenes import ROAD_M, random_positions, random_road, random_view
+from road.features import PAINTS, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.scenes import ROAD_M, random_bump, random_positions, random_potholes, random_road, random_view
 
 
 def test_every_kind_occurs_at_the_sizes_of_real_ones() -> None:
@@ -41,9 +41,27 @@ def test_some_roads_are_empty_and_positions_stay_on_the_road() -> None:
         assert 0 < min(positions) <= max(positions) < ROAD_M
 
 
-def test_half_of_the_views_come_from_the_default_camera() -> None:
+def test_many_views_come_from_the_default_camera_and_some_look_down() -> None:
     rng = np.random.default_rng(3)
-    views = [random_view(rng, 5.0) for _ in range(300)]
-    assert 0.4 < np.mean([camera == Camera() for camera, _ in views]) < 0.6
-    assert all(0.9 < pose.z < 1.75 for _, pose in views)
-    assert all(380 <= camera.focal_px <= 600 for camera, _ in views)
+    views = [random_view(rng, 5.0) for _ in range(400)]
+    assert 0.37 < np.mean([camera == Camera() for camera, _ in views]) < 0.53
+    assert all(0.85 < pose.z < 2.4 for _, pose in views)
+    assert all(340 <= camera.focal_px <= 700 for camera, _ in views)
+    assert 0.08 < np.mean([np.rad2deg(pose.pitch) > 11 for _, pose in views]) < 0.25
+
+
+def test_every_paint_is_drawn_and_rubber_humps_have_the_size_of_moulded_ones() -> None:
+    rng = np.random.default_rng(4)
+    bumps = [random_bump(rng, Appearance()) for _ in range(600)]
+    assert {bump.paint for bump in bumps} == set(PAINTS)
+    rubber = [bump for bump in bumps if bump.paint == "rubber"]
+    assert all(0.3 <= bump.length_m <= 0.95 and 0.03 <= bump.height_m <= 0.075 for bump in rubber)
+
+
+def test_potholes_come_single_in_clusters_large_and_shallow() -> None:
+    rng = np.random.default_rng(5)
+    draws = [random_potholes(rng, Appearance()) for _ in range(400)]
+    assert {len(holes) for holes in draws} == {1, 2, 3, 5, 9}
+    holes = [hole for group in draws for hole in group]
+    assert 0.03 < np.mean([hole.width_m > 1.2 for hole in holes]) < 0.3
+    assert 0.2 < np.mean([hole.depth_m < 0.03 for hole in holes]) < 0.6
