@@ -16,8 +16,9 @@ Array = NDArray[np.float64]
 def read(path: Path) -> tuple[Array, Array, Array]:
     """Stations u (n,), lateral positions v (m,) and heights (m, n) of a .crg file, ASCII or binary.
 
-    Heights hold the reference line's slope and banking. A curved reference line is rolled out straight: the
-    car drives along it. Raises InputError with what is wrong with the file.
+    Heights hold the reference line's slope and banking and the file's modifiers; missing ones are filled as
+    these say, by default with the last height across. A curved reference line is rolled out straight: the car
+    drives along it. Raises InputError with what is wrong with the file.
     """
     import pyopencrg  # here, because it is slow to import and few roads need it
 
