@@ -1,7 +1,7 @@
 """What every controller is: estimate and preview in, one requested damping coefficient per wheel out."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -18,6 +18,7 @@ class Estimate:
     road_height: (wheels,) effective road height under each wheel in the same frame as `x`, m.
     road_velocity: (wheels,) its rate as the wheel moves on, m/s.
     speed_m_s: forward speed.
+    faults: what is wrong at this moment, by name (sensors, timing); empty where all is well.
     contact: (wheels,) False while a wheel is in the air; its `road_height` is then the highest possible one.
     """
 
@@ -27,6 +28,7 @@ class Estimate:
     road_velocity: np.ndarray
     speed_m_s: float
     contact: np.ndarray
+    faults: tuple[str, ...] = ()
 
     def is_finite(self) -> bool:
         """Whether every number of it is one."""
@@ -57,15 +59,10 @@ class Controller(Protocol):
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the requested damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
-    @property
-    def stats(self) -> dict[str, Any]:
-        """Counts and run times since `reset`; empty where nothing can fail."""
 
 
 class Stateless:
     """Shared by the controllers whose command depends on the present alone."""
-
-    stats: dict[str, Any] = {}  # noqa: RUF012  nothing ever writes to it
 
     def reset(self) -> None:
         """Nothing to forget."""

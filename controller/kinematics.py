@@ -5,6 +5,7 @@ pitch rate correct them; that the wheels stay near the mean road in the long run
 left.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,10 @@ OFFSET_TIME_S = 60.0
 """Time over which sensors' offsets may wander by their standard deviation."""
 ROAD_WANDER_M2_S = 1e-3
 """Spectral density of the wheels' distance from the mean road, as far as the drift correction cares."""
+
+GUESSED_BODY_M_S2, GUESSED_WHEEL_M_S2, GUESSED_RATTLE_M = 1.0, 30.0, 0.03
+"""Standard deviations of what stands in for a lost sensor."""
+NOTHING_KNOWN = 1e3
 
 
 class Kinematics(NamedTuple):
@@ -39,8 +44,15 @@ class Kinematics(NamedTuple):
         return predicted + self.gain @ (reading - self.output @ predicted)
 
 
-def kinematics(vehicle: Car, noise: SensorNoise, period_s: float) -> Kinematics:
-    """Build the filter for one reading every `period_s`."""
+@lru_cache(maxsize=64)
+def kinematics(
+    vehicle: Car, noise: SensorNoise, period_s: float, lost: tuple[bool, ...] | None = None
+) -> Kinematics:
+    """Build the filter for one reading every `period_s`.
+
+    lost: channels that tell nothing, in the order of `controller.sensor_watch.Checked`. For a lost acceleration
+    a guess is expected, for a lost rattle space zero: the suspension stays between its stops.
+    """
     w, t = vehicle.wheels, period_s
     one, none = np.eye(2 * w), np.zeros((2 * w, 2 * w))
     double = np.block([[one, t * one], [none, one]])
@@ -48,7 +60,7 @@ def kinematics(vehicle: Car, noise: SensorNoise, period_s: float) -> Kinematics:
     transition = block_diag(double, one, 1.0)
     transition[:, 4 * w : 6 * w] -= drive
     output = _output(vehicle)
-    process, reading = _covariances(vehicle, noise, drive, t)
+    process, reading = _covariances(vehicle, noise, drive, t, lost or (False,) * (3 * w + 2))
     p = solve_discrete_are(transition.T, output.T, process, reading)
     gain = p @ output.T @ np.linalg.inv(output @ p @ output.T + reading)
     return Kinematics(transition, drive, output, gain)
@@ -67,18 +79,19 @@ def _output(vehicle: Car) -> np.ndarray:
 
 
 def _covariances(
-    vehicle: Car, noise: SensorNoise, drive: np.ndarray, period_s: float
+    vehicle: Car, noise: SensorNoise, drive: np.ndarray, period_s: float, lost: tuple[bool, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Of the process over one period and of one reading; floors keep ideal sensors from a singular filter."""
-    w = vehicle.wheels
+    w, gone = vehicle.wheels, np.array(lost)
     root = np.sqrt(noise.bandwidth_hz)
     acceleration = np.repeat([noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root], w)
+    acceleration[gone[: 2 * w]] = np.repeat([GUESSED_BODY_M_S2, GUESSED_WHEEL_M_S2], w)[gone[: 2 * w]]
     offsets = np.repeat([noise.body_offset_m_s2, noise.wheel_offset_m_s2], w)
     wander = np.array([*offsets, noise.pitch_rate_offset_rad_s]) + 1e-5
     process = drive @ np.diag((acceleration + 1e-3) ** 2) @ drive.T
     process[4 * w :, 4 * w :] += np.diag(wander**2 * period_s / OFFSET_TIME_S)
     process += 1e-16 * np.eye(len(process))
-    rate = noise.pitch_rate_density_rad_s * root + 1e-5
-    rattle = np.full(w, noise.rattle_m + 1e-5)
+    rate = NOTHING_KNOWN if lost[3 * w] else noise.pitch_rate_density_rad_s * root + 1e-5
+    rattle = np.where(gone[2 * w : 3 * w], GUESSED_RATTLE_M, noise.rattle_m + 1e-5)
     road = np.full(w, np.sqrt(ROAD_WANDER_M2_S / period_s))
     return process, np.diag(np.concatenate([rattle, [rate], road]) ** 2)

@@ -33,6 +33,11 @@ class Pipeline:
         """Note the command that was given now."""
         self._issued.append(command)
 
+    def amend(self, command: np.ndarray) -> None:
+        """Note that this command was given in the place of the last one."""
+        if self._issued:
+            self._issued[-1] = command
+
     def pending(self) -> list[Hold]:
         """Return what acts from now until a command issued now would act; empty without delay."""
         period, holds, start = self._timing.period_s, [], 0.0

@@ -4,7 +4,7 @@ Real-time iteration (Diehl, Bock & Schlöder, SIAM J. Control Optim. 43(5), 2005
 last one is shifted, the model linearised along it, and one quadratic program gives its correction.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from controller.model import KILO, prediction_model
 from controller.qp import solve_box
 from controller.road_ahead import RoadAhead
 from controller.settings import MpcSettings
-from controller.skyhook import Skyhook
-from controller.supervisor import Book, Fallback
 from controller.terminal import terminal_cost
 from controller.time_grid import TimeGrid, uniform
 from controller.wheelbase import WheelbasePreview
@@ -53,8 +51,6 @@ class PredictiveController:
         self._filter = ComfortFilter(vehicle, period)
         self._pipeline = Pipeline(self._timing, self._limits.passive)
         self._road = RoadAhead(vehicle.wheels, self._settings.road)
-        self._fallback = Fallback(self._settings.patience)
-        self._reactive = Skyhook(vehicle)
         self.reset()
 
     def reset(self) -> None:
@@ -65,28 +61,22 @@ class PredictiveController:
         self._road.reset()
         if self._wheelbase is not None:
             self._wheelbase.reset()
-        self._fallback.reset()
-        self._book = Book()
-
-    @property
-    def stats(self) -> dict[str, Any]:
-        """`solves`, `fallbacks`, `reasons`, `median_ms` and `max_ms` of a step."""
-        return self._book.summary()
-
-    @property
-    def problem(self) -> str | None:
-        """Why the last step fell back; None where its answer was valid."""
-        return self._book.problem
+        self.problem: str | None = None
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the damping (wheels,) in N·s/m for the moment the command acts."""
-        self._book.start()
+        """Return the damping (wheels,) in N·s/m for the moment the command acts.
+
+        Where `problem` says afterwards that the solver failed, it is that of the last valid plan.
+        """
         self._plan = np.vstack([self._plan[1:], self._plan[-1:]])
-        problem = self._improve(estimate, preview) if estimate.is_finite() else "estimate not finite"
-        command = self._answer(estimate, problem)
+        self.problem = self._improve(estimate, preview)
+        command = self._limits.clip(KILO * self._plan[0])
         self._pipeline.issue(command)
-        self._book.finish(problem)
         return command.copy()
+
+    def acted(self, command: np.ndarray) -> None:
+        """Note that this command (wheels,), N·s/m, was given in the place of the last answer."""
+        self._pipeline.amend(command)
 
     def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return what prevented it, if something did."""
@@ -113,11 +103,3 @@ class PredictiveController:
                 ends = heights[:, i], heights[:, i + 1]
                 state = np.array(self._model.step(state, command / KILO, *ends, step_s))[:, 0]
         return state
-
-    def _answer(self, estimate: Estimate, problem: str | None) -> np.ndarray:
-        """Command of a valid plan; else of the last valid one, else skyhook, else passive."""
-        if problem is None:
-            self._fallback.succeeded()
-        elif not self._fallback.follow_plan():
-            return self._reactive.step(estimate, None) if estimate.is_finite() else self._limits.passive
-        return self._limits.clip(KILO * self._plan[0])

@@ -4,9 +4,10 @@ import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.kinematics import kinematics
-from vehicle.equations import forces, rest_state
+from controller.sensor_watch import Checked
+from vehicle.equations import body_acceleration, forces, rest_state
 from vehicle.parameters import Car
-from vehicle.sensors import Measurement, SensorNoise
+from vehicle.sensors import SensorNoise
 from vehicle.state import VehicleState
 
 SPEED_FILTER_S = 0.2
@@ -29,6 +30,7 @@ def truth_estimate(state: VehicleState) -> Estimate:
 class Observer:
     """Estimates from the car's own sensors, with the road as unknown input; one `update` per reading.
 
+    Readings come through `controller.sensor_watch`; lost channels are replaced by what the rest makes likely.
     Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road
     from the tyre: its force is what accelerates the car's masses, its deflection what that force asks for.
     Heights are relative to a mean road that follows slowly, the same for `x` and `road_height`.
@@ -36,7 +38,7 @@ class Observer:
 
     def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
         corners = vehicle.corners
-        self._wheels, self._period_s = vehicle.wheels, timing.period_s
+        self._wheels, self._period_s, self._noise = vehicle.wheels, timing.period_s, noise
         self._filter = kinematics(vehicle, noise, timing.period_s)
         levers = np.array([corner.lever for corner in corners])
         self._body = np.linalg.pinv(levers)
@@ -62,16 +64,22 @@ class Observer:
         self._road = np.zeros(self._wheels)
         self._speed: float | None = None
 
-    def update(self, measurement: Measurement, command: np.ndarray) -> Estimate:
+    def update(self, checked: Checked, command: np.ndarray) -> Estimate:
         """Take in a reading and the command (wheels,), N·s/m, that acted until it; return the state now."""
-        w = self._wheels
+        w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        rattle, motion = measurement.rattle_m, self._filter
+        if checked.faults:
+            motion = kinematics(self._vehicle, self._noise, self._period_s, checked.lost)
+            gone = np.array(checked.lost)
+            acceleration = np.where(gone[: 2 * w], self._guess(), acceleration)
+            rattle = np.where(gone[2 * w : 3 * w], 0.0, rattle)
         if self._acceleration is None:
             self._acceleration = acceleration
         mean = 0.5 * (acceleration + self._acceleration)
         self._acceleration = acceleration
-        reading = np.concatenate([measurement.rattle_m, [measurement.pitch_rate], np.zeros(w)])
-        self._motion = self._filter.step(self._motion, mean, reading)
+        reading = np.concatenate([rattle, [measurement.pitch_rate], np.zeros(w)])
+        self._motion = motion.step(self._motion, mean, reading)
         self._damping = self._damping + self._follow * (command - self._damping)
         before = self._road
         road, contact = self._feel_road(acceleration - self._motion[4 * w : 6 * w])
@@ -83,7 +91,14 @@ class Observer:
             road_velocity=(self._road - before) / self._period_s,
             speed_m_s=self._smooth_speed(float(measurement.speed_m_s)),
             contact=contact,
+            faults=checked.faults,
         )
+
+    def _guess(self) -> np.ndarray:
+        """Readings (2w,) expected of the accelerometers: struts move the body, the wheels roll steadily."""
+        w, level = self._wheels, np.zeros(self._wheels)
+        body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
+        return self._motion[4 * w : 6 * w] + np.concatenate([body, level])
 
     def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Highest that the road can be, and whether the tyre touches it there, (wheels,) each.

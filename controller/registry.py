@@ -15,6 +15,7 @@ from controller.passive import fixed, passive
 from controller.pdd import PowerDriven
 from controller.settings import ControllerSettings
 from controller.skyhook import Skyhook
+from controller.supervisor import Supervised
 from controller.tuned import tuned_settings
 from controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
@@ -51,6 +52,9 @@ CONTROLLERS: dict[str, Entry] = {
     "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
 }
 
+UNSUPERVISED = ("passive", "fixed")
+"""What nothing can happen to."""
+
 
 def build(
     name: str, vehicle: Car, settings: ControllerSettings | None = None, timing: Timing | None = None
@@ -61,6 +65,14 @@ def build(
     Raises InputError for a name that does not exist and for settings that do not fit the vehicle.
     """
     settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
+    controller = _make(name, vehicle, settings, timing)
+    if name in UNSUPERVISED:
+        return controller
+    reactive, safe = (_make(law, vehicle, settings, timing) for law in (settings.supervisor.reactive, "fixed"))
+    return Supervised(controller, reactive, safe, vehicle, settings.supervisor, timing)
+
+
+def _make(name: str, vehicle: Car, settings: ControllerSettings, timing: Timing) -> Controller:
     if _is_user(name):
         return _build_user(name, vehicle, settings.user, timing)
     entry = _entry(name)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import inf, isfinite
+from typing import Literal
 
 from files.errors import InputError
 
@@ -130,21 +131,37 @@ class MpcSettings:
     horizon_s: length of the plan; its intervals are the control period.
     rho: (m/s²)², weight of the relative tyre load, as in the objective J.
     input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
-    patience: failed solves in a row that the last good plan bridges.
     road: how preview and measurement become one road.
     """
 
     horizon_s: float = 0.2
     rho: float = 3.0
     input_weight: float = 1e-3
-    patience: int = 3
     road: RoadSettings = field(default_factory=RoadSettings)
 
     def __post_init__(self) -> None:
         _within("horizon_s", self.horizon_s, 0.02, 1.0)
         _within("rho", self.rho, 0.0, 1e3)
         _within("input_weight", self.input_weight, 1e-9, 1e9)
-        _within("patience", self.patience, 0, 1000)
+
+
+@dataclass(frozen=True)
+class SupervisorSettings:
+    """When a controller's answer is not used, and what is used instead.
+
+    reactive: the law that takes over. stale_s: age from which a preview is no longer believed. highest_m:
+    largest height that a preview may claim. transfer_s: time in which the step between two controllers fades.
+    """
+
+    reactive: Literal["skyhook", "skyhook2", "groundhook", "hybrid", "add", "sh_add", "pdd"] = "skyhook"
+    stale_s: float = 0.5
+    highest_m: float = 0.4
+    transfer_s: float = 0.005
+
+    def __post_init__(self) -> None:
+        _within("stale_s", self.stale_s, 0.0, 1e3)
+        _within("highest_m", self.highest_m, 0.0, 10.0)
+        _within("transfer_s", self.transfer_s, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -165,6 +182,7 @@ class ControllerSettings:
     pdd: TwoStateSettings = field(default_factory=TwoStateSettings)
     lqr_clipped: LqrSettings = field(default_factory=LqrSettings)
     mpc: MpcSettings = field(default_factory=MpcSettings)
+    supervisor: SupervisorSettings = field(default_factory=SupervisorSettings)
     user: dict[str, float] = field(default_factory=dict)
 
 

@@ -1,65 +1,119 @@
-"""What acts when the optimiser has no valid answer, and the book that is kept of it."""
+"""Who acts: the controller asked for while all that it rests on is sound, a simpler one while it is not.
 
-from array import array
-from collections import Counter
-from time import perf_counter
+Two steps down: the tuned reactive law named in the settings, which needs the state of the car alone, and
+fixed damping, which needs nothing. A preview that cannot be believed is only taken away: the controller goes
+on with what the wheels feel.
+"""
+
 from typing import Any
 
 import numpy as np
 
+from controller.base import Controller, Estimate, Timing
+from controller.book import Book
+from controller.limits import Limits
+from controller.sensor_watch import EVERYTHING
+from controller.settings import SupervisorSettings
+from files.errors import InputError
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
 
-class Book:
-    """Counts solves and fallbacks by reason, and run times; the times are told but decide nothing.
 
-    problem: that of the last step, None where it had a valid answer.
+class Supervised:
+    """A controller with a reactive law and fixed damping to fall back on, within the sample that fails.
+
+    Changes from one to the other are bumpless: the command starts where the last one was and the difference
+    fades with `transfer_s`. A controller may have `problem` (why its last answer is not valid, None where it
+    is) and `acted(command)`, which is told the command that takes the place of its own.
     """
 
-    def __init__(self) -> None:
-        self.problem: str | None = None
-        self._fallbacks: Counter[str] = Counter()
-        self._times_s = array("d")
-        self._started = 0.0
-
-    def start(self) -> None:
-        """A step begins."""
-        self._started = perf_counter()
-
-    def finish(self, problem: str | None) -> None:
-        """A step ends: with an answer, or with the problem that made it fall back."""
-        self._times_s.append(perf_counter() - self._started)
-        self.problem = problem
-        if problem:
-            self._fallbacks[problem] += 1
-
-    def summary(self) -> dict[str, Any]:
-        """`solves`, `fallbacks`, `reasons` {problem: count}, `median_ms`, `max_ms` (None before any step)."""
-        times = 1e3 * np.array(self._times_s)
-        fallbacks = sum(self._fallbacks.values())
-        return {
-            "solves": len(times) - fallbacks,
-            "fallbacks": fallbacks,
-            "reasons": dict(sorted(self._fallbacks.items())),
-            "median_ms": float(np.median(times)) if len(times) else None,
-            "max_ms": float(times.max()) if len(times) else None,
-        }
-
-
-class Fallback:
-    """After a failure the last good plan is followed for a while, then the reactive law takes over."""
-
-    def __init__(self, patience: int):
-        self._patience = patience
+    def __init__(
+        self,
+        controller: Controller,
+        reactive: Controller,
+        safe: Controller,
+        vehicle: Car,
+        settings: SupervisorSettings,
+        timing: Timing,
+    ):
+        self._controller, self._reactive, self._safe = controller, reactive, safe
+        self._wheels, self._limits, self._settings = vehicle.wheels, Limits.of(vehicle), settings
+        self._period_s = timing.period_s
+        self._fade = float(np.exp(-timing.period_s / settings.transfer_s)) if settings.transfer_s else 0.0
         self.reset()
 
     def reset(self) -> None:
-        """No plan yet, so nothing to follow."""
-        self._left = 0
+        """Forget the past, statistics included."""
+        for controller in (self._controller, self._reactive, self._safe):
+            controller.reset()
+        self._acting: Controller | None = None
+        self._last = np.zeros(self._wheels)
+        self._offset = np.zeros(self._wheels)
+        self._book = Book()
 
-    def succeeded(self) -> None:
-        """A valid plan is there."""
-        self._left = self._patience
+    @property
+    def stats(self) -> dict[str, Any]:
+        """`solves`, `fallbacks`, `reasons`, `median_ms` and `max_ms` of a step."""
+        return self._book.summary()
 
-    def follow_plan(self) -> bool:
-        """Whether this failure is still bridged by the plan; counts it."""
-        self._left -= 1
-        return self._left >= 0
+    @property
+    def problem(self) -> str | None:
+        """Why the last step fell back; None where it did not."""
+        return self._book.problem
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,), N·s/m."""
+        self._book.start()
+        unseen = preview_problem(preview, estimate, self._period_s, self._settings)
+        problem, answer = self._ask(estimate, preview if unseen is None else None)
+        if problem is None:
+            command = self._transfer(self._controller, answer)
+        else:
+            blind = EVERYTHING in estimate.faults or not estimate.is_finite()
+            acting = self._safe if blind else self._reactive
+            command = self._transfer(acting, acting.step(estimate, None))
+        if hasattr(self._controller, "acted"):
+            self._controller.acted(command)
+        self._book.finish(problem or unseen)
+        return command
+
+    def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
+        """What forbids to use the controller's answer, if anything does, and the answer."""
+        nothing = np.zeros(self._wheels)
+        if not estimate.is_finite():
+            return "estimate not finite", nothing
+        answer = np.asarray(self._controller.step(estimate, preview), dtype=float)
+        if answer.shape != (self._wheels,):
+            raise InputError(f"a controller's command must have shape ({self._wheels},), got {answer.shape}")
+        if estimate.faults:
+            return "; ".join(estimate.faults), nothing
+        if problem := getattr(self._controller, "problem", None):
+            return problem, nothing
+        return (None, answer) if np.isfinite(answer).all() else ("command not finite", nothing)
+
+    def _transfer(self, acting: Controller, wanted: np.ndarray) -> np.ndarray:
+        """Bring the command to where who acts now wants it, without a jump where another one acted before."""
+        if self._acting is not None and acting is not self._acting:
+            self._offset = self._last - wanted
+        self._acting = acting
+        self._offset = self._fade * self._offset
+        if not np.any(np.abs(self._offset) > 1.0):
+            self._last = wanted
+            return wanted.copy()
+        self._last = self._limits.clip(wanted + self._offset)
+        return self._last.copy()
+
+
+def preview_problem(
+    preview: RoadPreview | None, estimate: Estimate, period_s: float, settings: SupervisorSettings
+) -> str | None:
+    """Why a preview cannot be believed; None where it can, or where there is none."""
+    if preview is None:
+        return None
+    if preview.wheels != len(estimate.road_height):
+        return "preview of another car"
+    if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
+        return "stale preview"
+    if np.abs(preview.height_m).max() > settings.highest_m:
+        return "absurd preview"
+    return None

@@ -13,6 +13,8 @@ from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.driver import Driver
 from scenarios.eyes import build_perception
+from scenarios.faults import Faults
+from scenarios.observer_errors import observer_errors
 from scenarios.perception import Event, Look
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
@@ -26,6 +28,7 @@ class Run:
     signals: one value a tick under each name; per-wheel names end in `_0`, `_1`, ... (front, rear or
         front left, front right, rear left, rear right).
     metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
+    observer: RMS errors of its states (see `scenarios.observer_errors`).
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
     track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
     """
@@ -35,6 +38,7 @@ class Run:
     metrics: dict[str, float]
     events: list[Event]
     solver: dict[str, Any]
+    observer: dict[str, float]
     perception_stats: dict[str, Any]
     timing: dict[str, float]
     weights_sha256: str | None
@@ -44,7 +48,7 @@ class Run:
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:
     """Independent generators for each source of chance, so that adding one never shifts another."""
-    names = ("sensors", "boxes", "mounting", "image", "oracle")
+    names = ("sensors", "boxes", "mounting", "image", "oracle", "faults")
     children = np.random.SeedSequence(seed).spawn(len(names))
     return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
 
@@ -67,7 +71,7 @@ def simulate(
     plant.reset(profiles, scenario.start_m, scenario.speed_m_s)
     sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
     perception, weights_sha256 = build_perception(case, profiles, streams, keep_images)
-    driver = Driver(case, plant, sensors, perception)
+    driver = Driver(case, plant, sensors, perception, Faults(scenario.faults, streams["faults"]))
     try:
         driver.drive(advance)
     finally:
@@ -81,6 +85,7 @@ def simulate(
         metrics=metrics_of(record, case),
         events=driver.events,
         solver=driver.solver,
+        observer=observer_errors(car, driver.estimates, record),
         perception_stats=perception.stats(),
         timing=timing | driver.timing | perception.timing(),
         weights_sha256=weights_sha256,

@@ -2,14 +2,17 @@
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.observer import Observer, truth_estimate
 from controller.registry import build
+from controller.sensor_watch import SensorWatch
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from scenarios.faults import LATE, Faults
 from scenarios.perception import Event, Perception
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
@@ -20,19 +23,24 @@ class Driver:
     """Leads plant, perception and controller through the ticks of one case; `drive` once, then read the rest.
 
     events: detections and fallbacks in order of time; solver: the controller's counts, without its run times;
-    timing: those run times.
+    timing: those run times; estimates: those of an observer, one a decision.
     """
 
-    def __init__(self, case: Case, plant: Plant, sensors: Sensors, perception: Perception) -> None:
+    def __init__(
+        self, case: Case, plant: Plant, sensors: Sensors, perception: Perception, faults: Faults
+    ) -> None:
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
         timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
         self._controller = build(case.controller, car, control.settings, timing)
         self._observer = None if scenario.observer == "truth" else Observer(car, scenario.sensors, timing)
+        self._watch = SensorWatch(car.wheels, scenario.sensors)
         self._plant, self._sensors, self._perception = plant, sensors, perception
+        self._faults = faults
         self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
+        self.estimates: list[Estimate] = []
         self.events: list[Event] = []
         self.solver: dict[str, object] = {}
         self.timing: dict[str, float] = {}
@@ -64,15 +72,19 @@ class Driver:
     def _sense(self) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
         state = self._plant.state
-        measurement = self._sensors.measure(state)
-        self._perception.sense(measurement)
+        checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
+        self._perception.sense(checked.measurement)
         if self._observer is None:
             return truth_estimate(state)
-        return self._observer.update(measurement, self._command)
+        estimate = self._observer.update(checked, self._command)
+        self.estimates.append(estimate)
+        return estimate
 
     def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
         time_s = tick / TICKS_PER_SECOND
-        preview = self._perception.preview(time_s, self._state)
+        preview = self._faults.preview(self._perception.preview(time_s, self._state), time_s)
+        if self._faults.late(time_s):
+            estimate = replace(estimate, faults=(*estimate.faults, LATE))
         command = self._controller.step(estimate, preview)
         if problem := getattr(self._controller, "problem", None):
             self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})

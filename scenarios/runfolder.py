@@ -72,6 +72,7 @@ def manifest(run: Run) -> dict[str, Any]:
         "perception": run.case.perception,
         "seed": run.case.seed,
         "weights_sha256": run.weights_sha256,
+        "observer_error": run.observer,
         "timing": run.timing,
         **environment(),
     }
@@ -88,6 +89,7 @@ def row(run: Run) -> dict[str, Any]:
         "metrics": run.metrics,
         "timing": run.timing,
         "solver": run.solver,
+        "observer_error": run.observer,
         "perception_stats": run.perception_stats,
     }
 

@@ -14,6 +14,7 @@ from road.camera import Camera, CameraMount
 from road.enveloping import Enveloping, RigidWheel
 from road.profile import Road
 from scenarios.clock import TICKS_PER_SECOND
+from scenarios.faults import Fault
 from scenarios.oracle import OracleErrors
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
@@ -110,6 +111,7 @@ class Scenario:
     detection: Detection = field(default_factory=Detection)
     boxes: BoxErrors = field(default_factory=BoxErrors)
     oracle: OracleErrors = field(default_factory=OracleErrors)
+    faults: tuple[Fault, ...] = ()
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)

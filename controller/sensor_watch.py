@@ -1,0 +1,82 @@
+"""Which of the car's sensors can be believed: silent, stuck and impossible readings are held back."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vehicle.sensors import Measurement, SensorNoise
+
+STUCK_READINGS = 4
+"""Equal readings in a row after which a sensor that has noise counts as stuck."""
+MOST = {"body_acc": 150.0, "wheel_acc": 2000.0, "rattle_m": 0.4, "pitch_rate": 10.0, "speed_m_s": 110.0}
+"""Largest magnitude that a working sensor reports, SI units."""
+EVERYTHING = "all sensors silent"
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """A reading whose unbelievable channels are held at their last believable values.
+
+    lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed.
+    faults: what is wrong, by name, such as `rattle_m_0 stuck`; empty for a sound reading.
+    """
+
+    measurement: Measurement
+    lost: tuple[bool, ...]
+    faults: tuple[str, ...] = ()
+
+
+class SensorWatch:
+    """Judges one reading after the other of a car with so many wheels and sensors of this noise."""
+
+    def __init__(self, wheels: int, noise: SensorNoise):
+        self._wheels = wheels
+        noisy = [noise.body_density_m_s2, noise.wheel_density_m_s2, noise.rattle_m]
+        self._noisy = (
+            np.array([*np.repeat(noisy, wheels), noise.pitch_rate_density_rad_s, noise.speed_m_s]) > 0.0
+        )
+        self._names = [
+            f"{name}_{wheel}" for name in ("body_acc", "wheel_acc", "rattle_m") for wheel in range(wheels)
+        ]
+        self._names += ["pitch_rate", "speed_m_s"]
+        most = np.repeat([MOST["body_acc"], MOST["wheel_acc"], MOST["rattle_m"]], wheels)
+        self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"]])
+        self._sound = (False,) * len(self._names)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all readings."""
+        self._held = np.zeros(len(self._names))
+        self._before = np.full(len(self._names), np.nan)
+        self._equal = np.zeros(len(self._names), dtype=int)
+
+    def check(self, measurement: Measurement) -> Checked:
+        """Return what can be believed of a reading."""
+        m = measurement
+        values = np.array([*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s])
+        silent = ~np.isfinite(values)
+        impossible = np.abs(values) > self._most  # false for NaN
+        self._equal = np.where(values == self._before, self._equal + 1, 0)
+        self._before = values
+        stuck = self._noisy & (self._equal >= STUCK_READINGS - 1)
+        lost = silent | impossible | stuck
+        if not lost.any():
+            self._held = values
+            return Checked(measurement, self._sound)
+        self._held = np.where(lost, self._held, values)
+        why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")
+        faults = tuple(f"{name} {reason}" for name, reason in zip(self._names, why, strict=True) if reason)
+        if lost.all():
+            faults = (EVERYTHING,)
+        return Checked(self._with_held(measurement), tuple(lost.tolist()), faults)
+
+    def _with_held(self, measurement: Measurement) -> Measurement:
+        w, held = self._wheels, self._held
+        return replace(
+            measurement,
+            body_acc=held[:w],
+            wheel_acc=held[w : 2 * w],
+            rattle_m=held[2 * w : 3 * w],
+            pitch_rate=float(held[-2]),
+            speed_m_s=float(held[-1]),
+        )

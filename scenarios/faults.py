@@ -1,0 +1,123 @@
+"""What goes wrong during a drive, when and for how long: sensors, the preview, answers that come too late."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from files.errors import InputError
+from preview.horizon import RoadPreview
+from vehicle.sensors import Measurement
+
+LATE = "late answer"
+_ABSURD_M = 3.0
+
+
+@dataclass(frozen=True)
+class SensorFault:
+    """A sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one."""
+
+    kind: ClassVar[str] = "sensor"
+    channel: Literal["body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "all"]
+    mode: Literal["stuck", "silent"]
+    start_s: float
+    duration_s: float
+    wheel: int = 0
+
+    def __post_init__(self) -> None:
+        _check_window(self.start_s, self.duration_s)
+        if not 0 <= self.wheel <= 3:
+            raise InputError(f"wheel must lie in 0 ... 3, got {self.wheel}")
+
+
+@dataclass(frozen=True)
+class PreviewFault:
+    """A preview that is not renewed any more (frozen), or claims cliffs (absurd)."""
+
+    kind: ClassVar[str] = "preview"
+    mode: Literal["frozen", "absurd"]
+    start_s: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        _check_window(self.start_s, self.duration_s)
+
+
+@dataclass(frozen=True)
+class LateAnswers:
+    """Each answer of the controller comes too late with a probability."""
+
+    kind: ClassVar[str] = "late_answers"
+    start_s: float
+    duration_s: float
+    probability: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_window(self.start_s, self.duration_s)
+        if not 0.0 <= self.probability <= 1.0:
+            raise InputError(f"probability must lie in 0 ... 1, got {self.probability:g}")
+
+
+Fault = SensorFault | PreviewFault | LateAnswers
+
+
+class Faults:
+    """Applies the faults of one drive as its time goes on."""
+
+    def __init__(self, faults: Sequence[Fault], rng: np.random.Generator):
+        self._faults, self._rng = faults, rng
+        self._reading: Measurement | None = None
+        self._preview: RoadPreview | None = None
+
+    def reading(self, measurement: Measurement) -> Measurement:
+        """What the sensors really deliver of a reading."""
+        delivered = measurement
+        for fault in self._faults:
+            if isinstance(fault, SensorFault) and _active(fault, measurement.time_s):
+                delivered = _spoil(delivered, fault, self._reading)
+        self._reading = delivered
+        return delivered
+
+    def preview(self, preview: RoadPreview | None, time_s: float) -> RoadPreview | None:
+        """What the controller really gets of a preview."""
+        if preview is None:
+            return None
+        for fault in self._faults:
+            if isinstance(fault, PreviewFault) and _active(fault, time_s):
+                if fault.mode == "absurd":
+                    return replace(preview, height_m=preview.height_m + _ABSURD_M)
+                preview = self._preview or preview
+        self._preview = preview
+        return preview
+
+    def late(self, time_s: float) -> bool:
+        """Whether the answer asked for now comes too late."""
+        risks = [f.probability for f in self._faults if isinstance(f, LateAnswers) and _active(f, time_s)]
+        return any(self._rng.random() < risk for risk in risks)
+
+
+def _active(fault: Fault, time_s: float) -> bool:
+    return fault.start_s <= time_s < fault.start_s + fault.duration_s
+
+
+def _spoil(measurement: Measurement, fault: SensorFault, before: Measurement | None) -> Measurement:
+    channels = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
+    changed = {}
+    for name in channels if fault.channel == "all" else (fault.channel,):
+        value, last = getattr(measurement, name), getattr(before or measurement, name)
+        spoilt = last if fault.mode == "stuck" else np.full_like(value, np.nan)
+        if np.ndim(value) == 0:
+            changed[name] = float(spoilt)
+        elif fault.channel == "all":
+            changed[name] = spoilt
+        else:
+            changed[name] = np.where(np.arange(len(value)) == fault.wheel, spoilt, value)
+    return replace(measurement, **changed)
+
+
+def _check_window(start_s: float, duration_s: float) -> None:
+    if not 0.0 <= start_s <= 1e6:
+        raise InputError(f"start_s must lie in 0 ... 1e6 s, got {start_s:g}")
+    if not 0.0 < duration_s <= 1e6:
+        raise InputError(f"duration_s must be > 0 and <= 1e6 s, got {duration_s:g}")
