@@ -50,8 +50,8 @@ def kinematics(
 ) -> Kinematics:
     """Build the filter for one reading every `period_s`.
 
-    lost: channels that tell nothing, in the order of `controller.sensor_watch.Checked`. For a lost acceleration
-    a guess is expected, for a lost rattle space zero: the suspension stays between its stops.
+    lost: channels that tell nothing, in the order of `controller.sensor_watch.Checked`. For a lost
+    acceleration a guess is expected, for a lost rattle space zero: the suspension stays between its stops.
     """
     w, t = vehicle.wheels, period_s
     one, none = np.eye(2 * w), np.zeros((2 * w, 2 * w))

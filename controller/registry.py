@@ -68,7 +68,8 @@ def build(
     controller = _make(name, vehicle, settings, timing)
     if name in UNSUPERVISED:
         return controller
-    reactive, safe = (_make(law, vehicle, settings, timing) for law in (settings.supervisor.reactive, "fixed"))
+    reactive = _make(settings.supervisor.reactive, vehicle, settings, timing)
+    safe = _make("fixed", vehicle, settings, timing)
     return Supervised(controller, reactive, safe, vehicle, settings.supervisor, timing)
 
 

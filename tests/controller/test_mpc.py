@@ -39,8 +39,7 @@ def test_commands_stay_inside_what_the_damper_can_do(vehicle: Car) -> None:
     assert np.min(seen) >= 300.0
     assert np.max(seen) <= 4500.0
     assert np.ptp(seen) > 1000.0
-    assert controller.stats["solves"] == 30
-    assert controller.stats["fallbacks"] == 0
+    assert controller.problem is None
 
 
 def test_dear_inputs_keep_to_the_nominal_damping() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from controller.base import Estimate, Timing
 from controller.observer import Observer, truth_estimate
+from controller.sensor_watch import SensorWatch
 from road.envelope import wheel_profile
 from road.features import HalfSineBump, Pothole
 from road.profile import Road
@@ -37,11 +38,12 @@ def drive(vehicle: Car, road: Road, noise: SensorNoise, rate_hz: int) -> list[tu
     plant.reset([profile] * vehicle.wheels, 2.0, 10.0)
     rng = np.random.default_rng(5)
     sensors = Sensors(vehicle.wheels, rng, noise)
-    observer = Observer(vehicle, noise, Timing(1 / rate_hz))
+    observer, watch = Observer(vehicle, noise, Timing(1 / rate_hz)), SensorWatch(vehicle.wheels, noise)
     pairs, command = [], np.full(vehicle.wheels, 1500.0)
     for k in range(int(8.4 * rate_hz)):
         state = plant.state
-        pairs.append((observer.update(sensors.measure(state), command), truth_estimate(state)))
+        checked = watch.check(sensors.measure(state))
+        pairs.append((observer.update(checked, command), truth_estimate(state)))
         if k % (rate_hz // 100) == 0:
             command = rng.uniform(500.0, 2500.0, vehicle.wheels)
         plant.step(command, 1000 // rate_hz)
