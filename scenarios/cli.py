@@ -13,6 +13,7 @@ from scenarios.commands import (
     perception,
     regress,
     render,
+    road,
     run,
     tune,
     validation,
@@ -30,7 +31,19 @@ def parser() -> argparse.ArgumentParser:
         description="What a car gains when its suspension sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (demo, run, compare, regress, tune, perception, render, detector, validation, doctor):
+    for command in (
+        demo,
+        run,
+        compare,
+        regress,
+        tune,
+        perception,
+        render,
+        road,
+        detector,
+        validation,
+        doctor,
+    ):
         command.add(commands)
     return top
 

@@ -1,0 +1,55 @@
+"""What there is to say about a road: its unevenness along some lines, and its features."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from files.errors import InputError
+from road.iri import iri
+from road.profile import FADE_IN_M, Road
+from road.spectrum import fit, spectrum
+
+STEP_M = 0.05
+
+
+@dataclass(frozen=True)
+class Track:
+    """Unevenness along y = y_m, features included, from where the road has faded in to its end.
+
+    range_m: highest minus lowest point. The IRI needs 11 m of road; level, waviness and class (ISO 8608, of
+    the fitted line) 40 m of rough road; None without.
+    """
+
+    y_m: float
+    range_m: float
+    iri_m_km: float | None
+    psd_n0_m3: float | None
+    waviness: float | None
+    iso_class: str | None
+
+
+def track_facts(road: Road, y_m: float) -> Track:
+    """The facts of one line along the road."""
+    x = np.arange(min(FADE_IN_M, road.length_m), road.length_m, STEP_M)
+    z = road.height(x, y_m)
+    try:
+        roughness = iri(z, STEP_M)
+    except InputError:
+        roughness = None
+    try:
+        line = fit(spectrum(z, STEP_M))
+    except InputError:
+        line = None
+    return Track(
+        y_m=y_m,
+        range_m=float(np.ptp(z)) if len(z) else 0.0,
+        iri_m_km=roughness,
+        psd_n0_m3=line and line.psd_n0_m3,
+        waviness=line and line.waviness,
+        iso_class=line and line.iso_class,
+    )
+
+
+def feature_facts(road: Road) -> list[dict[str, object]]:
+    """Every feature in order of its place, with all its dimensions."""
+    return [{"kind": feature.kind, "end_m": feature.end_m, **asdict(feature)} for feature in road.features]
