@@ -16,6 +16,7 @@ from scenarios.eyes import build_perception
 from scenarios.faults import Faults
 from scenarios.observer_errors import observer_errors
 from scenarios.perception import Event, Look
+from scenarios.preview_log import PreviewLog, collect
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
 from vehicle.state import VehicleState
@@ -31,6 +32,7 @@ class Run:
     observer: RMS errors of its states (see `scenarios.observer_errors`).
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
     track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
+    previews: what the controller was told of the road ahead.
     """
 
     case: Case
@@ -44,6 +46,7 @@ class Run:
     weights_sha256: str | None
     track_y_m: float
     looks: list[Look]
+    previews: PreviewLog
 
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:
@@ -91,6 +94,7 @@ def simulate(
         weights_sha256=weights_sha256,
         track_y_m=min(car.wheel_y_m),
         looks=perception.looks,
+        previews=collect(driver.seen),
     )
 
 

@@ -10,6 +10,7 @@ from controller.base import Estimate, Timing
 from controller.observer import Observer, truth_estimate
 from controller.registry import build
 from controller.sensor_watch import SensorWatch
+from scenarios import preview_log
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from scenarios.faults import LATE, Faults
@@ -23,7 +24,7 @@ class Driver:
     """Leads plant, perception and controller through the ticks of one case; `drive` once, then read the rest.
 
     events: detections and fallbacks in order of time; solver: the controller's counts, without its run times;
-    timing: those run times; estimates: those of an observer, one a decision.
+    timing: those run times; estimates: those of an observer, one a decision; seen: the previews, 20 Hz.
     """
 
     def __init__(
@@ -41,6 +42,8 @@ class Driver:
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
         self.estimates: list[Estimate] = []
+        self._wheel = int(np.argmin(car.wheel_y_m))  # the right front one
+        self.seen: list[tuple[float, np.ndarray, np.ndarray]] = []
         self.events: list[Event] = []
         self.solver: dict[str, object] = {}
         self.timing: dict[str, float] = {}
@@ -83,6 +86,8 @@ class Driver:
     def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
         time_s = tick / TICKS_PER_SECOND
         preview = self._faults.preview(self._perception.preview(time_s, self._state), time_s)
+        if preview is not None and due(tick, preview_log.RATE_HZ):
+            self.seen.append(preview_log.thinned(preview, self._wheel))
         if self._faults.late(time_s):
             estimate = replace(estimate, faults=(*estimate.faults, LATE))
         command = self._controller.step(estimate, preview)

@@ -1,19 +1,23 @@
-"""What a run leaves behind: manifest, signals, metrics and events in one folder, whole or not at all."""
+"""What a run leaves behind in its folder, whole or not at all; `scenarios.readback` reads it again."""
 
 import hashlib
 import json
 import platform
+from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from files.atomic import atomic_folder
 from scenarios.closed_loop import Run
+from scenarios.preview_log import PreviewLog
 
+FRAMES = "frames"
 _VERSIONED = (
     "foreride",
     "casadi",
@@ -73,7 +77,10 @@ def manifest(run: Run) -> dict[str, Any]:
         "seed": run.case.seed,
         "weights_sha256": run.weights_sha256,
         "observer_error": run.observer,
+        "track_y_m": run.track_y_m,
         "timing": run.timing,
+        "solver": run.solver,
+        "perception_stats": run.perception_stats,
         **environment(),
     }
 
@@ -104,11 +111,29 @@ def folder_name(run: Run) -> str:
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write `manifest.json`, `signals.parquet`, `metrics.json` and `events.jsonl` into `folder`."""
+    """Write manifest, metrics, signals, events, previews and, where the run kept them, camera frames."""
     with atomic_folder(folder) as scratch:
         (scratch / "manifest.json").write_text(to_json(manifest(run)) + "\n")
         (scratch / "metrics.json").write_text(to_json(run.metrics) + "\n")
         lines = "".join(to_json(event, indent=None) + "\n" for event in run.events)
         (scratch / "events.jsonl").write_text(lines)
-        table = pa.table(run.signals)
-        pq.write_table(table, scratch / "signals.parquet", compression="zstd")
+        pq.write_table(pa.table(run.signals), scratch / "signals.parquet", compression="zstd")
+        pq.write_table(_preview_table(run.previews), scratch / "previews.parquet", compression="zstd")
+        for look in run.looks:
+            if look.image is not None:
+                (scratch / FRAMES).mkdir(exist_ok=True)
+                (scratch / FRAMES / f"{look.tick:07d}.jpg").write_bytes(encode_jpeg(look.image))
+
+
+def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:
+    """An RGB image (H, W, 3) as JPEG."""
+    done, data = cv2.imencode(
+        ".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality]
+    )
+    assert done
+    return data.tobytes()
+
+
+def _preview_table(log: PreviewLog) -> pa.Table:
+    rows = {field.name: list(getattr(log, field.name)) for field in fields(log)}
+    return pa.table(rows | {"distance_m": [log.distance_m] * len(log)})

@@ -2,7 +2,7 @@
 
 import argparse
 
-from scenarios.commands.options import add_case_options, cases_of, jobs_of, simulated
+from scenarios.commands.options import add_case_options, add_frames_option, cases_of, jobs_of, simulated
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.runfolder import folder_name, row, write
 
@@ -14,6 +14,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "scenarios", nargs="+", metavar="SCENARIO", help="names in the library, or YAML files"
     )
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
+    add_frames_option(command)
     add_table_options(command)
     command.set_defaults(execute=execute)
 
@@ -23,7 +24,7 @@ def execute(arguments: argparse.Namespace) -> int:
     wanted = cases_of(arguments, arguments.scenarios)
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
     rows = []
-    for run in simulated(wanted, jobs=jobs_of(arguments)):
+    for run in simulated(wanted, arguments.frames, jobs_of(arguments)):
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run))

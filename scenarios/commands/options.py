@@ -61,6 +61,12 @@ def jobs_of(arguments: argparse.Namespace) -> int:
     return arguments.jobs or os.cpu_count() or 1
 
 
+def add_frames_option(command: argparse.ArgumentParser) -> None:
+    """Add `--frames`."""
+    told = "keep the camera's images in the run folders (for reports and films)"
+    command.add_argument("--frames", action="store_true", help=told)
+
+
 def add_field_options(command: argparse.ArgumentParser) -> None:
     """Add what overrides fields of the scenario."""
     command.add_argument(

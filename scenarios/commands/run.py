@@ -3,7 +3,14 @@
 import argparse
 from pathlib import Path
 
-from scenarios.commands.options import add_case_options, cases_of, console, jobs_of, simulated
+from scenarios.commands.options import (
+    add_case_options,
+    add_frames_option,
+    cases_of,
+    console,
+    jobs_of,
+    simulated,
+)
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.figures import write_event_figure
 from scenarios.runfolder import folder_name, row, write
@@ -14,6 +21,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command = commands.add_parser("run", help="drive one scenario and write a run folder")
     command.add_argument("scenario", help="name in the library, or a YAML file")
     add_case_options(command, controllers="mpc_preview", perceptions="oracle")
+    add_frames_option(command)
     add_table_options(command)
     command.set_defaults(execute=execute)
 
@@ -24,7 +32,7 @@ def execute(arguments: argparse.Namespace) -> int:
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
     out = arguments.out or Path("runs")
     runs = []
-    for run in simulated(wanted, jobs=jobs_of(arguments)):
+    for run in simulated(wanted, arguments.frames, jobs_of(arguments)):
         write(run, out / folder_name(run))
         runs.append(run)
     publish(arguments, [row(run) for run in runs])
