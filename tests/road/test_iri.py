@@ -5,35 +5,14 @@ from scipy.integrate import solve_ivp
 from files.errors import InputError
 from road.iri import SPEED_M_S, iri, rectified_slope, response, transition
 from road.roughness import STEP_M, Roughness, displacement_psd, rough_surface
-
-# World Bank Technical Paper 46 (Sayers, Gillespie, Paterson 1986), coefficients for two sample intervals.
-PUBLISHED = {
-    0.25: (
-        [
-            [0.9966071, 1.091514e-2, -2.083274e-3, 3.190145e-4],
-            [-0.5563044, 0.9438768, -0.8324718, 5.064701e-2],
-            [2.153176e-2, 2.126763e-3, 0.7508714, 8.221888e-3],
-            [3.335013, 0.3376467, -39.12762, 0.4347564],
-        ],
-        [5.476107e-3, 1.388776, 0.2275968, 35.79262],
-    ),
-    0.1: (
-        [
-            [0.9994014, 4.442351e-3, 2.188854e-4, 5.72179e-5],
-            [-0.2570548, 0.975036, 7.966216e-3, 2.458427e-2],
-            [3.960378e-3, 3.814527e-4, 0.9548048, 4.055587e-3],
-            [1.687312, 0.1638951, -19.34264, 0.7948701],
-        ],
-        [3.793992e-4, 0.2490886, 4.123478e-2, 17.65532],
-    ),
-}
+from scenarios.validation.road import WORLD_BANK_46
 
 
-@pytest.mark.parametrize("step", sorted(PUBLISHED))
+@pytest.mark.parametrize("step", sorted(WORLD_BANK_46))
 def test_transition_matrices_are_the_published_ones(step):
     phi, gamma = transition(step)
-    np.testing.assert_allclose(phi, PUBLISHED[step][0], rtol=2e-6)
-    np.testing.assert_allclose(gamma, PUBLISHED[step][1], rtol=1e-6, atol=4e-7)
+    np.testing.assert_allclose(phi, WORLD_BANK_46[step][0], rtol=2e-6)
+    np.testing.assert_allclose(gamma, WORLD_BANK_46[step][1], rtol=1e-6, atol=4e-7)
 
 
 @pytest.mark.parametrize("wavelength", [1.5, 2.4, 5.0, 15.4, 40.0])

@@ -1,4 +1,3 @@
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from road.roughness import (
     isotropic_coherence,
     rough_surface,
 )
+from scenarios.validation.road import coherence, line_through_psd
 
 LENGTH_M = 8000.0
 
@@ -25,17 +25,9 @@ def test_published_geometric_means(iso_class, value):
 
 @pytest.mark.parametrize(("iso_class", "seed"), [("A", 5), ("C", 6), ("H", 7)])
 def test_welch_recovers_the_level_at_n0_and_the_waviness(iso_class, seed):
-    roughness = Roughness(iso_class, seed)
-    z = rough_surface(roughness, LENGTH_M).heights[4]
-    n, psd = welch(z, 1 / STEP_M, nperseg=round(200 / STEP_M), detrend="linear")
-    # Thirds of an octave, so that every octave counts alike in the fit.
-    edges = np.geomspace(0.02, 5, 25)
-    bands = [(n >= low) & (n < high) for low, high in pairwise(edges)]
-    centres = [np.exp(np.log(n[band]).mean()) for band in bands]
-    means = [np.mean(psd[band] * (n[band] / at) ** 2) for band, at in zip(bands, centres, strict=True)]
-    slope, level = np.polyfit(np.log(np.divide(centres, 0.1)), np.log(means), 1)
-    assert -slope == pytest.approx(2.0, rel=0.05)
-    assert np.exp(level) == pytest.approx(roughness.psd_n0_m3, rel=0.05)
+    level, waviness = line_through_psd(Roughness(iso_class, seed))
+    assert waviness == pytest.approx(2.0, rel=0.05)
+    assert level == pytest.approx(Roughness(iso_class).psd_n0_m3, rel=0.05)
 
 
 def test_every_realisation_has_the_level_of_its_class_in_every_third_of_an_octave():
@@ -60,18 +52,8 @@ def test_variance_is_the_integral_of_the_psd():
 
 
 def test_tracks_are_coherent_as_on_an_isotropic_surface():
-    surface = rough_surface(Roughness("B", 1), LENGTH_M)
-    left = int(np.flatnonzero(surface.y_m == 0.75)[0])
-    right = int(np.flatnonzero(surface.y_m == -0.75)[0])
-    settings = {"fs": 1 / STEP_M, "nperseg": round(100 / STEP_M)}
-    n, cross = csd(surface.heights[left], surface.heights[right], **settings)
-    power = welch(surface.heights[left], **settings)[1]
-    for low, high in pairwise([0.03, 0.06, 0.1, 0.15, 0.25, 0.5, 1.0, 3.0]):
-        near = (n > low) & (n < high)
-        measured = cross[near].real.sum() / power[near].sum()
-        u = 2 * np.pi * n[near] * 1.5
-        expected = np.sum(power[near] * u * k1(u)) / power[near].sum()
-        assert measured == pytest.approx(expected, abs=0.06)
+    measured, theory = coherence(Roughness("B", 1))
+    np.testing.assert_allclose(measured, theory, atol=0.06)
 
 
 @pytest.mark.parametrize("track", [1.3, 1.9])
