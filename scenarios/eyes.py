@@ -34,7 +34,8 @@ def build_perception(
     if case.perception == "none":
         return Blind(), None
     if case.perception == "oracle":
-        return build_oracle(scenario.road, profiles, car, scenario.oracle, streams["oracle"]), None
+        rng, enveloping = streams["oracle"], scenario.enveloping
+        return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping), None
     nominal = scenario.camera.mount(max(car.axle_x_m))
     mount = true_mount(scenario, nominal, streams["mounting"])
     weights = None

@@ -9,6 +9,7 @@ import numpy as np
 from files.errors import InputError
 from preview.horizon import RoadPreview, oracle_preview
 from road.envelope import WheelProfile, wheel_profile
+from road.enveloping import Enveloping
 from road.features import Feature, HalfSineBump, Pothole
 from road.profile import Road
 from scenarios.perception import Blind
@@ -95,13 +96,18 @@ class Oracle(Blind):
 
 
 def build_oracle(
-    road: Road, true: Sequence[WheelProfile], car: Car, errors: OracleErrors, rng: np.random.Generator
+    road: Road,
+    true: Sequence[WheelProfile],
+    car: Car,
+    errors: OracleErrors,
+    rng: np.random.Generator,
+    enveloping: Enveloping | None = None,
 ) -> Oracle:
     """The oracle of a drive; what it misses and imagines is drawn once."""
     if errors.miss_probability == errors.false_per_100m == 0.0:
         return Oracle(true, car, errors)
     believed = believed_road(road, car.track_m, errors, rng)
-    tracks = {y: wheel_profile(believed, y, car.wheel_radius_m) for y in car.wheel_y_m}
+    tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, enveloping) for y in car.wheel_y_m}
     return Oracle([tracks[y] for y in car.wheel_y_m], car, errors)
 
 
