@@ -27,7 +27,7 @@ FORMAT = 1
 NAMES = ("speed_bump", "pothole")
 SPLITS = ("train", "val", "test")
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
-VIEWS_PER_ROAD = 8
+VIEWS_PER_ROAD = 10
 LANE_HALF_WIDTH_M = 1.2
 _JPEG_QUALITY = (55, 96)
 

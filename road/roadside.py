@@ -106,9 +106,9 @@ def _tree(rng: np.random.Generator, x: float, y: float, picture: tuple[np.ndarra
     width = height * rng.uniform(0.6, 1.2)
     turn = np.linspace(0, 2 * np.pi, 14, endpoint=False)
     blobs = []
-    for _ in range(6):
+    for _ in range(4):
         middle = np.array([rng.normal(0, 0.2) * width, rng.uniform(0.5, 0.85) * height])
-        radius = rng.uniform(0.1, 0.24) * width * (1 + 0.25 * rng.standard_normal(14))
+        radius = rng.uniform(0.14, 0.28) * width * (1 + 0.25 * rng.standard_normal(14))
         blobs.append(middle + np.column_stack((radius * np.cos(turn), radius * np.sin(turn))))
     return Sprite(x, y, width, height, picture, (*blobs, _bar(0.12, 0.7 * height)))
 

@@ -31,9 +31,9 @@ def random_road(rng: np.random.Generator, look: Appearance) -> Road:
     """A road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
     features: list[Feature] = []
     if rng.random() > 0.08:
-        for _ in range(int(rng.choice((0, 1, 2, 3, 4), p=(0.15, 0.25, 0.27, 0.2, 0.13)))):
+        for _ in range(int(rng.choice((0, 1, 2, 3), p=(0.18, 0.4, 0.28, 0.14)))):
             _add(features, random_bump(rng, look))
-        for _ in range(int(rng.choice((0, 1, 2, 4, 6), p=(0.15, 0.2, 0.25, 0.22, 0.18)))):
+        for _ in range(int(rng.choice((0, 1, 2, 4, 6), p=(0.2, 0.26, 0.26, 0.18, 0.1)))):
             for hole in random_potholes(rng, look):
                 _add(features, hole)
     roughness = None
@@ -53,13 +53,13 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
         start = _start(rng, length)
         return HalfSineBump(start, min(height, 0.18 * length), length, right, left, paint="rubber")
     paint = str(rng.choice(list(_PAINT_SHARES), p=list(_PAINT_SHARES.values())))
-    kind = rng.choice(3, p=(0.42, 0.38, 0.2))
+    kind = rng.choice(3, p=(0.36, 0.44, 0.2))
     if kind == 0:
         length = float(np.exp(rng.uniform(np.log(0.25), np.log(0.65))))
         height = float(np.clip(rng.uniform(0.03, 0.105), 0.08 * length, 0.3 * length))
         return HalfSineBump(_start(rng, length), height, length, y_min_m=right, y_max_m=left, paint=paint)
     if kind == 1:
-        length = float(rng.uniform(1.0, 4.2))
+        length = float(rng.uniform(0.8, 4.2))
         return WattsHump(
             _start(rng, length),
             float(rng.uniform(0.05, 0.11)),
@@ -149,8 +149,8 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
             holes = [f for f in road.features if f.cls == 1]
             pool = holes if holes and rng.random() < 0.55 else road.features
             target = pool[int(rng.integers(len(pool)))]
-            reach = 12 if target.cls == 1 else 24
-            before = target.start_m - np.exp(rng.uniform(np.log(2.6), np.log(reach)))
+            reach = 6.5 if target.cls == 1 else 12
+            before = target.start_m - np.exp(rng.uniform(np.log(2.0), np.log(reach)))
             x = before if FIRST_VIEW_M < before < LAST_VIEW_M else x
         positions.append(float(x))
     return sorted(positions)

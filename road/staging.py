@@ -13,7 +13,7 @@ from road.raycast import View
 _NEAR_M = 0.4
 _SPRITE_NEAR_M = 1.3
 _SPRITE_MIN_PX, _SPRITE_MAX_PX = 3, 1200
-_SHADOWS_WITHIN_M = 70.0
+_SHADOWS_WITHIN_M = 50.0
 _LONGEST_SHADOW = 6.0  # metres per metre of height
 _CONTACT = ((1.3, 50), (1.12, 110), (0.98, 165))  # scale of a body's outline, darkness under it of 255
 _LAMP_HEIGHT_M = 4.0  # a lamp higher than this hangs over the road
