@@ -1,10 +1,12 @@
 """One wheel with its suspension, as the equations see it, and how its numbers are checked."""
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 from files.errors import InputError
+from vehicle.actuator import Actuator
+from vehicle.checks import require
+from vehicle.damper import Damper
 
 GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 
@@ -14,7 +16,9 @@ class Corner:
     """One wheel with its suspension, and where it holds the sprung mass.
 
     `lever` turns body motion into vertical motion of the body above the wheel: z = lever · (heave[, pitch[,
-    roll]]). `body_load_n` is the share of the sprung weight that rests on this corner at standstill.
+    roll]]). `body_load_n` is the share of the sprung weight that rests on this corner at standstill. At
+    travel t from there the spring pushes with -(spring_n_m·t + spring_n_m3·t³) beside its static load; past
+    -stop_gap_m (jounce) and rebound_gap_m a stop pushes with stop_n_m2 · (overlap)².
     """
 
     x_m: float
@@ -30,7 +34,15 @@ class Corner:
     damping_passive_ns_m: float
     damper_lag_s: float
     stop_gap_m: float
+    rebound_gap_m: float
     stop_n_m2: float
+    spring_n_m3: float
+    damper: Damper
+    actuator: Actuator | None
+
+    def share(self, setting: Any) -> Any:
+        """Which share of the damper's range a setting in N·s/m is, 0 ... 1."""
+        return (setting - self.damping_min_ns_m) / (self.damping_max_ns_m - self.damping_min_ns_m)
 
     @property
     def static_tyre_n(self) -> float:
@@ -48,6 +60,30 @@ class Corner:
         return self.static_tyre_n / self.tyre_n_m
 
 
+def axle_corners(
+    car: Any, x_m: tuple[float, ...], y_m: tuple[float, ...], levers: tuple[tuple[float, ...], ...]
+) -> tuple[Corner, ...]:
+    """Corners of a car that gives its numbers as pairs (front, rear), for wheels at x_m, front first."""
+    wheelbase = car.front_axle_m + car.rear_axle_m
+    abreast = len(x_m) // 2
+    shares = (car.rear_axle_m / wheelbase / abreast, car.front_axle_m / wheelbase / abreast)
+    rebound = car.stop_gap_m if car.rebound_gap_m is None else car.rebound_gap_m
+    return tuple(
+        Corner(
+            x_m=x,
+            y_m=y,
+            lever=lever,
+            body_load_n=car.body_mass_kg * GRAVITY_M_S2 * shares[i // abreast],
+            damper_lag_s=car.damper_lag_s,
+            rebound_gap_m=rebound[i // abreast],
+            damper=car.damper,
+            actuator=car.actuator,
+            **{name: getattr(car, name)[i // abreast] for name in CORNER_FIELDS},
+        )
+        for i, (x, y, lever) in enumerate(zip(x_m, y_m, levers, strict=True))
+    )
+
+
 COMMON_POSITIVE = ("damper_lag_s", "wheel_radius_m", "track_m")
 CORNER_POSITIVE = (
     "unsprung_mass_kg",
@@ -59,16 +95,8 @@ CORNER_POSITIVE = (
     "stop_gap_m",
     "stop_n_m2",
 )
-CORNER_FIELDS = (*CORNER_POSITIVE, "tyre_damping_ns_m")
-
-
-def require(name: str, value: Any, above: float | None = None, least: float | None = None) -> None:
-    """Raise InputError unless `value` is a finite number > `above`, or >= `least`."""
-    ok = isinstance(value, int | float) and math.isfinite(value)
-    if above is not None and not (ok and value > above):
-        raise InputError(f"{name} must be > {above:g} and finite, got {value}")
-    if least is not None and not (ok and value >= least):
-        raise InputError(f"{name} must be >= {least:g} and finite, got {value}")
+CORNER_FIELDS = (*CORNER_POSITIVE, "tyre_damping_ns_m", "spring_n_m3")
+MAY_BE_ZERO = ("tyre_damping_ns_m", "spring_n_m3")
 
 
 def require_order(least: float, passive: float, most: float, suffix: str = "") -> None:
@@ -85,11 +113,15 @@ def require_axles(car: Any) -> None:
         if len(values) != 2:
             raise InputError(f"{name} must hold 2 values (front, rear), got {len(values)}")
         for i, value in enumerate(values):
-            bound = {"least": 0.0} if name == "tyre_damping_ns_m" else {"above": 0.0}
+            bound = {"least": 0.0} if name in MAY_BE_ZERO else {"above": 0.0}
             require(f"{name}[{i}]", value, **bound)
     for i in range(2):
         limits = (car.damping_min_ns_m[i], car.damping_passive_ns_m[i], car.damping_max_ns_m[i])
         require_order(*limits, suffix=f"[{i}]")
+    if car.rebound_gap_m is not None:
+        for i, gap in enumerate(car.rebound_gap_m):
+            require(f"rebound_gap_m[{i}]", gap, above=0.0)
+    require("cg_height_m", car.cg_height_m, least=0.0)
     for i, x in enumerate(car.seat_x_m):
         if not -car.rear_axle_m <= x <= car.front_axle_m:
             raise InputError(f"seat_x_m[{i}] must lie between the axles, got {x}")

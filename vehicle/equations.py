@@ -7,12 +7,21 @@ positive left side up):
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
     full     x = [z, v_z, theta, omega, phi, p, z_u1, v_u1, ... z_u4, v_u4, c_1, ... c_4]
 
-with c the actual damping coefficient, behind its lag, and wheels in the order front, rear or front left,
-front right, rear left, rear right. Rows come first: with NumPy a state may carry a trailing axis, x (states,
+with c the actual setting of the damper, N·s/m, behind its lag, and wheels in the order front, rear or front
+left, front right, rear left, rear right. A car with actuators goes on with their actual forces, one a wheel;
+a car whose dampers have inner states (`vehicle.damper`) ends with those, wheel by wheel. `motion` gives all
+of it by name, `state_size` counts it.
+
+A command is one setting for each damper, N·s/m, and on a car with actuators then one force for each, N,
+positive pushing the body up; `input_size` counts it. Settings are clipped to the damper's range, forces to
+the actuator's. A command of settings alone asks the actuators for nothing.
+
+Rows come first: with NumPy a state may carry a trailing axis, x (states,
 n), and then every result does. `xp` names the arithmetic: the module `numpy`, the module `casadi` (columns),
 or FLOATS for lists of floats, the quickest way to a single state.
 """
 
+import math
 from collections.abc import Sequence
 from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
@@ -21,42 +30,58 @@ import numpy as np
 
 from vehicle.parameters import Car
 
-FLOATS = SimpleNamespace(fmax=max, fmin=min)
+FLOATS = SimpleNamespace(fmax=max, fmin=min, tanh=math.tanh, fabs=abs)
 Arithmetic = ModuleType | SimpleNamespace
 
 
 class Forces(NamedTuple):
     """Vertical forces of each wheel, rows (wheels, ...), N.
 
-    spring, damper and stop push the body up and the wheel down, as deviations from standstill; spring
-    includes the anti-roll bars; tyre is the whole tyre force, static share included, and never negative.
+    spring, damper, stop and actuator push the body up and the wheel down, as deviations from standstill;
+    spring includes the anti-roll bars; tyre is the whole tyre force, static share included, never negative.
     """
 
     spring: Any
     damper: Any
     stop: Any
+    actuator: Any
     tyre: Any
 
 
 class Motion(NamedTuple):
-    """The state vector by name; each entry is a list of rows."""
+    """The state vector by name; each entry is a list of rows, `inner` one of lists, wheel by wheel."""
 
     body: list
     body_velocity: list
     wheel: list
     wheel_velocity: list
     damping: list
+    force: list
+    inner: list
 
 
 def state_size(parameters: Car) -> int:
     """Length of the state vector."""
-    return 2 * len(parameters.body_inertia) + 3 * parameters.wheels
+    corner = parameters.corners[0]
+    each = 3 + (corner.actuator is not None) + corner.damper.inner
+    return 2 * len(parameters.body_inertia) + each * parameters.wheels
+
+
+def input_size(parameters: Car) -> int:
+    """Length of a command."""
+    return parameters.wheels * (1 if parameters.corners[0].actuator is None else 2)
+
+
+def damping_rows(parameters: Car) -> slice:
+    """Where the state vector keeps the dampers' settings."""
+    first = 2 * (len(parameters.body_inertia) + parameters.wheels)
+    return slice(first, first + parameters.wheels)
 
 
 def rest_state(parameters: Car) -> np.ndarray:
     """Standstill with passive dampers, (states,)."""
     x = np.zeros(state_size(parameters))
-    x[-parameters.wheels :] = [corner.damping_passive_ns_m for corner in parameters.corners]
+    x[damping_rows(parameters)] = [corner.damping_passive_ns_m for corner in parameters.corners]
     return x
 
 
@@ -64,12 +89,17 @@ def motion(parameters: Car, x: Any) -> Motion:
     """Split the state vector (states, ...) into its named rows."""
     body, wheels = len(parameters.body_inertia), parameters.wheels
     first = 2 * body
+    forces = wheels if parameters.corners[0].actuator else 0
+    depth = parameters.corners[0].damper.inner
+    last = first + 3 * wheels + forces
     return Motion(
         [x[2 * i] for i in range(body)],
         [x[2 * i + 1] for i in range(body)],
         [x[first + 2 * i] for i in range(wheels)],
         [x[first + 2 * i + 1] for i in range(wheels)],
         [x[first + 2 * wheels + i] for i in range(wheels)],
+        [x[first + 3 * wheels + i] for i in range(forces)],
+        [[x[last + depth * i + j] for j in range(depth)] for i in range(wheels)],
     )
 
 
@@ -84,12 +114,18 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
     """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
     state = motion(parameters, x)
     travel, rate = _rattle(parameters, state)
-    spring, damper, stop, tyre = [], [], [], []
+    spring, damper, stop, actuator, tyre = [], [], [], [], []
     for i, corner in enumerate(parameters.corners):
         spring.append(-corner.spring_n_m * travel[i])
-        damper.append(-state.damping[i] * rate[i])
+        if corner.spring_n_m3:
+            spring[i] = spring[i] - corner.spring_n_m3 * travel[i] ** 3
+        setting = state.damping[i]
+        damper.append(
+            corner.damper.force(setting, corner.share(setting), travel[i], rate[i], state.inner[i], xp)
+        )
+        actuator.append(state.force[i] if state.force else 0.0 * travel[i])
         jounce = xp.fmax(-travel[i] - corner.stop_gap_m, 0.0)
-        rebound = xp.fmax(travel[i] - corner.stop_gap_m, 0.0)
+        rebound = xp.fmax(travel[i] - corner.rebound_gap_m, 0.0)
         stop.append(corner.stop_n_m2 * (jounce**2 - rebound**2))
         push = corner.tyre_n_m * (road_height[i] - state.wheel[i])
         push = push + corner.tyre_damping_ns_m * (road_velocity[i] - state.wheel_velocity[i])
@@ -98,16 +134,29 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
         left, right = 2 * axle, 2 * axle + 1
         twist = stiffness * (travel[left] - travel[right])
         spring[left], spring[right] = spring[left] - twist, spring[right] + twist
-    return Forces(_rows(xp, spring), _rows(xp, damper), _rows(xp, stop), _rows(xp, tyre))
+    return Forces(_rows(xp, spring), _rows(xp, damper), _rows(xp, stop), _rows(xp, actuator), _rows(xp, tyre))
 
 
-def accelerations(parameters: Car, acting: Forces) -> tuple[list, list]:
-    """Accelerations (body motions; wheels) that the forces cause, lists of rows."""
-    suspension = [acting.spring[i] + acting.damper[i] + acting.stop[i] for i in range(parameters.wheels)]
+def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> tuple[list, list]:
+    """Accelerations (body motions; wheels) that the forces cause, lists of rows.
+
+    forward_acc: m/s² along the road, whose inertial force pitches the body; None for none.
+    """
+    suspension = [
+        acting.spring[i] + acting.damper[i] + acting.stop[i] + acting.actuator[i]
+        for i in range(parameters.wheels)
+    ]
     body = [
         sum(corner.lever[j] * suspension[i] for i, corner in enumerate(parameters.corners)) / inertia
         for j, inertia in enumerate(parameters.body_inertia)
     ]
+    if forward_acc is not None:
+        mass = parameters.body_inertia[0]
+        turning = zip(parameters.inertial_arm_m, parameters.body_inertia, strict=True)
+        body = [
+            part - mass * arm / inertia * forward_acc
+            for part, (arm, inertia) in zip(body, turning, strict=True)
+        ]
     wheel = [
         (acting.tyre[i] - corner.static_tyre_n - suspension[i]) / corner.unsprung_mass_kg
         for i, corner in enumerate(parameters.corners)
@@ -116,14 +165,18 @@ def accelerations(parameters: Car, acting: Forces) -> tuple[list, list]:
 
 
 def derivative(
-    parameters: Car, x: Any, command: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np
+    parameters: Car,
+    x: Any,
+    command: Any,
+    road_height: Any,
+    road_velocity: Any,
+    xp: Arithmetic = np,
+    forward_acc: Any = None,
 ) -> Any:
-    """dx/dt, rows (states, ...), for the requested damping `command` (wheels, ...), N·s/m.
-
-    The command is clipped to the damper's range; the actual damping follows it with a first-order lag.
-    """
+    """dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
     state = motion(parameters, x)
-    body, wheel = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
+    acting = forces(parameters, x, road_height, road_velocity, xp)
+    body, wheel = accelerations(parameters, acting, forward_acc)
     rows = []
     for velocity, acceleration in zip(state.body_velocity, body, strict=True):
         rows += [velocity, acceleration]
@@ -132,7 +185,25 @@ def derivative(
     for i, corner in enumerate(parameters.corners):
         asked = xp.fmin(xp.fmax(command[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
         rows.append((asked - state.damping[i]) / corner.damper_lag_s)
+    rows += _actuator_rates(parameters, state, command, xp)
+    travel, rate = _rattle(parameters, state)
+    for i, corner in enumerate(parameters.corners):
+        share = corner.share(state.damping[i])
+        rows += corner.damper.inner_rates(share, travel[i], rate[i], state.inner[i], xp)
     return _rows(xp, rows)
+
+
+def _actuator_rates(parameters: Car, state: Motion, command: Any, xp: Arithmetic) -> list:
+    """First-order lag towards the clipped force asked for."""
+    wheels, rates = parameters.wheels, []
+    given = command.shape[0] if hasattr(command, "shape") else len(command)
+    for i, actual in enumerate(state.force):
+        actuator = parameters.corners[i].actuator
+        assert actuator is not None
+        limit = actuator.force_limit_n
+        asked = xp.fmin(xp.fmax(command[wheels + i], -limit), limit) if given > wheels else 0.0
+        rates.append((asked - actual) / actuator.lag_s)
+    return rates
 
 
 def body_acceleration(

@@ -1,11 +1,14 @@
 """The full car: heave, pitch and roll of the body on four wheels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
 from files.errors import InputError
-from vehicle.corner import COMMON_POSITIVE, CORNER_FIELDS, GRAVITY_M_S2, Corner, require, require_axles
+from vehicle.actuator import Actuator
+from vehicle.checks import require
+from vehicle.corner import COMMON_POSITIVE, Corner, axle_corners, require_axles
+from vehicle.damper import Damper, IdealDamper
 
 
 @dataclass(frozen=True)
@@ -16,6 +19,8 @@ class FullCar:
     stiffnesses and damping those of one wheel. Roll is positive to the right (left side up) and small like
     pitch: the body above (x, y) moves by heave - x · pitch + y · roll. An anti-roll bar presses the wheel
     whose strut is the shorter one down and lifts the other by anti_roll_n_m times their difference.
+    Accelerating and braking pitch the body by its inertial force at cg_height_m; no anti-dive geometry takes
+    a share of it. The rest is as in `QuarterCar`.
     """
 
     kind: ClassVar[str] = "full_car"
@@ -34,10 +39,15 @@ class FullCar:
     damping_max_ns_m: tuple[float, float] = (4500.0, 4500.0)
     damping_passive_ns_m: tuple[float, float] = (1500.0, 1500.0)
     stop_gap_m: tuple[float, float] = (0.08, 0.08)
+    rebound_gap_m: tuple[float, float] | None = None
     stop_n_m2: tuple[float, float] = (1e7, 1e7)
+    spring_n_m3: tuple[float, float] = (0.0, 0.0)
+    damper: Damper = field(default_factory=IdealDamper)
+    actuator: Actuator | None = None
     damper_lag_s: float = 0.008
     wheel_radius_m: float = 0.31
     track_m: float = 1.5
+    cg_height_m: float = 0.55
     seat_x_m: tuple[float, ...] = (-0.1, -0.95)
     seat_y_m: tuple[float, ...] = (0.37, -0.37)
 
@@ -85,19 +95,13 @@ class FullCar:
         """Inertia against each body motion: heave (kg), pitch, roll (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2)
 
+    @property
+    def inertial_arm_m(self) -> tuple[float, ...]:
+        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        return (0.0, self.cg_height_m, 0.0)
+
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """Front left, front right, rear left, rear right."""
-        wheelbase = self.front_axle_m + self.rear_axle_m
-        shares = (self.rear_axle_m / wheelbase / 2, self.front_axle_m / wheelbase / 2)
-        return tuple(
-            Corner(
-                x_m=x,
-                y_m=y,
-                lever=(1.0, -x, y),
-                body_load_n=self.body_mass_kg * GRAVITY_M_S2 * shares[i // 2],
-                damper_lag_s=self.damper_lag_s,
-                **{name: getattr(self, name)[i // 2] for name in CORNER_FIELDS},
-            )
-            for i, (x, y) in enumerate(zip(self.axle_x_m, self.wheel_y_m, strict=True))
-        )
+        levers = tuple((1.0, -x, y) for x, y in zip(self.axle_x_m, self.wheel_y_m, strict=True))
+        return axle_corners(self, self.axle_x_m, self.wheel_y_m, levers)

@@ -7,6 +7,7 @@ one of `vehicle.equations` at any angle.
 """
 
 from vehicle.corner import GRAVITY_M_S2, Corner
+from vehicle.damper import IdealDamper
 from vehicle.parameters import Car
 
 _CAR = """<mujoco model="{kind}">
@@ -41,6 +42,15 @@ _WHEEL = """    <body name="{name}" pos="{corner.x_m} {corner.y_m} 0">
 _DAMPER = """    <general name="{name}_damper" tendon="{name}_strut"
              dyntype="filter" dynprm="{corner.damper_lag_s}" gaintype="affine" gainprm="0 0 -1"
              ctrllimited="true" ctrlrange="{corner.damping_min_ns_m} {corner.damping_max_ns_m}"/>"""
+# The tangent of a damper's law: control of the first is its slope, of the second its force at rate zero.
+_SLOPE = '    <general name="{name}_damper" tendon="{name}_strut" gaintype="affine" gainprm="0 0 -1"/>'
+_OFFSET = '    <general name="{name}_damper_offset" tendon="{name}_strut"/>'
+# Control: requested force. Activation: actual force, behind the lag.
+_ACTUATOR = """    <general name="{name}_actuator" tendon="{name}_strut" ctrllimited="true"
+             ctrlrange="-{corner.actuator.force_limit_n} {corner.actuator.force_limit_n}"
+             dyntype="filter" dynprm="{corner.actuator.lag_s}"/>"""
+# Control: moment of the inertial force of forward acceleration.
+_SURGE = '    <general name="surge" joint="pitch"/>'
 # Control: force of the road's own motion. A tyre does not pull, hence the force range.
 _TYRE = """    <general name="{name}_tyre" joint="{name}" biastype="affine"
              biasprm="{corner.static_tyre_n} -{corner.tyre_n_m} -{corner.tyre_damping_ns_m}"
@@ -55,11 +65,18 @@ _WHEEL_NAMES = {
 def car_xml(parameters: Car, step_s: float) -> str:
     """The MJCF of a car.
 
-    Joints: the body's motions, then the wheels. Actuators: dampers, then tyres.
+    Joints: the body's motions, then the wheels. Actuators: dampers, tyres, actuators, the offsets of dampers
+    that are no MuJoCo elements, and the surge of a car that pitches; what a car does not have is left out.
     """
+    first = parameters.corners[0]
+    native = isinstance(first.damper, IdealDamper)
+    parts = [_DAMPER if native else _SLOPE, _TYRE]
+    parts += [_ACTUATOR] if first.actuator else []
+    parts += [] if native else [_OFFSET]
     named = list(zip(_WHEEL_NAMES[parameters.wheels], parameters.corners, strict=True))
     tendons = [_strut(name, corner) for name, corner in named]
     tendons += [stop for name, corner in named for stop in _stops(name, corner)]
+    tendons += [_progression(name, corner) for name, corner in named if corner.spring_n_m3]
     tendons += _anti_roll_bars(parameters)
     return _CAR.format(
         kind=parameters.kind,
@@ -67,7 +84,12 @@ def car_xml(parameters: Car, step_s: float) -> str:
         gravity=GRAVITY_M_S2,
         bodies="\n".join([_body(parameters), *(_WHEEL.format(name=n, corner=c) for n, c in named)]),
         tendons="\n".join(tendons),
-        actuators="\n".join(part.format(name=n, corner=c) for part in (_DAMPER, _TYRE) for n, c in named),
+        actuators="\n".join(
+            [
+                *(part.format(name=n, corner=c) for part in parts for n, c in named),
+                *[_SURGE][: len(parameters.body_inertia) - 1],
+            ]
+        ),
     )
 
 
@@ -98,11 +120,16 @@ def _strut(name: str, corner: Corner) -> str:
 
 def _stops(name: str, corner: Corner) -> list[str]:
     """A stop acts past its gap with a purely quadratic stiffness."""
-    law = f"0 {corner.stop_n_m2}", f"-1e3 {corner.stop_gap_m}"
+    law, jounce, rebound = f"0 {corner.stop_n_m2}", corner.stop_gap_m, corner.rebound_gap_m
     return [
-        _tendon(f"{name}_rebound_stop", *law, _rattle(name, corner)),
-        _tendon(f"{name}_jounce_stop", *law, _rattle(name, corner, -1.0)),
+        _tendon(f"{name}_rebound_stop", law, f"-1e3 {rebound}", _rattle(name, corner)),
+        _tendon(f"{name}_jounce_stop", law, f"-1e3 {jounce}", _rattle(name, corner, -1.0)),
     ]
+
+
+def _progression(name: str, corner: Corner) -> str:
+    """What the spring's rate gains with travel."""
+    return _tendon(f"{name}_progression", f"0 0 {corner.spring_n_m3}", "0", _rattle(name, corner))
 
 
 def _anti_roll_bars(parameters: Car) -> list[str]:

@@ -5,23 +5,27 @@ roll, as far as the car has them), a tuple of corners (front, rear or front left
 right) and the stiffness of its anti-roll bars.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Literal, overload
 
 from files import strict
 from files.errors import InputError
+from vehicle.actuator import Actuator
+from vehicle.checks import require
 from vehicle.corner import (
     COMMON_POSITIVE,
     CORNER_FIELDS,
     CORNER_POSITIVE,
     GRAVITY_M_S2,
+    MAY_BE_ZERO,
     Corner,
-    require,
+    axle_corners,
     require_axles,
     require_order,
 )
+from vehicle.damper import Damper, IdealDamper
 from vehicle.full_car import FullCar
 
 __all__ = ["GRAVITY_M_S2", "Car", "Corner", "FullCar", "HalfCar", "QuarterCar", "load_vehicle"]
@@ -33,7 +37,9 @@ class QuarterCar:
     """One wheel and its share of the body: the two-mass model of ride comfort, SI units.
 
     The damper is semi-active: its coefficient follows the command with a first-order lag inside
-    [damping_min_ns_m, damping_max_ns_m]. Past ± stop_gap_m of rattle a bump stop pushes back with
+    [damping_min_ns_m, damping_max_ns_m]; `damper` says what force that gives (`vehicle.damper`). An
+    `actuator` may stand beside it (`vehicle.actuator`). The spring's rate may rise with the cube of travel.
+    Past stop_gap_m of jounce or rebound_gap_m of rebound (None: the same) a stop pushes back with
     stop_n_m2 · (overlap)². The tyre cannot pull.
     """
 
@@ -49,14 +55,21 @@ class QuarterCar:
     damping_passive_ns_m: float = 1500.0
     damper_lag_s: float = 0.008
     stop_gap_m: float = 0.08
+    rebound_gap_m: float | None = None
     stop_n_m2: float = 1e7
+    spring_n_m3: float = 0.0
+    damper: Damper = field(default_factory=IdealDamper)
+    actuator: Actuator | None = None
     wheel_radius_m: float = 0.31
     track_m: float = 1.5
 
     def __post_init__(self) -> None:
         for name in ("sprung_mass_kg", *CORNER_POSITIVE, *COMMON_POSITIVE):
             require(name, getattr(self, name), above=0.0)
-        require("tyre_damping_ns_m", self.tyre_damping_ns_m, least=0.0)
+        for name in MAY_BE_ZERO:
+            require(name, getattr(self, name), least=0.0)
+        if self.rebound_gap_m is not None:
+            require("rebound_gap_m", self.rebound_gap_m, above=0.0)
         require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
 
     @property
@@ -94,14 +107,28 @@ class QuarterCar:
         """Inertia against each body motion: heave (kg)."""
         return (self.sprung_mass_kg,)
 
+    @property
+    def inertial_arm_m(self) -> tuple[float, ...]:
+        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        return (0.0,)
+
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """The one corner."""
         shared = {name: getattr(self, name) for name in CORNER_FIELDS}
-        load = self.sprung_mass_kg * GRAVITY_M_S2
-        lever, lag = (1.0,), self.damper_lag_s
-        y = self.wheel_y_m[0]
-        return (Corner(x_m=0.0, y_m=y, lever=lever, body_load_n=load, damper_lag_s=lag, **shared),)
+        return (
+            Corner(
+                x_m=0.0,
+                y_m=self.wheel_y_m[0],
+                lever=(1.0,),
+                body_load_n=self.sprung_mass_kg * GRAVITY_M_S2,
+                damper_lag_s=self.damper_lag_s,
+                rebound_gap_m=self.stop_gap_m if self.rebound_gap_m is None else self.rebound_gap_m,
+                damper=self.damper,
+                actuator=self.actuator,
+                **shared,
+            ),
+        )
 
 
 @dataclass(frozen=True)
@@ -110,6 +137,8 @@ class HalfCar:
 
     Masses, stiffnesses and damping are those of one side of the car. Pitch is positive nose-down and small:
     the body above the wheel at x moves by heave - x · pitch (at 0.1 rad the sine differs by 0.2 %).
+    Accelerating and braking pitch the body by its inertial force at cg_height_m; no anti-dive geometry takes
+    a share of it. The rest is as in `QuarterCar`.
     """
 
     kind: ClassVar[str] = "half_car"
@@ -126,10 +155,15 @@ class HalfCar:
     damping_max_ns_m: tuple[float, float] = (4500.0, 4500.0)
     damping_passive_ns_m: tuple[float, float] = (1500.0, 1500.0)
     stop_gap_m: tuple[float, float] = (0.08, 0.08)
+    rebound_gap_m: tuple[float, float] | None = None
     stop_n_m2: tuple[float, float] = (1e7, 1e7)
+    spring_n_m3: tuple[float, float] = (0.0, 0.0)
+    damper: Damper = field(default_factory=IdealDamper)
+    actuator: Actuator | None = None
     damper_lag_s: float = 0.008
     wheel_radius_m: float = 0.31
     track_m: float = 1.5
+    cg_height_m: float = 0.55
     seat_x_m: tuple[float, ...] = (-0.1, -0.95)
 
     def __post_init__(self) -> None:
@@ -167,22 +201,16 @@ class HalfCar:
         """Inertia against each body motion: heave (kg), pitch (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2)
 
+    @property
+    def inertial_arm_m(self) -> tuple[float, ...]:
+        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        return (0.0, self.cg_height_m)
+
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """Front and rear corner."""
-        wheelbase = self.front_axle_m + self.rear_axle_m
-        shares = (self.rear_axle_m / wheelbase, self.front_axle_m / wheelbase)
-        return tuple(
-            Corner(
-                x_m=x,
-                y_m=self.wheel_y_m[i],
-                lever=(1.0, -x),
-                body_load_n=self.body_mass_kg * GRAVITY_M_S2 * share,
-                damper_lag_s=self.damper_lag_s,
-                **{name: getattr(self, name)[i] for name in CORNER_FIELDS},
-            )
-            for i, (x, share) in enumerate(zip(self.axle_x_m, shares, strict=True))
-        )
+        levers = tuple((1.0, -x) for x in self.axle_x_m)
+        return axle_corners(self, self.axle_x_m, self.wheel_y_m, levers)
 
 
 Car = QuarterCar | HalfCar | FullCar

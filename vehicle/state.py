@@ -35,6 +35,7 @@ class VehicleState:
     time_s: Any
     x_m: Any  # centre of gravity along the road
     speed_m_s: Any
+    forward_acc: Any  # along the road
     x: Array  # (states,) in the order of vehicle.equations
     heave_m: Any
     heave_velocity: Any
@@ -44,8 +45,9 @@ class VehicleState:
     roll_rate: Any
     wheel_z: Array  # (w,)
     wheel_v: Array  # (w,)
-    damping: Array  # (w,) actual damping coefficient, N·s/m
-    command: Array  # (w,) damping coefficient requested up to this moment, N·s/m
+    damping: Array  # (w,) actual setting of the damper, N·s/m
+    command: Array  # (w,) damping requested up to this moment, N·s/m
+    force_command: Array  # (w,) actuator force requested up to this moment, N
     rattle_m: Array  # (w,)
     rattle_velocity: Array  # (w,)
     body_acc: Array  # (w,) above each wheel
@@ -55,6 +57,7 @@ class VehicleState:
     roll_acc: Any
     wheel_acc: Array  # (w,)
     damper_force: Array  # (w,) on the body, up
+    actuator_force: Array  # (w,) on the body, up
     stop_force: Array  # (w,) on the body, up
     tyre_force: Array  # (w,) whole, static share included, >= 0
     static_tyre_force: Array  # (w,) at standstill
@@ -79,24 +82,27 @@ def observe(
     x: Any,
     command: Array,
     road: tuple[list, list],
+    forward_acc: Any = None,
 ) -> VehicleState:
     """Everything about the car: at one moment from floats and a list x, at n from (n,), (states, n), (w, n).
 
-    `road` holds height and rate of change under each wheel, as `road_under` gives them.
+    `road` holds height and rate of change under each wheel, as `road_under` gives them; `forward_acc` is None
+    or the acceleration along the road.
     """
     xp = equations.FLOATS if isinstance(x, list) else np
     height, velocity = road
     state = equations.motion(parameters, x)
     acting = equations.forces(parameters, x, height, velocity, xp)
     travel, rate = equations.rattle(parameters, x, xp)
-    body, wheel = equations.accelerations(parameters, acting)
-    zero = 0.0 * body[0]
+    body, wheel = equations.accelerations(parameters, acting, forward_acc)
+    zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]
     static = [corner.static_tyre_n + zero for corner in parameters.corners]
     return VehicleState(
         time_s=time_s,
         x_m=x_m,
         speed_m_s=speed_m_s,
+        forward_acc=zero if forward_acc is None else forward_acc,
         x=np.array(x),
         heave_m=state.body[0],
         heave_velocity=state.body_velocity[0],
@@ -107,7 +113,8 @@ def observe(
         wheel_z=np.array(state.wheel),
         wheel_v=np.array(state.wheel_velocity),
         damping=np.array(state.damping),
-        command=command,
+        command=command[:wheels],
+        force_command=command[wheels:] if len(command) > wheels else np.zeros_like(command),
         rattle_m=np.array(travel),
         rattle_velocity=np.array(rate),
         body_acc=np.array([equations.carried(corner.lever, body) for corner in parameters.corners]),
@@ -117,6 +124,7 @@ def observe(
         roll_acc=roll[2],
         wheel_acc=np.array(wheel),
         damper_force=np.array(acting.damper),
+        actuator_force=np.array(acting.actuator),
         stop_force=np.array(acting.stop),
         tyre_force=np.array(acting.tyre),
         static_tyre_force=np.array(static),

@@ -12,7 +12,8 @@ from road.envelope import wheel_profile
 from road.features import HalfSineBump, Pothole
 from road.profile import Road
 from vehicle import equations
-from vehicle.parameters import GRAVITY_M_S2, Car, load_vehicle
+from vehicle.actuator import SlowActive
+from vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from vehicle.plant import Plant, build_model
 from vehicle.state import Profile, VehicleState, observe, road_under
 
@@ -78,30 +79,36 @@ def test_starts_at_rest_on_a_raised_road(car: Car) -> None:
     np.testing.assert_allclose(signals.body_acc, 0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("car", CARS)
+def with_everything(car: Car) -> Car:
+    """Progressive springs, uneven stops and actuators."""
+    if isinstance(car, QuarterCar):
+        return replace(car, spring_n_m3=2e6, rebound_gap_m=0.05, actuator=SlowActive())
+    return replace(car, spring_n_m3=(2e6, 1e6), rebound_gap_m=(0.05, 0.06), actuator=SlowActive())
+
+
+@pytest.mark.parametrize("car", [*CARS, *(with_everything(car) for car in CARS)])
 def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
     model = build_model(car)
     data = mujoco.MjData(model)
     rng = np.random.default_rng(5)
-    wheels, corners = car.wheels, car.corners
+    wheels, corners, bodies = car.wheels, car.corners, len(car.body_inertia)
+    moving = 2 * (bodies + wheels)
     for _ in range(200):
         x = rng.normal(0.0, 0.08, equations.state_size(car))
-        x[-wheels:] = rng.uniform(300, 4500, wheels)
-        command, height, velocity = (
-            rng.uniform(0, 6000, wheels),
-            rng.normal(0, 0.05, wheels),
-            rng.normal(0, 1, wheels),
-        )
-        data.qpos[:], data.qvel[:], data.act[:] = x[:-wheels:2], x[1:-wheels:2], x[-wheels:]
+        x[equations.damping_rows(car)] = rng.uniform(300, 4500, wheels)
+        command = rng.uniform(0, 6000, equations.input_size(car))
+        height, velocity, braking = rng.normal(0, 0.05, wheels), rng.normal(0, 1, wheels), rng.normal(0, 5)
+        data.qpos[:], data.qvel[:], data.act[:] = x[:moving:2], x[1:moving:2], x[moving:]
         push = [
             c.tyre_n_m * h + c.tyre_damping_ns_m * v
             for c, h, v in zip(corners, height, velocity, strict=True)
         ]
-        data.ctrl[:] = [*command, *push]
+        surge = [-car.body_inertia[0] * car.inertial_arm_m[1] * braking] if bodies > 1 else []
+        data.ctrl[:] = [*command[:wheels], *push, *command[wheels:], *surge]
         mujoco.mj_forward(model, data)
-        expected = equations.derivative(car, x, command, height, velocity)
-        np.testing.assert_allclose(data.qacc, expected[1:-wheels:2], rtol=1e-9, atol=1e-9)
-        np.testing.assert_allclose(data.act_dot, expected[-wheels:], rtol=1e-12)
+        expected = equations.derivative(car, x, command, height, velocity, forward_acc=braking)
+        np.testing.assert_allclose(data.qacc, expected[1:moving:2], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(data.act_dot, expected[moving:], rtol=1e-12)
 
 
 def reference(car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float) -> VehicleState:

@@ -1,0 +1,232 @@
+"""Dampers as swappable parts: what force a strut's damper gives at its setting.
+
+Every damper is asked for a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it
+with a first-order lag, which stands for current and valve. `IdealDamper` gives that coefficient; for the
+others the setting's `share` of the range, 0 ... 1, stands for the same share of the current range.
+
+A damper is a frozen dataclass with `inner`, its number of inner states, and
+
+    force(setting, share, travel, rate, inner, xp)   N on the body, up
+    inner_rates(share, travel, rate, inner, xp)      list of d(inner)/dt
+
+for travel and rate of the strut (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
+`substeps` is how many steps a tick the plant needs. A gas spring inside a damper belongs to the car's spring.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import atanh, sqrt, tanh
+from typing import Any, ClassVar
+
+from files.errors import InputError
+from vehicle.checks import require
+
+
+@dataclass(frozen=True)
+class IdealDamper:
+    """Variable coefficient: force = -setting · rate."""
+
+    kind: ClassVar[str] = "ideal"
+    inner: ClassVar[int] = 0
+    substeps: ClassVar[int] = 1
+
+    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+        """Force on the body, up, N."""
+        return -setting * rate
+
+    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+        """No inner states."""
+        return []
+
+
+@dataclass(frozen=True)
+class ValveDamper:
+    """Continuously controlled valve: a map of force over velocity and current, linear between its points.
+
+    rebound_n, compression_n: a row for each of currents_a (ascending), a value for each of speeds_m_s
+    (ascending, from above zero); beyond the last speed the last slope goes on. The speeds are those of the
+    usual dynamometer test; the forces are of the class of a valve-controlled twin-tube damper for a compact
+    car, with two to three times the force in rebound that it has in compression (J. C. Dixon, The Shock
+    Absorber Handbook, 2nd ed. 2007, ch. 6 and 10), and digressive towards high current.
+    """
+
+    kind: ClassVar[str] = "valve"
+    inner: ClassVar[int] = 0
+    substeps: ClassVar[int] = 2
+
+    currents_a: tuple[float, ...] = (0.3, 0.8, 1.6)
+    speeds_m_s: tuple[float, ...] = (0.052, 0.131, 0.262, 0.524, 1.048)
+    rebound_n: tuple[tuple[float, ...], ...] = (
+        (60.0, 130.0, 240.0, 470.0, 1000.0),
+        (250.0, 520.0, 800.0, 1250.0, 2050.0),
+        (700.0, 1350.0, 1900.0, 2600.0, 3800.0),
+    )
+    compression_n: tuple[tuple[float, ...], ...] = (
+        (40.0, 90.0, 160.0, 300.0, 620.0),
+        (120.0, 250.0, 390.0, 620.0, 1050.0),
+        (300.0, 560.0, 800.0, 1150.0, 1800.0),
+    )
+
+    def __post_init__(self) -> None:
+        for name in ("currents_a", "speeds_m_s"):
+            values = getattr(self, name)
+            if len(values) < 2 or any(a >= b for a, b in pairwise(values)):
+                raise InputError(f"{name} must hold at least 2 ascending values, got {list(values)}")
+            require(f"{name}[0]", values[0], **{"least" if name == "currents_a" else "above": 0.0})
+        for name in ("rebound_n", "compression_n"):
+            rows = getattr(self, name)
+            if len(rows) != len(self.currents_a) or any(len(row) != len(self.speeds_m_s) for row in rows):
+                shape = f"{len(self.currents_a)} rows of {len(self.speeds_m_s)}"
+                raise InputError(f"{name} must hold {shape} values, one for each current and speed")
+            if any(a > b for row in rows for a, b in pairwise((0.0, *row))):
+                raise InputError(f"{name} must not fall towards higher speed, nor be negative")
+
+    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+        """Force on the body, up, N."""
+        first, last = self.currents_a[0], self.currents_a[-1]
+        current = first + (last - first) * xp.fmin(xp.fmax(share, 0.0), 1.0)
+        total = 0.0
+        for i, weight in enumerate(self._weights(current, xp)):
+            rebound = _interpolated(xp.fmax(rate, 0.0), self.speeds_m_s, self.rebound_n[i], xp)
+            compression = _interpolated(xp.fmax(-rate, 0.0), self.speeds_m_s, self.compression_n[i], xp)
+            total = total + weight * (compression - rebound)
+        return total
+
+    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+        """No inner states."""
+        return []
+
+    def _weights(self, current: Any, xp: Any) -> list:
+        """Share of each current's row: hat functions."""
+        nodes, weights = self.currents_a, []
+        for i, node in enumerate(nodes):
+            rise = (current - nodes[i - 1]) / (node - nodes[i - 1]) if i else 1.0
+            fall = (nodes[i + 1] - current) / (nodes[i + 1] - node) if i + 1 < len(nodes) else 1.0
+            weights.append(xp.fmax(xp.fmin(rise, fall), 0.0))
+        return weights
+
+
+def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ...], xp: Any) -> Any:
+    """Piecewise linear through zero and the points, as a sum of ramps."""
+    total, before, at, last = 0.0, 0.0, 0.0, 0.0
+    for point, force in zip(speeds, forces, strict=True):
+        slope = (force - last) / (point - at)
+        total = total + (slope - before) * xp.fmax(speed - at, 0.0)
+        before, at, last = slope, point, force
+    return total
+
+
+@dataclass(frozen=True)
+class MrTanhDamper:
+    """Magnetorheological damper by a hyperbolic tangent with hysteresis.
+
+    force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
+    A novel hysteretic model for magnetorheological fluid dampers and parameter identification using particle
+    swarm optimization, Sensors and Actuators A 132, 2006, fit for a LORD RD-1005). The sign is smoothed over
+    `switch_m`. The model gives energy back where beta·|v| < delta: a run's audit tells how much.
+    """
+
+    kind: ClassVar[str] = "mr_tanh"
+    inner: ClassVar[int] = 0
+    substeps: ClassVar[int] = 4
+
+    current_max_a: float = 2.0
+    viscous_ns_m: tuple[float, float] = (1232.0, 1929.0)  # constant, per A
+    yield_n: tuple[float, float, float] = (32.0, 918.0, -244.0)  # constant, per A, per A²
+    slope_s_m: float = 100.0
+    hysteresis: tuple[float, float] = (0.58, 0.30)  # constant, per A
+    switch_m: float = 0.001
+
+    def __post_init__(self) -> None:
+        for name in ("current_max_a", "slope_s_m", "switch_m"):
+            require(name, getattr(self, name), above=0.0)
+        require("viscous_ns_m[0]", self.viscous_ns_m[0], least=0.0)
+
+    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+        """Force on the body, up, N."""
+        amps = self.current_max_a * share
+        viscous = self.viscous_ns_m[0] + self.viscous_ns_m[1] * amps
+        strength = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
+        bent = (self.hysteresis[0] + self.hysteresis[1] * amps) * xp.tanh(travel / self.switch_m)
+        return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
+
+    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+        """No inner states."""
+        return []
+
+
+@dataclass(frozen=True)
+class MrBoucWenDamper:
+    """Magnetorheological damper by the modified Bouc-Wen model; inner states y and z, m.
+
+    B. F. Spencer et al., Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123(3), 1997,
+    with exponent 2 and without the accumulator's spring k₁. Values of C. Y. Lai and W. H. Liao, Vibration
+    control of a suspension system via a magnetorheological fluid damper, J. Vib. Control 8, 2002.
+    Pairs are (constant, per V).
+    """
+
+    kind: ClassVar[str] = "mr_bouc_wen"
+    inner: ClassVar[int] = 2
+    substeps: ClassVar[int] = 4
+
+    voltage_max_v: float = 2.0
+    c0_ns_m: tuple[float, float] = (784.0, 1803.0)
+    c1_ns_m: tuple[float, float] = (14649.0, 34622.0)
+    k0_n_m: float = 3610.0
+    alpha_n_m: tuple[float, float] = (12441.0, 38430.0)
+    gamma_m2: float = 136320.0
+    beta_m2: float = 2059020.0
+    gain: float = 58.0  # A of the paper
+
+    def __post_init__(self) -> None:
+        for name in ("voltage_max_v", "gamma_m2", "beta_m2", "gain"):
+            require(name, getattr(self, name), above=0.0)
+        if self.gamma_m2 >= self.beta_m2:
+            raise InputError(f"gamma_m2 must be < beta_m2 ({self.beta_m2:g}), got {self.gamma_m2:g}")
+        for name in ("c0_ns_m", "c1_ns_m", "alpha_n_m"):
+            for i, value in enumerate(getattr(self, name)):
+                require(f"{name}[{i}]", value, least=0.0)
+        require("c1_ns_m[0]", self.c1_ns_m[0], above=0.0)
+
+    def _creep(self, share: Any, travel: Any, rate: Any, inner: list) -> tuple[Any, Any]:
+        """Velocity of the inner node y, and c₁."""
+        y, z = inner
+        volts = self.voltage_max_v * share
+        c0, c1, alpha = (pair[0] + pair[1] * volts for pair in (self.c0_ns_m, self.c1_ns_m, self.alpha_n_m))
+        return (alpha * z + c0 * rate + self.k0_n_m * (travel - y)) / (c0 + c1), c1
+
+    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+        """Force on the body, up, N."""
+        velocity, c1 = self._creep(share, travel, rate, inner)
+        return -c1 * velocity
+
+    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+        """Rates of y and z."""
+        velocity, _ = self._creep(share, travel, rate, inner)
+        slip, z = rate - velocity, inner[1]
+        evolved = self.gain * slip - self.gamma_m2 * xp.fabs(slip) * z * xp.fabs(z)
+        return [velocity, evolved - self.beta_m2 * slip * z**2]
+
+    def advance(self, share: float, travel: float, rate: float, inner: list, step_s: float) -> list:
+        """Inner states after a step at constant slip, over which z's equation has a closed solution.
+
+        With s = |slip|·t and w = z·sign(slip) it reads dw/ds = A - (beta ± gamma)·w², + for w > 0: a
+        hyperbolic tangent. As z may turn on 0.1 mm of slip, ordinary steps would be unstable.
+        """
+        velocity, _ = self._creep(share, travel, rate, inner)
+        slip, z = rate - velocity, inner[1]
+        path, sign = abs(slip) * step_s, (1.0 if slip >= 0.0 else -1.0)
+        w = z * sign
+        if w < 0.0:
+            bound = sqrt(self.gain / (self.beta_m2 - self.gamma_m2))
+            root = self.gain / bound
+            needed = bound / self.gain * atanh(min(-w / bound, 1.0 - 1e-12))
+            if path <= needed:
+                return [inner[0] + velocity * step_s, sign * bound * tanh(root / bound * (path - needed))]
+            path, w = path - needed, 0.0
+        bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
+        start = atanh(min(w / bound, 1.0 - 1e-12))
+        return [inner[0] + velocity * step_s, sign * bound * tanh(start + self.gain / bound * path)]
+
+
+Damper = IdealDamper | ValveDamper | MrTanhDamper | MrBoucWenDamper

@@ -1,0 +1,154 @@
+"""MuJoCo underneath the plant: advances the car by ticks under given controls.
+
+An engine keeps the car's state as a row of numbers; `row[order]` is the state of `vehicle.equations`.
+Control is a column for each damper's setting, tyre's road force, actuator's force and, on a car that pitches,
+the moment of the surge.
+
+`Native` lets MuJoCo run many ticks at once; all forces are elements of the model, so each of the four
+Runge-Kutta stages evaluates them anew. `Stepped` serves dampers that MuJoCo has no element for: it goes in
+fractions of a tick, over each of which a damper's force is the tangent at the rate expected for its middle.
+"""
+
+from math import exp
+
+import mujoco
+import numpy as np
+from mujoco.rollout import Rollout
+from numpy.typing import NDArray
+
+from vehicle.clock import STEP_S
+from vehicle.damper import IdealDamper, MrBoucWenDamper
+from vehicle.equations import FLOATS
+from vehicle.mjcf import car_xml
+from vehicle.parameters import Car
+
+Array = NDArray[np.float64]
+_NUDGE_M_S = 1e-4
+
+
+def build_model(parameters: Car) -> mujoco.MjModel:
+    """The MuJoCo model of a car.
+
+    Gravity is on and carried by preload, so that joint zero is static equilibrium.
+    """
+    return mujoco.MjModel.from_xml_string(car_xml(parameters, STEP_S / parameters.corners[0].damper.substeps))
+
+
+class Native:
+    """Ideal dampers, on MuJoCo's own rollout."""
+
+    def __init__(self, parameters: Car) -> None:
+        model = build_model(parameters)
+        self._models, self._data = [model], [mujoco.MjData(model)]
+        self._rollout = Rollout(nthread=0)  # on the calling thread
+        self.size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        self.order = _state_order(parameters)
+
+    def advance(self, row: Array, control: Array) -> Array:
+        """Rows (ticks, size) after each tick under control (ticks, columns), from `row`."""
+        rows = np.empty((1, len(control), self.size))
+        self._rollout.rollout(
+            self._models,
+            self._data,
+            row[None],
+            control[None],
+            nstep=len(control),
+            state=rows,
+            skip_checks=True,
+        )
+        return rows[0]
+
+
+class Stepped:
+    """Any damper; a row is MuJoCo's state, then the dampers' settings, then their inner states."""
+
+    def __init__(self, parameters: Car) -> None:
+        self._model = build_model(parameters)
+        self._data = mujoco.MjData(self._model)
+        self._spec = mujoco.mjtState.mjSTATE_FULLPHYSICS
+        self._corners, self._wheels = parameters.corners, parameters.wheels
+        self._bodies = len(parameters.body_inertia)
+        self._physics = mujoco.mj_stateSize(self._model, self._spec)
+        self._substeps = self._corners[0].damper.substeps
+        self._step_s = STEP_S / self._substeps
+        depth = self._corners[0].damper.inner
+        self._forces = self._wheels if self._corners[0].actuator else 0
+        self.size = self._physics + self._wheels * (1 + depth)
+        native = _state_order(parameters)
+        moving = 2 * (self._bodies + self._wheels)
+        settings = self._physics + np.arange(self._wheels)
+        forces = native[moving + self._wheels :] - self._wheels  # MuJoCo has no damper activations here
+        inner = self._physics + self._wheels + np.arange(self._wheels * depth)
+        self.order = np.concatenate([native[:moving], settings, forces, inner])
+
+    def advance(self, row: Array, control: Array) -> Array:
+        """Rows (ticks, size) after each tick under control (ticks, columns), from `row`."""
+        rows = np.empty((len(control), self.size))
+        mujoco.mj_setState(self._model, self._data, row[: self._physics], self._spec)
+        settings = row[self._physics : self._physics + self._wheels].tolist()
+        flat = row[self._physics + self._wheels :].tolist()
+        depth = len(flat) // self._wheels
+        inner = [flat[i * depth : (i + 1) * depth] for i in range(self._wheels)]
+        before = self._strut_motion()[1]
+        wheels, force = self._wheels, self._forces
+        for tick, inputs in enumerate(control):
+            asked = inputs[:wheels].tolist()
+            self._data.ctrl[wheels : 2 * wheels + force] = inputs[wheels : 2 * wheels + force]
+            self._data.ctrl[3 * wheels + force :] = inputs[2 * wheels + force :]
+            for _ in range(self._substeps):
+                before = self._substep(asked, settings, inner, before)
+            mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], self._spec)
+            rows[tick, self._physics :] = [*settings, *(value for states in inner for value in states)]
+        return rows
+
+    def _substep(self, asked: list, settings: list, inner: list, before: list) -> list:
+        """One step of the physics; settings and inner states move on in place. Returns the rates before."""
+        step, wheels, control = self._step_s, self._wheels, self._data.ctrl
+        travel, rate = self._strut_motion()
+        for i, corner in enumerate(self._corners):
+            target = min(max(asked[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
+            middle = settings[i] + (target - settings[i]) * (1.0 - exp(-0.5 * step / corner.damper_lag_s))
+            expected = 1.5 * rate[i] - 0.5 * before[i]
+            halfway = travel[i] + 0.5 * step * rate[i]
+            share, damper, states = corner.share(middle), corner.damper, inner[i]
+            if isinstance(damper, MrBoucWenDamper):
+                inner[i] = damper.advance(share, halfway, expected, states, step)
+                states = damper.advance(share, halfway, expected, states, 0.5 * step)
+            low, high = (
+                damper.force(middle, share, halfway, expected + nudge, states, FLOATS)
+                for nudge in (-_NUDGE_M_S, _NUDGE_M_S)
+            )
+            slope = (low - high) / (2.0 * _NUDGE_M_S)
+            control[i] = slope
+            control[2 * wheels + self._forces + i] = 0.5 * (low + high) + slope * expected
+            settings[i] += (target - settings[i]) * (1.0 - exp(-step / corner.damper_lag_s))
+        mujoco.mj_step(self._model, self._data)
+        return rate
+
+    def _strut_motion(self) -> tuple[list, list]:
+        """Travel and rate of each strut."""
+        motions = []
+        for values in (self._data.qpos.tolist(), self._data.qvel.tolist()):
+            body, wheel = values[: self._bodies], values[self._bodies :]
+            levers = (corner.lever for corner in self._corners)
+            motions.append(
+                [sum(map(float.__mul__, lever, body)) - w for lever, w in zip(levers, wheel, strict=True)]
+            )
+        return motions[0], motions[1]
+
+
+Engine = Native | Stepped
+
+
+def build_engine(parameters: Car) -> Engine:
+    """The engine that a car's dampers need."""
+    ideal = isinstance(parameters.corners[0].damper, IdealDamper)
+    return Native(parameters) if ideal else Stepped(parameters)
+
+
+def _state_order(parameters: Car) -> NDArray[np.int64]:
+    """Where MuJoCo's state [time, positions, velocities, activations] keeps what the equations' x holds."""
+    freedoms = len(parameters.body_inertia) + parameters.wheels
+    motion = [index for i in range(freedoms) for index in (1 + i, 1 + freedoms + i)]
+    activations = parameters.wheels * (1 if parameters.corners[0].actuator is None else 2)
+    return np.array(motion + [1 + 2 * freedoms + i for i in range(activations)])
