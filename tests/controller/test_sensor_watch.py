@@ -1,0 +1,76 @@
+"""What the watch over the sensors lets pass."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controller.sensor_watch import EVERYTHING, STUCK_READINGS, SensorWatch
+from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
+
+
+def reading(k: int, **changed: object) -> Measurement:
+    """Reading number k of a half car in motion; no two are equal."""
+    rng = np.random.default_rng(k)
+    sound = Measurement(
+        0.005 * k, rng.normal(size=2), rng.normal(size=2), 0.01 * rng.normal(size=2), 0.1 * k, 10.0 + k
+    )
+    return replace(sound, **changed)  # type: ignore[arg-type]
+
+
+def test_sound_readings_pass_unchanged() -> None:
+    watch = SensorWatch(2, SensorNoise())
+    for k in range(20):
+        sound = reading(k)
+        checked = watch.check(sound)
+        assert checked.measurement is sound
+        assert (checked.faults, any(checked.lost)) == ((), False)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "fault", "channel"),
+    [
+        ("body_acc", np.array([0.5, np.nan]), "body_acc_1 silent", 1),
+        ("wheel_acc", np.array([np.inf, 0.5]), "wheel_acc_0 silent", 2),
+        ("rattle_m", np.array([0.7, 0.01]), "rattle_m_0 out of range", 4),
+        ("pitch_rate", float("nan"), "pitch_rate silent", 6),
+        ("speed_m_s", 400.0, "speed_m_s out of range", 7),
+    ],
+)
+def test_a_bad_reading_is_named_and_held_at_the_last_good_one_until_the_sensor_is_back(
+    name: str, value: object, fault: str, channel: int
+) -> None:
+    watch = SensorWatch(2, SensorNoise())
+    good = reading(0)
+    watch.check(good)
+    checked = watch.check(reading(1, **{name: value}))
+    assert checked.faults == (fault,)
+    assert np.flatnonzero(checked.lost).tolist() == [channel]
+    wheel = int(fault.split()[0][-1]) if fault.split()[0][-1].isdigit() else None
+    held, before = getattr(checked.measurement, name), getattr(good, name)
+    assert held == before if wheel is None else held[wheel] == before[wheel]
+    assert watch.check(reading(2)).faults == ()
+
+
+def test_a_sensor_is_stuck_after_some_equal_readings_and_back_with_the_first_other_one() -> None:
+    watch = SensorWatch(2, SensorNoise())
+    faults = []
+    for k in range(10):
+        rattle = np.array([0.01, 0.001 * k]) if k < 8 else np.array([0.001 * k, 0.02])
+        faults.append(watch.check(reading(k, rattle_m=rattle)).faults)
+    assert faults[: STUCK_READINGS - 1] == [()] * (STUCK_READINGS - 1)
+    assert faults[STUCK_READINGS - 1 : 8] == [("rattle_m_0 stuck",)] * (9 - STUCK_READINGS)
+    assert faults[8:] == [(), ()]
+
+
+def test_sensors_without_noise_may_repeat_themselves() -> None:
+    watch, still = SensorWatch(2, NO_NOISE), reading(0)
+    assert all(watch.check(still).faults == () for _ in range(10))
+
+
+def test_a_silent_bus_has_a_name_of_its_own() -> None:
+    watch = SensorWatch(1, SensorNoise())
+    nothing = np.array([np.nan])
+    checked = watch.check(Measurement(0.0, nothing, nothing, nothing, float("nan"), float("nan")))
+    assert checked.faults == (EVERYTHING,)
+    assert np.isfinite(checked.measurement.rattle_m).all()
