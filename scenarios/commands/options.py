@@ -15,12 +15,14 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from controller.settings import ControllerSettings
+from files import strict, yaml12
 from files.errors import InputError
 from scenarios.cases import PERCEPTIONS, Case, cases
 from scenarios.closed_loop import Run
-from scenarios.loading import load
 from scenarios.parallel import simulate_each
 from scenarios.report.table import short_name
+from scenarios.sets import load_all
 
 _FILE_WIDTH = 140
 
@@ -74,6 +76,9 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--observer", choices=("truth", "sensors"), help="overrides the scenario's observer")
     command.add_argument(
+        "--settings", type=Path, metavar="FILE", help="controllers' settings, as `foreride tune` writes them"
+    )
+    command.add_argument(
         "--set",
         action="append",
         default=[],
@@ -91,12 +96,22 @@ def add_output_options(command: argparse.ArgumentParser) -> None:
 
 def overrides_of(arguments: argparse.Namespace) -> list[str]:
     """The `--set` overrides, with those that `--vehicle` and `--observer` stand for."""
-    overrides = list(arguments.overrides)
+    overrides = [] if arguments.settings is None else settings_overrides(arguments.settings)
+    overrides += arguments.overrides
     if arguments.vehicle:
         overrides.append(f"vehicle.model={arguments.vehicle}")
     if arguments.observer:
         overrides.append(f"observer={arguments.observer}")
     return overrides
+
+
+def settings_overrides(path: Path) -> list[str]:
+    """The overrides that the settings in a file of controllers' settings stand for; those it leaves out stay."""
+    strict.read(ControllerSettings, path)
+    laws = yaml12.parse(path.read_text(encoding="utf-8"), str(path))
+    return [
+        f"control.settings.{law}.{name}={value}" for law, values in laws.items() for name, value in values.items()
+    ]
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
@@ -114,7 +129,7 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
 
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     """All cases that the command line asks for, in order."""
-    scenarios = [load(name, overrides_of(arguments)) for name in names]
+    scenarios = load_all(names, overrides_of(arguments))
     return cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
 
 
