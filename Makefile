@@ -1,10 +1,10 @@
-# `make demo` runs the closed loop, `make test` the tests, `make validation` the comparisons with other sources;
-# all build .venv if it is missing or out of date.
+# `make demo` runs the closed loop, `make test` the tests, `make validation` the comparisons with other sources,
+# `make docs` builds the documentation; all build .venv if it is missing or out of date.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint validation clean
+.PHONY: demo test lint docs validation clean
 
 demo: $(VENV)/.installed
 	$(BIN)/foreride demo
@@ -27,8 +27,16 @@ $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[training,dev]"
 	touch $@ $(VENV)/.installed
 
+docs: $(VENV)/.installed-docs
+	$(BIN)/python -m sphinx -q -W -b html docs build/docs
+	@echo build/docs/index.html
+
 validation: $(VENV)/.installed
 	$(BIN)/foreride validation --out docs/validation.md
+
+$(VENV)/.installed-docs: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/pip install --quiet --disable-pip-version-check -e ".[docs]"
+	touch $@ $(VENV)/.installed
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy .

@@ -1,0 +1,121 @@
+"""Measures and draws the figures of the documentation: `python docs/figures.py [measure|draw]`.
+
+`measure` drives everything and keeps the numbers in figures/physics.json; `draw` makes the figures of them.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from files.atomic import write_text
+from scenarios.cases import Case
+from scenarios.closed_loop import simulate
+from scenarios.loading import load
+from scenarios.report.figures import colour_of, save, write_event_figure
+
+FOLDER = Path(__file__).parent / "figures"
+NUMBERS = FOLDER / "physics.json"
+BASE = ("vehicle.model=quarter", "observer=truth")
+EVENTS = (
+    "bump_8x40_30", "bump_10x50_20", "hump_watts_30", "hump_flat_30",
+    "pothole_30x5_50", "pothole_60x8_40", "pothole_80x10_60", "rough_b_80", "mixed_40",
+)  # fmt: skip
+CONTROLLERS = ("skyhook", "mpc_reactive", "mpc_preview")
+STUDIED = ("hump_flat_30", "pothole_60x8_40")
+SWEEPS: dict[str, tuple[float, ...]] = {
+    "oracle.bias_m": (-0.6, -0.4, -0.2, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6),
+    "oracle.height_gain": (0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0),
+    "control.settings.mpc.horizon_s": (0.03, 0.05, 0.1, 0.15, 0.2, 0.3),
+}
+TITLES = {
+    "oracle.bias_m": "obstacle believed farther ahead by (m)",
+    "oracle.height_gain": "believed over true height",
+    "control.settings.mpc.horizon_s": "length of the plan (s)",
+}
+TRACED = ("passive", "mpc_reactive", "mpc_preview")
+
+
+def measure() -> None:
+    """Drive all events and sweeps on the quarter car with exact states; J relative to the passive car."""
+    events = {name: {law: _ratio(name, law) for law in CONTROLLERS} for name in EVENTS}
+    sweeps = {
+        field: {
+            name: [_ratio(name, "mpc_preview", f"{field}={value}") for value in values] for name in STUDIED
+        }
+        for field, values in SWEEPS.items()
+    }
+    write_text(NUMBERS, json.dumps({"events": events, "sweeps": sweeps}, indent=1) + "\n")
+    runs = [simulate(_case("hump_flat_30", law)) for law in TRACED]
+    write_event_figure(FOLDER / "hump.png", runs)
+
+
+def draw() -> None:
+    """Make the figures from the numbers."""
+    numbers = json.loads(NUMBERS.read_text())
+    _draw_events(numbers["events"])
+    _draw_sweeps(numbers["sweeps"], numbers["events"])
+
+
+def _case(name: str, law: str, *overrides: str) -> Case:
+    return Case(load(name, (*BASE, *overrides)), law, "oracle" if law == "mpc_preview" else "none", 0)
+
+
+_passive: dict[str, float] = {}
+
+
+def _ratio(name: str, law: str, *overrides: str) -> float:
+    if name not in _passive:
+        _passive[name] = simulate(_case(name, "passive")).metrics["objective"]
+    ratio = simulate(_case(name, law, *overrides)).metrics["objective"] / _passive[name]
+    print(f"{name} {law} {' '.join(overrides)} {ratio:.3f}", flush=True)
+    return round(ratio, 4)
+
+
+def _draw_events(events: dict[str, dict[str, float]]) -> None:
+    figure = Figure(figsize=(8, 4.4), layout="constrained")
+    axis = figure.subplots()
+    for row, ratios in enumerate(events.values()):
+        axis.plot([min(ratios.values()), max(ratios.values())], [row, row], color="#d5d8db", lw=5, zorder=1)
+        for index, law in enumerate(CONTROLLERS):
+            label = law.replace("mpc_", "MPC, ") if row == 0 else None
+            axis.scatter(ratios[law], row, s=60, color=colour_of(law, index), label=label, zorder=2)
+    axis.axvline(1.0, color=colour_of("passive", 0), lw=1.2)
+    axis.text(1.005, -0.7, "passive", fontsize=8, color=colour_of("passive", 0))
+    axis.set_yticks(range(len(events)), [load(name).title for name in events], fontsize=9)
+    axis.invert_yaxis()
+    axis.set_xlim(0.1, 1.1)
+    axis.set_xlabel("objective J relative to the passive car (less is better)")
+    _plain(axis)
+    axis.legend(fontsize=9, loc="lower left", frameon=False)
+    save(figure, FOLDER / "events.png")
+
+
+def _draw_sweeps(sweeps: dict[str, dict[str, list[float]]], events: dict[str, dict[str, float]]) -> None:
+    figure = Figure(figsize=(10, 3.6), layout="constrained")
+    axes = figure.subplots(1, len(sweeps), sharey=True)
+    colours: dict[str, Any] = dict(zip(STUDIED, ("#1c6ebe", "#b0413e"), strict=True))
+    for axis, (field, curves) in zip(axes, sweeps.items(), strict=True):
+        for name, ratios in curves.items():
+            axis.plot(SWEEPS[field], ratios, "o-", color=colours[name], ms=4, label=load(name).title)
+            axis.axhline(events[name]["mpc_reactive"], color=colours[name], lw=1, ls="--")
+        axis.set_xlabel(TITLES[field])
+        _plain(axis)
+    axes[0].set_ylabel("J relative to passive")
+    axes[0].set_ylim(0, None)
+    axes[-1].legend(fontsize=8, frameon=False, title="dashed: reactive MPC", title_fontsize=8)
+    save(figure, FOLDER / "knowledge.png")
+
+
+def _plain(axis: Axes) -> None:
+    axis.grid(alpha=0.25)
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+if __name__ == "__main__":
+    wanted = sys.argv[1:] or ["measure", "draw"]
+    for step in wanted:
+        {"measure": measure, "draw": draw}[step]()

@@ -1,0 +1,154 @@
+"""Reference pages made from the code itself: scenario fields, commands, metrics, controllers (Markdown)."""
+
+import argparse
+import inspect
+import re
+import types
+from collections.abc import Iterator
+from dataclasses import MISSING, Field, fields, is_dataclass
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from comfort import METRICS
+from files import strict
+from files.atomic import write_text
+from scenarios.cli import parser
+from scenarios.schema import Scenario
+
+_SCENARIO_HEAD = """# Scenario fields
+
+Made from the schema: what a scenario file may say, and `--set path.to.field=value` on the command line. A
+field without a default must be given, but `name` is the file's name where it is missing, and
+`vehicle.parameters` holds only what differs from the car that `vehicle.model` names (`quarter`, `half`,
+`full` or a YAML file).
+"""
+_ENTRY = re.compile(r"\s*([a-z0-9_]+(?:, [a-z0-9_]+)*): (.*)")
+_NEXT_ENTRY = re.compile(r"(?<=[.;]) (?=[a-z0-9_]+(?:, [a-z0-9_]+)*: )")
+_LEAVES = {float: "number", int: "whole number", str: "text", bool: "true or false", type(None): "nothing"}
+
+
+def write(folder: Path) -> None:
+    """Write every page into the folder."""
+    pages = {"scenario": scenario_page(), "commands": command_page(), "metrics": metric_page()}
+    for name, text in pages.items():
+        write_text(folder / f"{name}.md", text)
+
+
+def scenario_page() -> str:
+    """Every field a scenario file may set: type, default, and what its block is about."""
+    lines = [_SCENARIO_HEAD]
+    for path, cls in blocks(Scenario):
+        own = [item for item in fields(cls) if item.init]
+        prose, meanings = _described(inspect.cleandoc(cls.__doc__ or ""), {item.name for item in own})
+        lines += [f"## {path or 'The file itself'}", "", prose, ""]
+        if own:
+            hints = get_type_hints(cls)
+            lines += ["| field | type | default | |", "|---|---|---|---|"]
+            for item in own:
+                cells = f"`{item.name}`", _type(hints[item.name]), _default(item), meanings.get(item.name, "")
+                lines.append(f"| {' | '.join(cells)} |")
+            lines.append("")
+    return "\n".join(lines)
+
+
+def blocks(root: Any) -> Iterator[tuple[str, Any]]:
+    """Dotted path and dataclass of every block of a document, outermost first, each class once."""
+    seen, waiting = {root}, [("", root)]
+    while waiting:
+        path, cls = waiting.pop(0)
+        yield path, cls
+        hints = get_type_hints(cls)
+        inner = []
+        for item in fields(cls):
+            members = list(_dataclasses(hints[item.name])) if item.init else []
+            place = f"{path.partition(':')[0]}.{item.name}".lstrip(".")
+            for member in members:
+                kind = getattr(member, "kind", None) if len(members) > 1 else None
+                inner.append((f"{place}: {kind}" if kind else place, member))
+        waiting = [entry for entry in inner if entry[1] not in seen] + waiting
+        seen |= {member for _, member in inner}
+
+
+def _described(doc: str, names: set[str]) -> tuple[str, dict[str, str]]:
+    """A docstring's prose, and what it says of single fields in the form `name[, name]: text`."""
+    prose: list[str] = []
+    meanings: dict[str, str] = {}
+    current: list[str] = []
+    for line in _NEXT_ENTRY.sub("\n", doc).splitlines():
+        entry = _ENTRY.match(line)
+        if entry and set(entry[1].split(", ")) <= names:
+            current = entry[1].split(", ")
+            meanings |= dict.fromkeys(current, entry[2])
+        elif current and line.strip() and line.strip() != "Args:":
+            meanings |= {name: f"{meanings[name]} {line.strip()}" for name in current}
+        else:
+            current = []
+            if line.strip() != "Args:":
+                prose.append(line)
+    paragraphs = "\n".join(prose).strip().split("\n\n")
+    kept = [text.strip() for text in paragraphs if not text.startswith("Raises")]
+    return "\n\n".join(kept), {name: text.replace("|", "\\|") for name, text in meanings.items()}
+
+
+def command_page() -> str:
+    """The help of every command."""
+    lines = ["# Commands", "", "Exit codes: 0 success, 1 a check failed, 2 bad input, told in one line.", ""]
+    for name, command in _commands(parser()):
+        lines += [f"## {name}", "", "```text", command.format_help().rstrip(), "```", ""]
+    return "\n".join(lines)
+
+
+def metric_page() -> str:
+    """Every metric of a run with its unit."""
+    lines = ["# Metrics", "", "What `metrics.json` of a run and the rows of a comparison hold.", ""]
+    lines += ["| metric | unit and meaning |", "|---|---|"]
+    lines += [f"| `{name}` | {meaning} |" for name, meaning in METRICS.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _commands(top: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.ArgumentParser]]:
+    for action in top._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in dict.fromkeys(action.choices.values()):
+                inner = list(_commands(command))
+                yield from inner or [(command.prog, command)]
+
+
+def _dataclasses(hint: Any) -> Iterator[Any]:
+    if is_dataclass(hint):
+        yield hint
+    for argument in get_args(hint) if get_origin(hint) is not Literal else ():
+        yield from _dataclasses(argument)
+
+
+def _type(hint: Any) -> str:
+    origin, arguments = get_origin(hint), get_args(hint)
+    if hint in _LEAVES:
+        return _LEAVES[hint]
+    if origin is Literal:
+        return ", ".join(f"`{choice}`" for choice in arguments)
+    if origin in (Union, types.UnionType):
+        kinds: list[Any] = [member for member in arguments if is_dataclass(member)]
+        if len(kinds) > 1:
+            return "a block with `kind`: " + ", ".join(f"`{kind.kind}`" for kind in kinds)
+        return " or ".join(_type(member) for member in arguments)
+    if origin is tuple and arguments[1:] == (Ellipsis,):
+        return f"list of: {_type(arguments[0])}"
+    if origin is tuple:
+        return f"list of {len(arguments)}: {_type(arguments[0])}"
+    if origin is dict:
+        return "block of own names"
+    return "a block"
+
+
+def _default(item: Field) -> str:
+    if item.default is not MISSING:
+        value = item.default
+    elif item.default_factory is not MISSING:
+        value = item.default_factory()
+    else:
+        return "**required**"
+    plain = strict.to_mapping(value)
+    if isinstance(plain, dict):
+        return f"kind `{plain['kind']}`" if "kind" in plain else "its fields' defaults"
+    return "none" if plain is None else f"`{plain}`"

@@ -1,0 +1,72 @@
+"""Every code block of the documentation runs.
+
+On one page, in order, in one empty folder: `yaml` and `python` blocks whose first line is `# name.ext` become
+that file; `python` blocks run one after another in one namespace; lines of `bash` blocks run. Lines of `sh`
+blocks, which take long or need more than this machine, are parsed by the command's own parser; their `make`
+targets exist.
+"""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from scenarios.cli import main, parser
+from scenarios.loading import load
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"# (\w+\.(?:py|yaml))\n")
+KNOWN = {"yaml", "python", "bash", "sh", "text"}
+
+
+def blocks(page: Path) -> list[tuple[str, str]]:
+    return BLOCK.findall(page.read_text(encoding="utf-8"))
+
+
+def commands(text: str) -> list[list[str]]:
+    return [shlex.split(line, comments=True) for line in text.splitlines() if line.strip()]
+
+
+def check_only(line: list[str]) -> None:
+    if line[0] == "make":
+        assert re.search(rf"^{line[1]}:", (ROOT / "Makefile").read_text(), re.MULTILINE), line
+    else:
+        assert line[0] == "foreride", line
+        parser().parse_args(line[1:])
+
+
+def pages(with_runs: bool) -> list[Path]:
+    def runs(page: Path) -> bool:
+        return any(kind in ("bash", "python", "yaml") for kind, _ in blocks(page))
+
+    return [page for page in PAGES if "reference" not in page.parts and runs(page) == with_runs]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", pages(with_runs=True), ids=lambda page: page.stem)
+def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    namespace: dict[str, object] = {"__name__": "page"}
+    for kind, text in blocks(page):
+        named = FILE.match(text)
+        if named:
+            Path(named[1]).write_text(text)
+        if kind == "yaml":
+            assert named, f"{page.name}: a yaml block must begin with its file's name"
+            load(named[1])
+        elif kind == "python":
+            exec(compile(text, f"{page.name}:{named[1] if named else 'block'}", "exec"), namespace)
+        for line in commands(text) if kind == "bash" else ():
+            assert line[0] == "foreride", line
+            assert main(line[1:]) == 0, " ".join(line)
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md"], ids=lambda page: page.stem)
+def test_commands_exist(page: Path) -> None:
+    for kind, text in blocks(page):
+        assert kind in KNOWN, f"{page.name}: what should a test do with a {kind!r} block?"
+        for line in commands(text) if kind in ("bash", "sh") else ():
+            check_only(line)

@@ -1,0 +1,56 @@
+"""The documentation builds without a warning, and its reference pages say what the code says."""
+
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from comfort import METRICS
+from scenarios import reference
+from scenarios.cli import parser
+from scenarios.loading import load
+from scenarios.schema import Scenario
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+def test_every_field_of_a_scenario_is_on_its_page() -> None:
+    page = reference.scenario_page()
+    for _, block in reference.blocks(Scenario):
+        for item in fields(block):
+            assert not item.init or f"| `{item.name}` |" in page
+    for place in ("road.features: pothole", "camera.intrinsics", "control.settings.mpc"):
+        assert f"\n## {place}\n" in page
+    assert "| `depth_m` | number | **required** | depth of the floor under the road. |" in page
+
+
+def test_blocks_follow_the_mapping_of_a_scenario() -> None:
+    """Each block of a written scenario is one of those described, by its dotted path."""
+    described = {path.partition(":")[0] for path, _ in reference.blocks(Scenario)}
+
+    def paths(mapping: dict, path: str = "") -> set[str]:
+        inner = {f"{path}.{key}".strip("."): value for key, value in mapping.items()}
+        inner = {place: value for place, value in inner.items() if isinstance(value, dict)}
+        return set(inner).union(*(paths(value, place) for place, value in inner.items()))
+
+    assert paths(load("mixed_40").mapping) - {"control.settings.user"} <= described
+
+
+def test_every_command_and_metric_is_on_its_page() -> None:
+    page = reference.command_page()
+    commands = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
+    for name in commands:
+        assert f"## foreride {name}" in page
+    assert all(f"| `{name}` | {meaning} |" in reference.metric_page() for name, meaning in METRICS.items())
+
+
+@pytest.mark.slow
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    build = ["-q", "-W", "--keep-going", "-b", "html"]
+    command = [sys.executable, "-m", "sphinx", *build, str(DOCS), str(tmp_path)]
+    result = subprocess.run(command, capture_output=True, text=True, cwd=DOCS.parent)
+    assert result.returncode == 0, result.stderr
+    for page in ("index", "quickstart", "physics", "validation", "reference/scenario", "reference/commands"):
+        assert (tmp_path / f"{page}.html").is_file()
