@@ -1,6 +1,6 @@
 """What there is to say about a road: its unevenness along some lines, and its features."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -14,10 +14,11 @@ STEP_M = 0.05
 
 @dataclass(frozen=True)
 class Track:
-    """Unevenness along y = y_m, features included, from where the road has faded in to its end.
+    """Unevenness along y = y_m from where the road has faded in to its end.
 
-    range_m: highest minus lowest point. The IRI needs 11 m of road; level, waviness and class (ISO 8608, of
-    the fitted line) 40 m of rough road; None without.
+    range_m: highest minus lowest point, features included, as in the IRI, which needs 11 m of road. Level,
+    waviness and class (ISO 8608, of the fitted line) are those of the road between its features and need 40 m
+    of rough road. None where that is not given.
     """
 
     y_m: float
@@ -37,7 +38,7 @@ def track_facts(road: Road, y_m: float) -> Track:
     except InputError:
         roughness = None
     try:
-        line = fit(spectrum(z, STEP_M))
+        line = fit(spectrum(replace(road, features=()).height(x, y_m), STEP_M))
     except InputError:
         line = None
     return Track(
