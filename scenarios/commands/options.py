@@ -106,11 +106,13 @@ def overrides_of(arguments: argparse.Namespace) -> list[str]:
 
 
 def settings_overrides(path: Path) -> list[str]:
-    """The overrides that the settings in a file of controllers' settings stand for; those it leaves out stay."""
+    """The overrides that a file of controllers' settings stands for; what it leaves out stays as it is."""
     strict.read(ControllerSettings, path)
     laws = yaml12.parse(path.read_text(encoding="utf-8"), str(path))
     return [
-        f"control.settings.{law}.{name}={value}" for law, values in laws.items() for name, value in values.items()
+        f"control.settings.{law}.{name}={value}"
+        for law, values in laws.items()
+        for name, value in values.items()
     ]
 
 

@@ -1,0 +1,1 @@
+"""Tables of results over the reporting set, each by one command."""

@@ -1,0 +1,58 @@
+"""What a wrong preview costs: `mpc_preview` with an oracle that errs, against `mpc_reactive`.
+
+`python -m benchmarks.tables.degraded`, on the reporting set. The oracle tells the size of its errors as a
+perception would that knows its own quality: a position sigma as large as the bias, a height sigma as large as
+the error of height.
+"""
+
+from collections.abc import Mapping
+
+from benchmarks.tables.runs import Variant, arguments, mean_over_events, metric, run_all, shown, write
+from scenarios.sets import load_all
+
+SIGMA_M = 0.05
+"""Position sigma told where the position is not what errs."""
+LIMIT, LIMIT_FALSE = 1.02, 1.05
+
+
+def errors() -> dict[str, Mapping[str, float]]:
+    """Each line's errors of the oracle."""
+    lines: dict[str, Mapping[str, float]] = {"true": {}}
+    for bias in (0.1, -0.1, 0.2, -0.2, 0.5, -0.5):
+        lines[f"bias {bias:+g} m"] = {"bias_m": bias, "position_sigma_m": abs(bias)}
+    for gain in (1.3, 0.7):
+        lines[f"height {gain - 1:+.0%}"] = {"height_gain": gain, "height_sigma": 0.3}
+    for latency in (0.05, 0.1, 0.15):
+        lines[f"latency {1e3 * latency:.0f} ms"] = {"latency_s": latency}
+    lines["20 % missed"] = {"miss_probability": 0.2}
+    lines["1 false per 100 m"] = {"false_per_100m": 1.0, "existence": 0.7}
+    return {name: {"position_sigma_m": SIGMA_M, **line} if line else line for name, line in lines.items()}
+
+
+def main() -> None:
+    parser = arguments("mpc_preview with a preview that errs", seeds="0")
+    parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
+    asked = parser.parse_args()
+    common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
+    variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]
+    for name, line in errors().items():
+        if not asked.lines or name in asked.lines.split(","):
+            told = [f"oracle.{field}={value}" for field, value in line.items()]
+            variants.append(Variant(name, "mpc_preview", "oracle", load_all(asked.events, common + told)))
+    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")])
+    reactive = metric(done["mpc_reactive"], "objective")
+    print(f"\n{asked.vehicle} car, {reactive.shape[1]} events, seeds {asked.seeds}\n")
+    print("| preview | J / mpc_reactive | worst event | at most |\n|---|---|---|---|")
+    for name in list(done)[1:]:
+        ratio = metric(done[name], "objective") / reactive
+        worst = ratio.mean(axis=0)
+        limit = LIMIT_FALSE if "false" in name else LIMIT
+        where = variants[0].scenarios[int(worst.argmax())].name
+        mean = mean_over_events(ratio)
+        verdict = "" if mean.mean <= limit else " **over**"
+        print(f"| {name} | {shown(mean)}{verdict} | {worst.max():.3f} ({where}) | {limit:.2f} |")
+    write(asked.json, done)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""Runs over a set of events, and means over it."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from rich.progress import track
+
+from files.atomic import write_text
+from scenarios.cases import Case
+from scenarios.closed_loop import simulate
+from scenarios.runfolder import environment, row, to_json
+from scenarios.schema import Scenario
+from scenarios.statistics import Interval, Row, intervals
+
+
+class Variant(NamedTuple):
+    """A line of a table: a controller on scenarios that may differ from those of the other lines."""
+
+    name: str
+    controller: str
+    perception: str
+    scenarios: Sequence[Scenario]
+
+
+def arguments(description: str, seeds: str) -> argparse.ArgumentParser:
+    """The options that all tables share."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument(
+        "--events", nargs="+", default=["reporting"], help="scenarios or sets (default reporting)"
+    )
+    parser.add_argument("--vehicle", default="half", help="quarter, half or full (default half)")
+    parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
+    parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
+    return parser
+
+
+def run_all(variants: Sequence[Variant], seeds: Sequence[int]) -> dict[str, list[list[Row]]]:
+    """One row for each variant, seed and event, in this order of nesting."""
+    done: dict[str, list[list[Row]]] = {}
+    for variant in variants:
+        done[variant.name] = [
+            [
+                row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
+                for scenario in track(variant.scenarios, f"{variant.name}, seed {seed}")
+            ]
+            for seed in seeds
+        ]
+    return done
+
+
+def metric(rows: list[list[Row]], name: str) -> np.ndarray:
+    """One metric of each run, (seeds, events)."""
+    return np.array([[one["metrics"][name] for one in of_seed] for of_seed in rows])
+
+
+def mean_over_events(values: np.ndarray) -> Interval:
+    """Mean of (seeds, events) over both, with a confidence interval over the seeds."""
+    return intervals(values.mean(axis=1)[None])[0]
+
+
+def shown(interval: Interval, style: str = ".3f") -> str:
+    """`mean [low, high]`, or the mean alone where the seeds are too few."""
+    if interval.low is None or interval.high is None:
+        return format(interval.mean, style)
+    return f"{interval.mean:{style}} [{interval.low:{style}}, {interval.high:{style}}]"
+
+
+def write(path: Path | None, done: dict[str, list[list[Row]]]) -> None:
+    """Write every row under its variant's name, if a file is wanted."""
+    if path is not None:
+        rows = {name: [one for of_seed in runs for one in of_seed] for name, runs in done.items()}
+        write_text(path, to_json({"schema": 1, "manifest": environment(), "variants": rows}) + "\n")
+        print(f"rows: {path}")
