@@ -1,4 +1,4 @@
-"""Seeded, labelled image sets in YOLO layout; from the command line: python -m road.dataset --out DIR."""
+"""Seeded, labelled image sets in YOLO layout: `foreride detector data --out DIR`."""
 
 import argparse
 import hashlib
@@ -16,7 +16,9 @@ import numpy as np
 from files.atomic import write_bytes, write_text
 from files.errors import InputError
 from road.appearance import Appearance, random_appearance
+from road.boxes import NAMES
 from road.camera import Camera, CameraPose
+from road.card import real_statistics, write_card
 from road.features import Feature
 from road.profile import Road
 from road.render import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX, Frame, Scene
@@ -24,7 +26,6 @@ from road.roadside import moving, standing
 from road.scenes import random_positions, random_road, random_view
 
 FORMAT = 1
-NAMES = ("speed_bump", "pothole")
 SPLITS = ("train", "val", "test")
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
 VIEWS_PER_ROAD = 10
@@ -89,6 +90,7 @@ def write_dataset(
         "hash": digest.hexdigest(),
     }
     write_text(out / "dataset.json", json.dumps(summary, indent=1) + "\n")
+    write_card(out, real_statistics([]))
     return summary
 
 
@@ -178,7 +180,7 @@ def _label(cls: int, box: list[float], camera: Camera) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="python -m road.dataset", description="Render a labelled data set.")
+    parser = argparse.ArgumentParser(prog="foreride detector data", description="Render a labelled data set.")
     parser.add_argument("--out", type=Path, required=True, help="folder to write, empty or new")
     parser.add_argument("--seed", type=int, default=0)
     for split, default in zip(SPLITS, (5250, 1125, 1125), strict=True):

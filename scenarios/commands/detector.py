@@ -7,6 +7,8 @@ from files.errors import InputError
 
 MODULES = {
     "data": ("road.dataset", "render a labelled image set"),
+    "card": ("road.card", "write a rendered set's README.md"),
+    "boxes": ("road.boxes", "box sizes of labelled folders"),
     "train": ("detector.train", "train SBP-YOLO (extra: training)"),
     "eval": ("detector.evaluate", "precision, recall and mAP on a folder of images"),
     "export": ("detector.export", "write ONNX from trained weights (extra: training)"),
@@ -16,9 +18,7 @@ MODULES = {
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand; the options after the step's name are those of its module."""
     summary = "; ".join(f"{name}: {text}" for name, (_, text) in MODULES.items())
-    command = commands.add_parser(
-        "detector", help="data, train, eval, export", description=summary, add_help=True
-    )
+    command = commands.add_parser("detector", help=", ".join(MODULES), description=summary, add_help=True)
     command.add_argument("step", choices=MODULES)
     command.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="options; `--help` lists them")
     command.set_defaults(execute=execute)

@@ -1,5 +1,7 @@
 """Dust, puddles and snow lie where they must; crumbled potholes keep to their holes."""
 
+from typing import Any
+
 import numpy as np
 
 from road.appearance import Appearance
@@ -8,7 +10,7 @@ from road.features import Pothole
 from road.profile import Road
 from road.surface import Surface
 
-EDGES = {"left_edge_m": 3.5, "right_edge_m": -3.5}
+EDGES: dict[str, Any] = {"left_edge_m": 3.5, "right_edge_m": -3.5}
 
 
 def lit(look: Appearance, features: tuple = (), seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ import pytest
 
 from files.errors import InputError
 from road.dataset import VIEWS_PER_ROAD, main, write_dataset
+from road.render import MAX_HIDDEN
 
 COUNTS = {"train": VIEWS_PER_ROAD + 2, "val": 3, "test": 3}
 
@@ -73,6 +74,34 @@ def test_labels_are_the_objects_and_lie_in_the_image(folder: Path) -> None:
                 assert thing["height_px"] >= 3
                 seen += 1
     assert seen > 5
+
+
+def test_splits_share_no_image(folder: Path) -> None:
+    assert len({row["road"] for row in rows_of(folder, "train")}) == 2
+    images = {split: {p.read_bytes() for p in (folder / split / "images").iterdir()} for split in COUNTS}
+    assert not images["train"] & (images["val"] | images["test"])
+
+
+def test_objects_are_at_most_partly_hidden_and_carry_kind_and_condition(folder: Path) -> None:
+    for split in COUNTS:
+        for row in rows_of(folder, split):
+            assert {"light", "weather", "low_sun", "motion_blur_px"} <= set(row["condition"])
+            for thing in row["objects"]:
+                assert 0 <= thing["hidden"] <= MAX_HIDDEN
+                assert thing["class"] == (thing["kind"] == "pothole")
+                assert (thing["paint"] is None) == (thing["class"] == 1)
+
+
+def test_the_card_counts_what_is_there(folder: Path) -> None:
+    card = (folder / "README.md").read_text()
+    for split, count in COUNTS.items():
+        rows = rows_of(folder, split)
+        classes = [thing["class"] for row in rows for thing in row["objects"]]
+        empty = sum(not row["objects"] for row in rows)
+        roads = len({row["road"] for row in rows})
+        line = f"| {split} | {roads} | {count} | {empty} | {classes.count(0)} | {classes.count(1)} |"
+        assert line in card
+    assert "varma_marked" in card
 
 
 def test_a_full_folder_is_refused(folder: Path) -> None:

@@ -1,5 +1,7 @@
 """What stands on the road, against slab tests of its rays, projection and the sun's geometry."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -17,7 +19,7 @@ from road.render import MAX_HIDDEN, Scene
 CAMERA = Camera()
 POSE = pose_of(CameraMount(), 1.0, 0.0, 0.0)
 VIEW = View(POSE.rotation, POSE.position, CAMERA.focal_px, CAMERA.cx, CAMERA.cy)
-QUIET = {"noise": 0.0, "blur_px": 0.0}
+QUIET: dict[str, Any] = {"noise": 0.0, "blur_px": 0.0}
 
 
 def box(x: float, y: float, size: tuple[float, float, float], yaw: float = 0.0) -> Solid:

@@ -1,0 +1,113 @@
+"""Box sizes of labelled image folders: `foreride detector boxes FOLDER... [--json FILE]`."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from files.atomic import write_text
+from files.errors import InputError
+
+NAMES = ("speed_bump", "pothole")
+WIDTH_PX = 640  # sizes are given as in an image of this width
+QUANTILES = (10, 25, 50, 75, 90)
+SMALL_PX = 32  # COCO's small objects are under 32 x 32 px
+_IMAGES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
+
+
+def box_statistics(folder: Path) -> dict:
+    """Numbers and sizes of the boxes in a YOLO folder (images/, labels/), per class.
+
+    Sizes are in pixels of an image WIDTH_PX wide: QUANTILES of width and of height, and the share whose area
+    is under SMALL_PX squared. Raises InputError that names every image or label that cannot be read.
+    """
+    paths = sorted(p for p in (folder / "images").glob("*") if p.suffix.lower() in _IMAGES)
+    if not paths or not (folder / "labels").is_dir():
+        raise InputError(f"{folder}: must hold images/ with at least one picture, and labels/")
+    sizes: list[list[tuple[float, float]]] = [[] for _ in NAMES]
+    empty, faults = 0, []
+    for path in paths:
+        try:
+            boxes = _boxes(path)
+        except InputError as error:
+            faults.append(str(error))
+            continue
+        empty += not boxes
+        for cls, width, height in boxes:
+            sizes[cls].append((width, height))
+    if faults:
+        raise InputError(f"{len(faults)} of {len(paths)} images cannot be used: {'; '.join(faults)}")
+    classes = {name: _sizes(rows) for name, rows in zip(NAMES, sizes, strict=True) if rows}
+    return {"images": len(paths), "without_object": empty, "classes": classes}
+
+
+def table(statistics: dict[str, dict]) -> str:
+    """Markdown: one row per set and class."""
+    quantiles = " / ".join(f"{q}" for q in QUANTILES)
+    lines = [
+        f"| set | class | images | boxes | width, px: {quantiles} % | height, px: {quantiles} % "
+        f"| under {SMALL_PX}² px |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name, numbers in statistics.items():
+        for cls, row in numbers["classes"].items():
+            width, height = (" / ".join(f"{v:.0f}" for v in row[side]) for side in ("width_px", "height_px"))
+            lines.append(
+                f"| {name} | {cls} | {numbers['images']} | {row['boxes']} | {width} | {height} "
+                f"| {row['small']:.0%} |"
+            )
+    return "\n".join(lines) + "\n"
+
+
+def _boxes(path: Path) -> list[tuple[int, float, float]]:
+    """Class, width and height (px at WIDTH_PX) of each label of an image."""
+    image = cv2.imread(str(path))
+    if image is None:
+        raise InputError(f"{path}: cannot be decoded as an image")
+    label = path.parent.parent / "labels" / f"{path.stem}.txt"
+    rows = []
+    for number, line in enumerate(label.read_text().splitlines() if label.exists() else (), 1):
+        try:
+            cls, _, _, width, height = (float(word) for word in line.split())
+        except ValueError:
+            raise InputError(f"{label}:{number}: must be `class cx cy w h`, got {line!r}") from None
+        if cls not in range(len(NAMES)) or not (0 < width <= 1 and 0 < height <= 1):
+            raise InputError(f"{label}:{number}: class must be 0 or 1, w and h in (0, 1], got {line!r}")
+        rows.append((int(cls), width * WIDTH_PX, height * image.shape[0] / image.shape[1] * WIDTH_PX))
+    return rows
+
+
+def _sizes(rows: list[tuple[float, float]]) -> dict:
+    width, height = np.array(rows).T
+    return {
+        "boxes": len(rows),
+        "width_px": [round(float(v), 1) for v in np.percentile(width, QUANTILES)],
+        "height_px": [round(float(v), 1) for v in np.percentile(height, QUANTILES)],
+        "small": round(float(np.mean(width * height < SMALL_PX**2)), 4),
+    }
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; exit code 0, or 2 on bad input."""
+    parser = argparse.ArgumentParser(
+        prog="foreride detector boxes", description="Box sizes of labelled folders."
+    )
+    parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="holds images/ and labels/")
+    parser.add_argument("--json", type=Path, help="also write the numbers to this file")
+    options = parser.parse_args(arguments)
+    try:
+        statistics = {folder.name: box_statistics(folder) for folder in options.folders}
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    print(table(statistics), end="")
+    if options.json:
+        write_text(options.json, json.dumps(statistics, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
