@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from files.atomic import atomic_folder
+from scenarios.cases import Case
 from scenarios.closed_loop import Run
 from scenarios.preview_log import PreviewLog
 
@@ -101,9 +102,8 @@ def row(run: Run) -> dict[str, Any]:
     }
 
 
-def folder_name(run: Run) -> str:
+def folder_name(case: Case) -> str:
     """Name that tells a run from its siblings, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
-    case = run.case
     controller = case.controller.replace("/", "_").replace(":", "-")
     return (
         f"{case.scenario.name}-{case.scenario.vehicle.model}-{controller}-{case.perception}-seed{case.seed}"

@@ -33,9 +33,9 @@ def execute(arguments: argparse.Namespace) -> int:
     wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
     runs = simulate_all(wanted, keep_images=True)
     for run in runs:
-        write(run, out / folder_name(run))
+        write(run, out / folder_name(run.case))
     publish(arguments, [row(run) for run in runs], "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
-    metrics = {folder_name(run): run.metrics for run in runs}
+    metrics = {folder_name(run.case): run.metrics for run in runs}
     write_text(out / "metrics.json", to_json(metrics) + "\n")
     write_overview(out / "overview.png", runs)
     written = ["overview.png", "metrics.json"]

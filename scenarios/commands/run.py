@@ -33,7 +33,7 @@ def execute(arguments: argparse.Namespace) -> int:
     out = arguments.out or Path("runs")
     runs = []
     for run in simulated(wanted, arguments.frames, jobs_of(arguments)):
-        write(run, out / folder_name(run))
+        write(run, out / folder_name(run.case))
         runs.append(run)
     publish(arguments, [row(run) for run in runs])
     write_event_figure(out / f"{runs[0].case.scenario.name}.png", runs)

@@ -36,13 +36,14 @@ def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | Non
     return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in ran) else None
 
 
-def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> None:
-    """Print the table of the rows and write the files that the options ask for."""
+def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> dict[str, Any]:
+    """Print the table of the rows and write the files that the options ask for; returns the JSON document."""
     baseline = baseline_of(arguments.baseline, variants_of(rows))
     variants = summarise(rows, baseline)
     console.print(comparison(variants, title, console.width, baseline))
+    whole = document(rows, variants, baseline)
     if arguments.json:
-        write_text(arguments.json, to_json(document(rows, variants, baseline)) + "\n")
+        write_text(arguments.json, to_json(whole) + "\n")
     if arguments.parquet:
         write_bytes(arguments.parquet, parquet(rows))
     if arguments.markdown:
@@ -52,6 +53,7 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
     files = (arguments.json, arguments.parquet, arguments.markdown, arguments.latex)
     if any(files):
         console.print(f"numbers: {', '.join(str(path) for path in files if path)}")
+    return whole
 
 
 def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None) -> dict[str, Any]:

@@ -1,0 +1,72 @@
+"""`foreride report`: a run or a comparison as one HTML file, or as a film."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+
+from files.atomic import write_text
+from files.errors import InputError
+from scenarios.closed_loop import Run
+from scenarios.commands.options import console, progress_bar
+from scenarios.report.film import write_film
+from scenarios.report.frames import has_frames, with_frames
+from scenarios.report.gather import gather
+from scenarios.report.html import first_seeds, page
+
+_RENDERED = "Rendered again from the run's own record."
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("report", help="a run or a comparison as one HTML file, or as a film")
+    told = "a run's folder, a folder of runs (compare --out), or the JSON file of a comparison"
+    command.add_argument("source", type=Path, metavar="RUN|COMPARE", help=told)
+    command.add_argument("--out", type=Path, metavar="FILE.html", help="default: report.html in that folder")
+    command.add_argument("--film", type=Path, metavar="FILE.mp4", help="passive and preview side by side")
+    none = "show boxes only where a run kept no camera images, instead of rendering them again"
+    command.add_argument("--no-render", action="store_true", help=none)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write the report, and the film where one is asked for."""
+    source: Path = arguments.source
+    gathered = gather(source)
+    shown = first_seeds(gathered.runs)
+    rendered = any(run.looks and not has_frames(run) for run in shown) and not arguments.no_render
+    if rendered or arguments.film:
+        filled = {id(run): run_with for run, run_with in zip(shown, _with_frames(shown), strict=True)}
+        gathered = replace(gathered, runs=tuple(filled.get(id(run), run) for run in gathered.runs))
+    out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
+    write_text(out, page(gathered, _RENDERED if rendered else ""))
+    console.print(f"report: {out} ({out.stat().st_size / 1e6:.1f} MB)")
+    for message in gathered.missing:
+        console.print(f"partial: {message}", highlight=False)
+    if arguments.film:
+        with console.status("writing the film"):
+            write_film(arguments.film, _pairs(first_seeds(gathered.runs)))
+        console.print(f"film: {arguments.film}")
+    return 0
+
+
+def _with_frames(runs: Sequence[Run]) -> list[Run]:
+    with progress_bar() as progress:
+        wanted = sum(len(run.looks) for run in runs if not has_frames(run))
+        bar = progress.add_task("camera images", total=wanted)
+        return [with_frames(run, lambda: progress.advance(bar)) for run in runs]
+
+
+def _pairs(runs: Sequence[Run]) -> list[tuple[Run, Run]]:
+    """(passive, best seeing run) of each drive."""
+    pairs = []
+    for _, group in groupby(runs, key=lambda run: run.case.scenario.name):
+        members = list(group)
+        passive = next((run for run in members if run.case.controller == "passive"), None)
+        seeing = [run for run in members if run.looks]
+        if passive and seeing:
+            pairs.append((passive, max(seeing, key=lambda run: run.case.perception == "camera")))
+    if not pairs:
+        raise InputError("--film needs a passive run and one with the perception boxes or camera")
+    return pairs

@@ -1,0 +1,63 @@
+"""The camera's view of a run: the frames it kept, or the same ones rendered again."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from road.camera import CameraPose, pose_of, project
+from road.render import Scene
+from scenarios.closed_loop import Run, random_streams
+from scenarios.eyes import true_mount
+
+LANE_M = 1.75  # half a lane
+
+
+def with_frames(run: Run, advance: Callable[[], None] = lambda: None) -> Run:
+    """The run with an image at every exposure: those kept, else rendered as the run saw them."""
+    if has_frames(run) or not run.looks:
+        return run
+    scenario, streams = run.case.scenario, random_streams(run.case.seed)
+    scene = Scene(scenario.road, scenario.appearance, int(streams["image"].integers(2**31)))
+    looks = []
+    for look, pose in zip(run.looks, poses(run), strict=True):
+        image = scene.render(scenario.camera.intrinsics, pose, look.tick).image
+        looks.append(replace(look, image=image))
+        advance()
+    return replace(run, looks=looks)
+
+
+def has_frames(run: Run) -> bool:
+    """Whether the run kept the image of every exposure."""
+    return bool(run.looks) and all(look.image is not None for look in run.looks)
+
+
+def poses(run: Run) -> list[CameraPose]:
+    """Where the camera truly was at each exposure."""
+    scenario = run.case.scenario
+    nominal = scenario.camera.mount(max(scenario.vehicle.parameters.axle_x_m))
+    mount = true_mount(scenario, nominal, random_streams(run.case.seed)["mounting"])
+    names = ("x_m", "heave_m", "pitch_rad")
+    columns = [run.signals.get(name, np.zeros_like(run.signals["time_s"])) for name in names]
+    return [pose_of(mount, *(float(column[look.tick]) for column in columns)) for look in run.looks]
+
+
+def track_lines(run: Run) -> list[list[dict[str, Any]]]:
+    """For each exposure the tracks' believed near edges: image line [u0, v0, u1, v1], class, confirmed."""
+    camera, start = run.case.scenario.camera.intrinsics, run.case.scenario.start_m
+    told = [event["tracks"] for event in run.events if event["event"] == "boxes"]
+    lines = []
+    for pose, tracks in zip(poses(run), told, strict=True):
+        edges = [
+            project(camera, pose, [(start + track["x_m"], y, 0.0) for y in (LANE_M, -LANE_M)]).ravel()
+            for track in tracks
+        ]
+        lines.append(
+            [
+                {"line": edge.round(1).tolist(), "class": track["class"], "confirmed": track["confirmed"]}
+                for edge, track in zip(edges, tracks, strict=True)
+                if np.isfinite(edge).all()
+            ]
+        )
+    return lines

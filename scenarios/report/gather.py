@@ -1,0 +1,105 @@
+"""What a report is made of: the runs in a folder, the passive car beside them, and what is missing."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from files.errors import InputError
+from scenarios.cases import Case
+from scenarios.closed_loop import Run, simulate
+from scenarios.readback import MANIFEST, is_run, read
+from scenarios.runfolder import digest, row
+from scenarios.statistics import Row
+
+COMPARISON = "comparison.json"
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """runs: with signals. rows: of all runs, for tables. missing: what a partial result lacks."""
+
+    runs: tuple[Run, ...]
+    rows: tuple[Row, ...]
+    missing: tuple[str, ...] = ()
+
+
+def gather(path: Path) -> Gathered:
+    """What lies at `path`: the folder of a run or of a comparison, or a comparison's JSON file.
+
+    A single run gets the passive car beside it: the one in the same place if it ran there, else driven anew.
+    """
+    if path.is_file():
+        return Gathered((), tuple(_document(path).get("rows", ())))
+    if is_run(path):
+        return _single(path)
+    folders = sorted(inner.parent for inner in path.glob(f"*/{MANIFEST}")) if path.is_dir() else []
+    if not folders:
+        raise InputError(
+            f"{path}: neither a run's folder, nor a folder of runs, nor a comparison's JSON file"
+        )
+    return _folder(path, folders)
+
+
+def _single(path: Path) -> Gathered:
+    run = read(path)
+    if run.case.controller == "passive":
+        return Gathered((run,), (row(run),))
+    beside = _passive_beside(path, run) or simulate(
+        replace(run.case, controller="passive", perception="none")
+    )
+    return Gathered((beside, run), (row(beside), row(run)))
+
+
+def _passive_beside(path: Path, run: Run) -> Run | None:
+    for folder in sorted(path.resolve().parent.glob("*passive*")):
+        if is_run(folder):
+            found = read(folder)
+            if _same_drive(found.case, run.case):
+                return found
+    return None
+
+
+def _same_drive(one: Case, other: Case) -> bool:
+    return one.seed == other.seed and digest(one.scenario.mapping) == digest(other.scenario.mapping)
+
+
+def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
+    """All runs in the order in which a comparison planned them; without a plan by name, passive first."""
+    listed = path / COMPARISON
+    planned = list(_document(listed).get("planned", ())) if listed.is_file() else []
+    runs: dict[str, Run] = {}
+    missing = [f"{name} did not run" for name in planned if not (path / name).is_dir()]
+    for folder in folders:
+        try:
+            runs[folder.name] = read(folder)
+        except InputError as error:
+            missing.append(str(error))
+    if not runs:
+        raise InputError(f"{path}: no whole run in it ({missing[0]})")
+    places = {name: place for place, name in enumerate(planned)}
+    ordered = sorted(
+        runs.items(),
+        key=lambda item: (
+            places.get(item[0], len(places)),
+            *_drive(item[1]),
+            item[1].case.controller != "passive",
+        ),
+    )
+    found = tuple(run for _, run in ordered)
+    return Gathered(found, tuple(row(run) for run in found), tuple(missing))
+
+
+def _drive(run: Run) -> tuple[str, str, int]:
+    return run.case.scenario.name, run.case.scenario.vehicle.model, run.case.seed
+
+
+def _document(path: Path) -> dict[str, Any]:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON ({error})") from None
+    if not isinstance(document, dict) or document.get("schema") != 1:
+        raise InputError(f"{path}: is no comparison of schema 1")
+    return document

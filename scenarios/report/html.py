@@ -1,0 +1,104 @@
+"""The report as one HTML file that needs nothing else."""
+
+import json
+from collections.abc import Sequence
+from html import escape
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from scenarios.clock import TICKS_PER_SECOND
+from scenarios.closed_loop import Run
+from scenarios.report.figures import label_of
+from scenarios.report.gather import Gathered
+from scenarios.report.replay import scene
+from scenarios.report.sections import budget_section, manifest_section, metrics_section, solver_section
+from scenarios.report.window import event_window
+from scenarios.statistics import summarise, variants_of
+
+_PAGE = Path(__file__).parent / "page"
+_SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")
+MOST_FRAMES = 300
+"""Frames in one file; a report with more exposures shows every second, third, ... of them."""
+_SIGHT = ("none", "oracle", "boxes", "camera")
+
+
+def page(gathered: Gathered, frames_from: str = "") -> str:
+    """The report's text. `frames_from` tells where the camera's images come from."""
+    runs = first_seeds(gathered.runs)
+    baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
+    variants = summarise(gathered.rows, baseline)
+    pieces = {
+        "title": escape(_title(gathered)),
+        "subtitle": escape(_subtitle(gathered)),
+        "banner": _banner(gathered.missing),
+        "replay_hidden": "" if runs else "hidden",
+        "sections": metrics_section(variants, baseline) + budget_section(variants),
+        "tail": solver_section(gathered.runs) + manifest_section(gathered.runs) if runs else "",
+        "style": _text("vendor/uPlot.min.css") + _text("style.css"),
+        "data": json.dumps({"scenes": _scenes(runs, frames_from)}, allow_nan=False).replace("</", "<\\/"),
+        "uplot": _text("vendor/uPlot.iife.min.js"),
+        "script": "".join(_text(name) for name in _SCRIPTS),
+    }
+    first, *rest = _text("page.html").split("{{")
+    filled = (pieces[name] + text for name, text in (part.split("}}", 1) for part in rest))
+    return first + "".join(filled)
+
+
+def first_seeds(runs: Sequence[Run]) -> list[Run]:
+    """The runs of the first seed of each scenario and vehicle: those that the replay shows."""
+    first: dict[tuple[str, str], int] = {}
+    return [run for run in runs if first.setdefault(_drive(run), run.case.seed) == run.case.seed]
+
+
+def _drive(run: Run) -> tuple[str, str]:
+    return run.case.scenario.name, run.case.scenario.vehicle.model
+
+
+def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
+    images = sum(look.image is not None for run in runs for look in run.looks)
+    every = max(1, -(-images // MOST_FRAMES))
+    shown = []
+    for _, group in groupby(runs, key=_drive):
+        members = list(group)
+        notes = {label_of(run): _frames_note(run, frames_from, every) for run in members}
+        start = event_window(members[0])[0] / TICKS_PER_SECOND
+        best = max(range(len(members)), key=lambda i: _SIGHT.index(members[i].case.perception))
+        shown.append(scene(members, notes, every) | {"start": start, "best": best})
+    return shown
+
+
+def _frames_note(run: Run, frames_from: str, every: int) -> str:
+    if not run.looks:
+        return "This run drove without a camera."
+    if run.looks[0].image is None:
+        return "Boxes and tracks only: this run kept no images."
+    thinned = f" Every {every}. exposure is shown." if every > 1 else ""
+    return (
+        f"{frames_from} Boxes with their scores; lines are tracks, dashed until confirmed.{thinned}".strip()
+    )
+
+
+def _title(gathered: Gathered) -> str:
+    names = list(dict.fromkeys(row["scenario"] for row in gathered.rows))
+    if len(names) == 1:
+        return gathered.runs[0].case.scenario.title if gathered.runs else str(names[0])
+    return f"{len(names)} drives compared"
+
+
+def _subtitle(gathered: Gathered) -> str:
+    controllers = list(dict.fromkeys(str(row["controller"]).rpartition(":")[2] for row in gathered.rows))
+    seeds = len({row["seed"] for row in gathered.rows})
+    vehicles = ", ".join(dict.fromkeys(str(row["vehicle"]) for row in gathered.rows))
+    return f"{vehicles} car · {', '.join(controllers)} · {seeds} seed{'s' if seeds > 1 else ''}"
+
+
+def _banner(missing: Sequence[str]) -> str:
+    if not missing:
+        return ""
+    listed = "; ".join(missing[:3]) + (f"; and {len(missing) - 3} more" if len(missing) > 3 else "")
+    return f'<p class="banner" role="alert"><b>Partial result.</b> {escape(listed)}</p>'
+
+
+def _text(name: str) -> str:
+    return (_PAGE / name).read_text(encoding="utf-8")

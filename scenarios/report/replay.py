@@ -1,0 +1,122 @@
+"""What the replay in the HTML report shows, as plain data: signals, road, boxes, frames and previews."""
+
+import base64
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.signal import welch
+
+from comfort import frequency_weighting
+from detector.detection import CLASS_NAMES
+from scenarios.clock import TICKS_PER_SECOND
+from scenarios.closed_loop import Run
+from scenarios.report.figures import label_of
+from scenarios.report.frames import track_lines
+from scenarios.runfolder import encode_jpeg
+
+STRIDE = 2
+"""Ticks from one shown sample to the next: 500 Hz."""
+ROAD_STEP_M = 0.02
+FRAME_WIDTH_PX = 480
+PSD_BAND_HZ = (0.4, 80.0)
+_QUALITY = 68
+
+
+def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -> dict[str, Any]:
+    """One scenario with one seed: its road and the runs on it. `notes` tells by label of their frames."""
+    first = runs[0].case.scenario
+    car = first.vehicle.parameters
+    x = np.arange(0.0, first.road.length_m, ROAD_STEP_M)
+    height = first.road.height(x, np.full_like(x, runs[0].track_y_m))
+    side = [i for i, y in enumerate(car.wheel_y_m) if y == runs[0].track_y_m]
+    return {
+        "name": first.name,
+        "title": first.title,
+        "vehicle": first.vehicle.model,
+        "seed": runs[0].case.seed,
+        "speed_kmh": first.speed_kmh,
+        "road": {"step": ROAD_STEP_M, "z": packed(height)},
+        "axles": [car.axle_x_m[i] for i in (side[0], side[-1])][: len(side)],
+        "radius": car.wheel_radius_m,
+        "rate": TICKS_PER_SECOND / STRIDE,
+        "image": [first.camera.intrinsics.width_px, first.camera.intrinsics.height_px],
+        "classes": [name.replace("_", " ") for name in CLASS_NAMES],
+        "runs": [_run(run, side, notes.get(label_of(run), ""), frame_every) for run in runs],
+        "psd": spectra(runs),
+    }
+
+
+def packed(values: ArrayLike) -> str:
+    """Numbers as base64 of little-endian float32."""
+    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
+
+
+def spectra(runs: Sequence[Run]) -> dict[str, Any]:
+    """Power spectral density of the body acceleration by Welch's method, and |Wk|, from 0.4 to 80 Hz."""
+    length = min(2048, len(runs[0].signals["seat_acc_0"]))
+    densities = []
+    for run in runs:
+        frequency, density = welch(run.signals["seat_acc_0"], TICKS_PER_SECOND, nperseg=length)
+        band = (frequency >= PSD_BAND_HZ[0]) & (frequency <= PSD_BAND_HZ[1])
+        densities.append(packed(density[band]))
+    return {
+        "f": packed(frequency[band]),
+        "density": densities,
+        "wk": packed(frequency_weighting("Wk", frequency[band])),
+    }
+
+
+def _run(run: Run, side: Sequence[int], note: str, frame_every: int) -> dict[str, Any]:
+    front, rear = side[0], side[-1]
+    names = {
+        "x": "x_m", "heave": "heave_m", "pitch": "pitch_rad", "acc": "seat_acc_0",
+        "damping": f"damping_{front}", "force": f"damper_force_{front}", "active": f"actuator_force_{front}",
+        "front": f"wheel_z_{front}", "rear": f"wheel_z_{rear}",
+    }  # fmt: skip
+    present = {key: name for key, name in names.items() if name in run.signals}
+    return {
+        "label": label_of(run),
+        "perception": run.case.perception,
+        "signals": {key: packed(run.signals[name][::STRIDE]) for key, name in present.items()},
+        "fallbacks": [event["time_s"] for event in run.events if event["event"] == "fallback"],
+        "looks": _looks(run, frame_every),
+        "frames": note,
+        "preview": _preview(run),
+    }
+
+
+def _looks(run: Run, frame_every: int) -> list[dict[str, Any]]:
+    """Exposures: when, boxes, tracks, and every `frame_every`-th image as a data URI."""
+    shown = []
+    for index, (look, tracks) in enumerate(zip(run.looks, track_lines(run), strict=True)):
+        found = look.detections
+        one: dict[str, Any] = {
+            "t": look.tick / TICKS_PER_SECOND,
+            "boxes": found.boxes.round(1).tolist(),
+            "scores": found.scores.round(2).tolist(),
+            "classes": found.classes.tolist(),
+            "tracks": tracks,
+        }
+        if look.image is not None and index % frame_every == 0:
+            one["image"] = _data_uri(look.image)
+        shown.append(one)
+    return shown
+
+
+def _data_uri(image: np.ndarray) -> str:
+    height = round(image.shape[0] * FRAME_WIDTH_PX / image.shape[1])
+    small = cv2.resize(image, (FRAME_WIDTH_PX, height), interpolation=cv2.INTER_AREA)
+    return "data:image/jpeg;base64," + base64.b64encode(encode_jpeg(small, _QUALITY)).decode()
+
+
+def _preview(run: Run) -> dict[str, Any] | None:
+    log = run.previews
+    if not len(log):
+        return None
+    names = {"height": log.height_m, "sigma": log.position_sigma_m, "existence": log.existence}
+    return {"t": packed(log.time_s), "distance": packed(log.distance_m)} | {
+        name: packed(values) for name, values in names.items()
+    }
