@@ -4,7 +4,7 @@ import numpy as np
 
 from road.appearance import Appearance
 from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
-from road.features import Feature, HalfSineBump, Pothole, WattsHump
+from road.features import Feature, HalfSineBump, Pothole, Step, WattsHump
 from road.profile import Road
 from road.roughness import Roughness
 from road.surface import BLOCK_ROWS, COLUMNS, Surface
@@ -29,6 +29,17 @@ def test_height_is_that_of_the_road() -> None:
     x, y = cell_centres(surface)
     rows = (x[:, 0] > 0) & (x[:, 0] < 28)
     np.testing.assert_allclose(surface.height[rows], ROAD.height(x[rows], y), atol=1e-3)
+
+
+def test_steps_and_measured_heights_are_seen_between_features_too(tmp_path) -> None:
+    path = tmp_path / "road.csv"
+    path.write_text("x_m,left_m,right_m\n0,0,0\n8,0.05,0\n14,0.05,0.03\n40,0,0\n")
+    road = Road(30.0, (Step(6.0, 0.06), Step(20.0, -0.06)), file=str(path))
+    surface = Surface(road, LOOK, 0)
+    surface.extend(30.0)
+    x, y = cell_centres(surface)
+    rows, lane = (x[:, 0] > 0) & (x[:, 0] < 28), np.abs(y[0]) < 3
+    np.testing.assert_allclose(surface.height[rows][:, lane], road.height(x[rows], y[:, lane]), atol=2e-3)
 
 
 def test_ids_are_the_footprints() -> None:
