@@ -5,7 +5,7 @@ import numpy as np
 from controller.base import Estimate, Timing
 from controller.kinematics import kinematics
 from controller.sensor_watch import Checked
-from vehicle.equations import body_acceleration, forces, rest_state
+from vehicle.equations import body_acceleration, damping_rows, forces, rest_state
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 from vehicle.state import VehicleState
@@ -52,7 +52,8 @@ class Observer:
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
         lags = np.array([corner.damper_lag_s for corner in corners])
         self._follow = -np.expm1(-timing.period_s / lags)
-        self._passive = rest_state(vehicle)[-vehicle.wheels :]
+        self._passive = rest_state(vehicle)[damping_rows(vehicle)]
+        self._actuators = [corner.actuator for corner in corners if corner.actuator]
         self.reset()
 
     def reset(self) -> None:
@@ -60,12 +61,13 @@ class Observer:
         self._motion = np.zeros(len(self._filter.transition))
         self._acceleration: np.ndarray | None = None
         self._damping = self._passive.copy()
+        self._force = np.zeros(len(self._actuators))
         self._deflection = np.zeros(self._wheels)
         self._road = np.zeros(self._wheels)
         self._speed: float | None = None
 
     def update(self, checked: Checked, command: np.ndarray) -> Estimate:
-        """Take in a reading and the command (wheels,), N·s/m, that acted until it; return the state now."""
+        """Take in a reading and the command that acted until it; return the state now."""
         w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
         rattle, motion = measurement.rattle_m, self._filter
@@ -80,7 +82,9 @@ class Observer:
         self._acceleration = acceleration
         reading = np.concatenate([rattle, [measurement.pitch_rate], np.zeros(w)])
         self._motion = motion.step(self._motion, mean, reading)
-        self._damping = self._damping + self._follow * (command - self._damping)
+        self._damping = self._damping + self._follow * (command[:w] - self._damping)
+        if self._actuators:
+            self._follow_force(command[w:] if len(command) > w else np.zeros(w))
         before = self._road
         road, contact = self._feel_road(acceleration - self._motion[4 * w : 6 * w])
         self._road = np.where(contact, road, np.minimum(road, before))
@@ -93,6 +97,11 @@ class Observer:
             contact=contact,
             faults=checked.faults,
         )
+
+    def _follow_force(self, asked: np.ndarray) -> None:
+        limit = np.array([actuator.force_limit_n for actuator in self._actuators])
+        follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
+        self._force = self._force + follow * (np.clip(asked, -limit, limit) - self._force)
 
     def _guess(self) -> np.ndarray:
         """Readings (2w,) expected of the accelerometers: struts move the body, the wheels roll steadily."""
@@ -109,7 +118,7 @@ class Observer:
         if self._warp is not None:
             still = np.zeros(self._wheels)
             struts = forces(self._vehicle, self._vehicle_state(), still, still)
-            force = force + self._warp @ (struts.spring + struts.damper + struts.stop)
+            force = force + self._warp @ (struts.spring + struts.damper + struts.stop + struts.actuator)
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection
@@ -121,7 +130,7 @@ class Observer:
         heights, velocities = self._motion[: 2 * w], self._motion[2 * w : 4 * w]
         positions = np.concatenate([self._body @ heights[:w], heights[w:]])
         rates = np.concatenate([self._body @ velocities[:w], velocities[w:]])
-        return np.concatenate([np.stack([positions, rates], axis=1).ravel(), self._damping])
+        return np.concatenate([np.stack([positions, rates], axis=1).ravel(), self._damping, self._force])
 
     def _smooth_speed(self, measured: float) -> float:
         speed = measured if self._speed is None else self._speed

@@ -16,10 +16,10 @@ from road.profile import Road
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.faults import Fault
 from scenarios.oracle import OracleErrors
+from scenarios.speed import KM_H, SpeedPoint, profile
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
-
-KM_H = 1 / 3.6
+from vehicle.speed import SpeedProfile
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,9 @@ class Control:
 class Scenario:
     """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
 
-    The car's centre of gravity starts at `start_m`; the run ends when the front axle reaches the road's end.
+    The car starts at `speed_kmh` and goes through the points of `speed`, if there are any, accelerating and
+    braking steadily between them. Its centre of gravity starts at `start_m`; the run ends when the front axle
+    reaches the road's end.
     `enveloping` is the tyre's way over obstacles shorter than itself.
     `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
@@ -104,6 +106,7 @@ class Scenario:
     road: Road
     vehicle: Vehicle
     start_m: float = 2.0
+    speed: tuple[SpeedPoint, ...] = ()
     enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
     sensors: SensorNoise = field(default_factory=SensorNoise)
@@ -128,16 +131,25 @@ class Scenario:
             raise InputError(
                 f"start_m must lie in 0 ... {room - 1.0:g} m (the road's end), got {self.start_m:g}"
             )
+        _ = self.motion
 
     @property
     def speed_m_s(self) -> float:
-        """Forward speed."""
+        """Forward speed at the start."""
         return self.speed_kmh * KM_H
+
+    @cached_property
+    def motion(self) -> float | SpeedProfile:
+        """Forward speed over the drive: one for all of it, m/s, or a profile."""
+        return profile(self.speed_kmh, self.start_m, self.speed) if self.speed else self.speed_m_s
 
     @property
     def ticks(self) -> int:
         """Length of the run in plant steps."""
-        distance = self.road.length_m - max(self.vehicle.parameters.axle_x_m) - self.start_m
+        end = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+        if isinstance(self.motion, SpeedProfile):
+            return int(self.motion.time_at(end) * TICKS_PER_SECOND)
+        distance = end - self.start_m
         return int(distance / self.speed_m_s * TICKS_PER_SECOND)
 
     @cached_property

@@ -10,10 +10,12 @@ A damper is a frozen dataclass with `inner`, its number of inner states, and
     inner_rates(share, travel, rate, inner, xp)      list of d(inner)/dt
 
 for travel and rate of the strut (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
-`substeps` is how many steps a tick the plant needs. A gas spring inside a damper belongs to the car's spring.
+`substeps` is how many steps a tick the plant needs; `coarse(steepest_ns_m)` is the damper as a model with
+steps of milliseconds can have it: without inner states, and not steeper than that at zero rate. A gas spring
+inside a damper belongs to the car's spring.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import atanh, sqrt, tanh
 from typing import Any, ClassVar
@@ -37,6 +39,10 @@ class IdealDamper:
     def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
         """No inner states."""
         return []
+
+    def coarse(self, steepest_ns_m: float) -> "Damper":
+        """Itself."""
+        return self
 
 
 @dataclass(frozen=True)
@@ -96,6 +102,15 @@ class ValveDamper:
         """No inner states."""
         return []
 
+    def coarse(self, steepest_ns_m: float) -> "Damper":
+        """Itself, with forces at the lowest speed that keep to the slope."""
+        most = steepest_ns_m * self.speeds_m_s[0]
+        rows = [
+            tuple((min(row[0], most), *row[1:]) for row in force)
+            for force in (self.rebound_n, self.compression_n)
+        ]
+        return replace(self, rebound_n=rows[0], compression_n=rows[1])
+
     def _weights(self, current: Any, xp: Any) -> list:
         """Share of each current's row: hat functions."""
         nodes, weights = self.currents_a, []
@@ -154,6 +169,14 @@ class MrTanhDamper:
         """No inner states."""
         return []
 
+    def coarse(self, steepest_ns_m: float) -> "Damper":
+        """Itself with a wider step through zero and without hysteresis."""
+        amps = self.current_max_a
+        strongest = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
+        left = steepest_ns_m - self.viscous_ns_m[0] - self.viscous_ns_m[1] * amps
+        slope = min(self.slope_s_m, max(left, 0.1 * steepest_ns_m) / strongest)
+        return replace(self, slope_s_m=slope, hysteresis=(0.0, 0.0))
+
 
 @dataclass(frozen=True)
 class MrBoucWenDamper:
@@ -206,6 +229,16 @@ class MrBoucWenDamper:
         slip, z = rate - velocity, inner[1]
         evolved = self.gain * slip - self.gamma_m2 * xp.fabs(slip) * z * xp.fabs(z)
         return [velocity, evolved - self.beta_m2 * slip * z**2]
+
+    def coarse(self, steepest_ns_m: float) -> "Damper":
+        """The curve it follows when it yields: z at its bound, the inner node at rest."""
+        bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
+        curve = MrTanhDamper(
+            current_max_a=self.voltage_max_v,
+            viscous_ns_m=self.c0_ns_m,
+            yield_n=(self.alpha_n_m[0] * bound, self.alpha_n_m[1] * bound, 0.0),
+        )
+        return curve.coarse(steepest_ns_m)
 
     def advance(self, share: float, travel: float, rate: float, inner: list, step_s: float) -> list:
         """Inner states after a step at constant slip, over which z's equation has a closed solution.

@@ -5,7 +5,7 @@ roll, as far as the car has them), a tuple of corners (front, rear or front left
 right) and the stiffness of its anti-roll bars.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Literal, overload
@@ -28,7 +28,16 @@ from vehicle.corner import (
 from vehicle.damper import Damper, IdealDamper
 from vehicle.full_car import FullCar
 
-__all__ = ["GRAVITY_M_S2", "Car", "Corner", "FullCar", "HalfCar", "QuarterCar", "load_vehicle"]
+__all__ = [
+    "GRAVITY_M_S2",
+    "Car",
+    "Corner",
+    "FullCar",
+    "HalfCar",
+    "QuarterCar",
+    "load_vehicle",
+    "prediction_car",
+]
 _SHIPPED = Path(__file__).parent / "parameters"
 
 
@@ -214,6 +223,16 @@ class HalfCar:
 
 
 Car = QuarterCar | HalfCar | FullCar
+
+
+def prediction_car(parameters: Car) -> Car:
+    """The car as a controller's model with steps of 5 ms knows it: its dampers `coarse`.
+
+    Explicit Runge-Kutta steps of 5 ms are stable on the lightest wheel at the slope chosen. States are those
+    of the car without the dampers' inner ones, which come last.
+    """
+    lightest = min(corner.unsprung_mass_kg for corner in parameters.corners)
+    return replace(parameters, damper=parameters.damper.coarse(1.6 * lightest / 0.005))
 
 
 @overload

@@ -80,6 +80,16 @@ class SpeedProfile:
         position = self.start_m + covered[piece] + 0.5 * (speeds[piece] + speed) * since
         return position, speed, accelerations[piece]
 
+    def time_at(self, position_m: float) -> float:
+        """When the car is at a place; infinite where it never comes."""
+        times, speeds, accelerations, covered = self._nodes
+        left = position_m - self.start_m
+        piece = max(int(np.searchsorted(covered, left, side="right")) - 1, 0)
+        left, speed, acceleration = left - covered[piece], speeds[piece], accelerations[piece]
+        final = np.sqrt(max(speed**2 + 2.0 * acceleration * left, 0.0))
+        mean = 0.5 * (speed + final)
+        return float(times[piece] + left / mean) if mean > 0.0 else float("inf")
+
     def ahead(self, x_m: float, tick: int, ticks: int) -> Stretch:
         """The next `ticks` from `tick` on."""
         edges = np.arange(tick, tick + ticks + 1, dtype=np.float64)

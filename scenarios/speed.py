@@ -1,0 +1,55 @@
+"""Speed over the drive: points that a scenario's car goes through, joined by constant accelerations."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from files.errors import InputError
+from vehicle.speed import SpeedProfile
+
+KM_H = 1 / 3.6
+HARDEST_M_S2 = 12.0
+
+
+@dataclass(frozen=True)
+class SpeedPoint:
+    """The car goes at `kmh` when `at_s` into the drive, or when its centre of gravity is `at_m` along it."""
+
+    kmh: float
+    at_s: float | None = None
+    at_m: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.kmh <= 200.0:
+            raise InputError(f"kmh must lie in 0 ... 200 km/h, got {self.kmh:g}")
+        if (self.at_s is None) == (self.at_m is None):
+            raise InputError("at_s must be given, or at_m, and not both")
+
+
+def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> SpeedProfile:
+    """The profile from `start_kmh` at time 0 and place `start_m` through the points, in order.
+
+    Between two points the acceleration is constant. Raises InputError naming the point that comes too early,
+    asks for more than HARDEST_M_S2, or leaves the car standing.
+    """
+    times, speeds, place = [0.0], [start_kmh * KM_H], start_m
+    for i, point in enumerate(points):
+        before, speed = speeds[-1], point.kmh * KM_H
+        mean = 0.5 * (before + speed)
+        if point.at_s is not None:
+            span = point.at_s - times[-1]
+        else:
+            assert point.at_m is not None
+            span = (point.at_m - place) / mean if mean > 0.0 else 0.0
+        if not span > 0.0:
+            raise InputError(
+                f"speed[{i}] must come after the point before it, at {times[-1]:g} s, {place:g} m"
+            )
+        if abs(speed - before) > HARDEST_M_S2 * span:
+            asked = f"{(speed - before) / span:.3g} m/s²"
+            raise InputError(f"speed[{i}] must ask for at most {HARDEST_M_S2:g} m/s², asks for {asked}")
+        times.append(times[-1] + span)
+        speeds.append(speed)
+        place += mean * span
+    if speeds[-1] <= 0.0:
+        raise InputError(f"speed[{len(points) - 1}] must not leave the car standing")
+    return SpeedProfile(tuple(times), tuple(speeds), start_m)

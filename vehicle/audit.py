@@ -1,0 +1,42 @@
+"""What dampers and actuators did with energy over a run: the passivity audit and the actuators' account."""
+
+import numpy as np
+
+from vehicle import actuator
+from vehicle.clock import RATE_HZ
+from vehicle.parameters import Car
+from vehicle.state import VehicleState
+
+_ROUNDING = 1e-9
+
+
+def energy_audit(parameters: Car, record: VehicleState) -> dict[str, float]:
+    """Audit of a recorded drive (signals at every tick).
+
+    damper_produced: J that dampers gave to the car, 0 for a passive part. damping_outside: s during which any
+    damper's setting lay outside its range. Of a car with actuators also actuator_energy: J they gave;
+    actuator_recovered: J they took up; actuator_power, actuator_power_peak: W, mean over the run of what all
+    gave, and its greatest value.
+    """
+    delivered = record.damper_force * record.rattle_velocity
+    low, high = (
+        np.array([[getattr(corner, name)] for corner in parameters.corners])
+        for name in ("damping_min_ns_m", "damping_max_ns_m")
+    )
+    slack = _ROUNDING * high
+    outside = (record.damping < low - slack) | (record.damping > high + slack)
+    audit = {
+        "damper_produced": float(np.maximum(delivered, 0.0).sum() / RATE_HZ),
+        "damping_outside": float(outside.any(axis=0).sum() / RATE_HZ),
+    }
+    if parameters.corners[0].actuator is None:
+        return audit
+    power = actuator.power(record.actuator_force, record.rattle_velocity)
+    given, taken = actuator.work(power, RATE_HZ)
+    total = np.maximum(power, 0.0).sum(axis=0)
+    return audit | {
+        "actuator_energy": given,
+        "actuator_recovered": taken,
+        "actuator_power": float(total.mean()),
+        "actuator_power_peak": float(total.max()),
+    }
