@@ -95,16 +95,13 @@ def _follow(
     """Height of the lowest point of an upright superellipse that rests on the road at each place."""
     reach = int(half_length_m / step_m)
     padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
-    result = z.copy()
-    relief = np.ptp(z)
+    along = step_m * np.arange(reach + 1) / max(half_length_m, step_m)
+    drop = half_height_m * (1.0 - np.maximum(1.0 - along**order, 0.0) ** (1 / order))
+    result, relief = z.copy(), np.ptp(z)
     for shift in range(-reach, reach + 1):
-        share = (
-            (1.0 - (abs(shift) * step_m / half_length_m) ** order) ** (1 / order) if half_length_m else 1.0
-        )
-        drop = half_height_m * (1.0 - share)
-        if drop <= relief:  # otherwise the road cannot reach this part
+        if drop[abs(shift)] <= relief:  # otherwise the road cannot reach this part
             window = padded[..., reach + shift : reach + shift + z.shape[-1]]
-            np.maximum(result, window - drop, out=result)
+            np.maximum(result, window - drop[abs(shift)], out=result)
     return result
 
 

@@ -65,6 +65,15 @@ def test_circular_cam_without_shift_is_the_rigid_wheel():
     )
 
 
+@pytest.mark.parametrize("radius", [0.0, 0.3, 0.31, 0.7, 0.310000001])
+def test_any_radius_has_a_foremost_point_on_the_grid_or_not(radius):
+    wall = np.where(X > 0, 5.0, 0.0)
+    for tyre in (RigidWheel(patch_m=0.0), TandemCam(contact_m=0.0, length=1.0, height=1.0)):
+        felt = tyre.effective_height(wall, 0.005, radius)
+        assert np.all(np.isfinite(felt))
+        assert np.count_nonzero((felt > 0) & (wall == 0)) in (int(radius / 0.005), round(radius / 0.005))
+
+
 @pytest.mark.parametrize("tyre", [RigidWheel(), TandemCam()])
 def test_long_waves_pass_and_flat_roads_stay(tyre):
     x = np.arange(0, 40, 0.005)
