@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from files.errors import InputError
 from scenarios.commands import (
+    bound,
     compare,
     demo,
     detector,
@@ -16,6 +17,7 @@ from scenarios.commands import (
     report,
     road,
     run,
+    sweep,
     tune,
     validation,
 )
@@ -36,7 +38,9 @@ def parser() -> argparse.ArgumentParser:
         demo,
         run,
         compare,
+        sweep,
         regress,
+        bound,
         tune,
         perception,
         render,

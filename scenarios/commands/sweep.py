@@ -1,0 +1,56 @@
+"""`foreride sweep`: all drives of a study, on all cores or on a cluster, into a Parquet dataset."""
+
+import argparse
+from pathlib import Path
+
+from files.atomic import write_text
+from files.errors import InputError
+from scenarios.commands.options import console, jobs_of, progress_bar
+from scenarios.results import Results
+from scenarios.runfolder import environment, to_json
+from scenarios.study import read
+from scenarios.sweep import cluster, run
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("sweep", help="drive all samples of a study, in parallel and resumable")
+    command.add_argument("study", type=Path, metavar="STUDY", help="a YAML file")
+    out = "folder of the results (default runs/NAME); one that holds some of them already is completed"
+    command.add_argument("--out", type=Path, metavar="DIR", help=out)
+    there = "a Dask cluster instead of this machine"
+    command.add_argument("--scheduler", metavar="tcp://HOST:PORT", help=there)
+    many = "worker processes (default: all cores)"
+    command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
+    command.add_argument("--retry-failed", action="store_true", help="drive failed cases once more")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the counts as JSON")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Drive what is not there yet; every finished drive is kept, whatever happens next."""
+    samples = {sample.key: sample for sample in read(arguments.study)}
+    jobs = jobs_of(arguments)
+    results = Results(arguments.out or Path("runs") / arguments.study.stem)
+    if results.done and not results.done.keys() & samples.keys():
+        raise InputError(f"{results.folder}: holds the results of another study; choose another --out")
+    again = {key for key, error in results.done.items() if error} if arguments.retry_failed else set()
+    missing = [sample for key, sample in samples.items() if key not in results.done or key in again]
+    before = len(samples) - len(missing)
+    if before:
+        console.print(f"{before} of {len(samples)} drives are there already")
+    try:
+        if missing:
+            with cluster(arguments.scheduler, min(jobs, len(missing))) as client, progress_bar() as progress:
+                bar = progress.add_task(f"{len(samples)} drives", total=len(samples), completed=before)
+                run(client, missing, results, lambda: progress.advance(bar))
+    finally:
+        results.flush()
+    failed = {key: error for key, error in results.done.items() if error}
+    console.print(f"{len(samples)} drives, {len(failed)} failed: {results.folder}/", highlight=False)
+    for error in list(dict.fromkeys(failed.values()))[:5]:
+        console.print(f"failed: {error}", highlight=False, soft_wrap=True)
+    if arguments.json:
+        counts = {"drives": len(samples), "failed": len(failed), "folder": str(results.folder)}
+        write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
+    return 0

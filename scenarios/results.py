@@ -1,0 +1,106 @@
+"""A growing Parquet dataset that survives a kill at any moment."""
+
+import io
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from files.atomic import write_bytes
+from files.errors import InputError
+
+ROWS_A_PART = 500
+_JOURNAL = "journal.jsonl"
+_TEXT = frozenset({"error"})
+
+
+class Results:
+    """Rows of one folder: `part-00000.parquet`, ... and a journal of those that wait for the next part.
+
+    `add` returns once the row is on the disk. `done` maps the key of each row to its error (None: it went
+    well). A line that a kill tore off is not counted as done.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self.done: dict[str, str | None] = {}
+        for part in self._parts():
+            try:
+                table = pq.read_table(part, columns=["key", "error"])
+            except (pa.ArrowException, OSError) as error:
+                raise InputError(f"{part}: is no part of a study's results ({error})") from None
+            self.done |= dict(zip(table["key"].to_pylist(), table["error"].to_pylist(), strict=True))
+        self._waiting = [row for row in self._journalled() if row["key"] not in self.done]
+        self.done |= {row["key"]: row["error"] for row in self._waiting}
+        self._restart_journal()
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Take in one row with a `key` and an `error`."""
+        self._append(row)
+        self._waiting.append(dict(row))
+        self.done[row["key"]] = row["error"]
+        if len(self._waiting) >= ROWS_A_PART:
+            self.flush()
+
+    def flush(self) -> None:
+        """Make a part of the rows that wait."""
+        if not self._waiting:
+            return
+        part = self.folder / f"part-{len(self._parts()):05d}.parquet"
+        sink = io.BytesIO()
+        pq.write_table(_typed(pa.Table.from_pylist(_even(self._waiting))), sink, compression="zstd")
+        write_bytes(part, sink.getvalue())
+        self._waiting = []
+        self._restart_journal()
+
+    def _parts(self) -> list[Path]:
+        return sorted(self.folder.glob("part-*.parquet"))
+
+    def _journalled(self) -> list[dict[str, Any]]:
+        path, rows = self.folder / _JOURNAL, []
+        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+            try:
+                rows.append(json.loads(line))
+            except ValueError:  # the kill came while this line was written
+                break
+        return rows
+
+    def _restart_journal(self) -> None:
+        lines = (json.dumps(row) + "\n" for row in self._waiting)
+        write_bytes(self.folder / _JOURNAL, "".join(lines).encode())
+
+    def _append(self, row: Mapping[str, Any]) -> None:
+        with (self.folder / _JOURNAL).open("a", encoding="utf-8") as journal:
+            journal.write(json.dumps(row) + "\n")
+            journal.flush()
+            os.fsync(journal.fileno())
+
+
+def load_results(folder: Path) -> pa.Table:
+    """All rows of a study's parts, the latest of each key; columns that a part lacks are null."""
+    parts = [pq.read_table(part) for part in sorted(folder.glob("part-*.parquet"))]
+    if not parts:
+        raise InputError(f"{folder}: holds no part-*.parquet")
+    table = pa.concat_tables(parts, promote_options="permissive")
+    latest = {key: place for place, key in enumerate(table["key"].to_pylist())}
+    return table.take(sorted(latest.values()))
+
+
+def _even(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """All rows with all columns, as a failed case has no metrics."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    return [{name: row.get(name) for name in names} for row in rows]
+
+
+def _typed(table: pa.Table) -> pa.Table:
+    """Columns without any value get the type that they have in other parts."""
+    for place, field in enumerate(table.schema):
+        if pa.types.is_null(field.type):
+            kind = pa.string() if field.name in _TEXT else pa.float64()
+            table = table.set_column(place, field.name, table[field.name].cast(kind))
+    return table

@@ -1,0 +1,197 @@
+"""Study files: which fields of a scenario are varied, how, and the list of drives that follows."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller.registry import sees_ahead
+from files import strict
+from files.errors import InputError
+from files.yaml12 import parse
+from scenarios.cases import Case
+from scenarios.loading import load
+from scenarios.runfolder import digest
+
+Scalar = bool | int | float | str
+_RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How one field is varied: over `values`, evenly from low to high, or normally around a mean.
+
+    scale `log` spaces low ... high evenly in the logarithm; `whole` rounds to whole numbers.
+    """
+
+    values: tuple[Scalar, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    mean: float = 0.0
+    sigma: float = 0.0
+    scale: Literal["linear", "log"] = "linear"
+    whole: bool = False
+
+    def __post_init__(self) -> None:
+        if self.values:
+            return
+        if self.sigma < 0 or (self.sigma == 0 and not self.low < self.high):
+            raise InputError(f"low must be < high (or sigma > 0), got low {self.low:g}, high {self.high:g}")
+        if self.scale == "log" and not 0 < self.low < self.high:
+            raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")
+
+    def at(self, share: float) -> Scalar:
+        """The value at a place 0 ... 1 of the axis: the quantile of its distribution."""
+        if self.values:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        if self.sigma > 0:
+            from scipy.special import ndtri  # the normal quantile
+
+            value = self.mean + self.sigma * float(ndtri(min(max(share, 1e-12), 1 - 1e-12)))
+        elif self.scale == "log":
+            value = float(self.low * (self.high / self.low) ** share)
+        else:
+            value = self.low + (self.high - self.low) * share
+        return round(value) if self.whole else value
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file without its axes. `samples` belongs to every sampling but the grid."""
+
+    scenarios: tuple[str, ...]
+    title: str = ""
+    controllers: tuple[str, ...] = ("passive", "mpc_preview")
+    perception: tuple[str, ...] = ("oracle",)
+    seeds: tuple[int, ...] = (0,)
+    sampling: Literal["grid", "latin_hypercube", "sobol", "monte_carlo"] = "grid"
+    samples: int = 0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("scenarios", "controllers", "perception", "seeds"):
+            if not getattr(self, name):
+                raise InputError(f"{name} must not be empty")
+        if self.sampling == "grid" and self.samples:
+            raise InputError(f"samples must be left out for a grid, got {self.samples}")
+        if self.sampling != "grid" and not 1 <= self.samples <= 10_000_000:
+            raise InputError(f"samples must lie in 1 ... 10000000 for {self.sampling}, got {self.samples}")
+        if self.sampling == "sobol" and self.samples & (self.samples - 1):
+            raise InputError(f"samples must be a power of two for sobol, got {self.samples}")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One drive of a study: plain values only, so that it travels to any worker."""
+
+    scenario: str
+    point: tuple[tuple[str, Scalar], ...]
+    controller: str
+    perception: str
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Names the drive by its content, the same in every session."""
+        name = Path(self.scenario).name
+        return digest([name, self.point, self.controller, self.perception, self.seed])[:20]
+
+    def case(self) -> Case:
+        """The case to drive."""
+        overrides = [f"{path}={json.dumps(value)}" for path, value in self.point]
+        return Case(load(self.scenario, overrides), self.controller, self.perception, self.seed)
+
+
+def read(path: Path) -> list[Sample]:
+    """The drives that a study file asks for; InputError, in one line, for one that is malformed."""
+    try:
+        mapping = parse(path.read_text(encoding="utf-8"), str(path))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
+    if not isinstance(mapping, dict):
+        raise InputError(f"{path}: a study must be a mapping of fields, got {type(mapping).__name__}")
+    fixed, varied = (_named(mapping.pop(name, None) or {}, f"{path}: {name}") for name in ("set", "vary"))
+    study = strict.structure(Study, mapping, str(path))
+    axes = {field: _axis(given, f"{path}: vary.{field}") for field, given in varied.items()}
+    for field, value in fixed.items():
+        _scalar(value, f"{path}: set.{field}")
+    samples = list(_samples(study, points(study, axes), fixed, path.parent))
+    for scenario in {sample.scenario: sample for sample in samples}.values():
+        try:
+            scenario.case()
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from None
+    return samples
+
+
+def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
+    """Where in the space of the varied fields the study samples."""
+    if study.sampling == "grid":
+        for field, axis in axes.items():
+            if not axis.values:
+                raise InputError(f"vary.{field} must give values for a grid")
+        every = product(*(axis.values for axis in axes.values()))
+        return [dict(zip(axes, values, strict=True)) for values in every]
+    if not axes:
+        raise InputError(f"vary must name a field for {study.sampling}")
+    return [
+        {field: axis.at(float(share)) for (field, axis), share in zip(axes.items(), row, strict=True)}
+        for row in _unit_cube(study, len(axes))
+    ]
+
+
+def _unit_cube(study: Study, dimensions: int) -> NDArray[np.float64]:
+    """(samples, dimensions) places in [0, 1), from `study.seed`."""
+    from scipy.stats import qmc  # slow to import
+
+    rng = np.random.default_rng(study.seed)
+    if study.sampling == "monte_carlo":
+        return rng.random((study.samples, dimensions))
+    kind = qmc.Sobol if study.sampling == "sobol" else qmc.LatinHypercube
+    return np.asarray(kind(dimensions, rng=rng).random(study.samples))
+
+
+def _samples(
+    study: Study, space: Sequence[Mapping[str, Scalar]], fixed: Mapping[str, Scalar], folder: Path
+) -> Iterator[Sample]:
+    places = [str(folder / name) if (folder / name).is_file() else name for name in study.scenarios]
+    sight = {name: study.perception if sees_ahead(name) else ("none",) for name in study.controllers}
+    for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):
+        for perception in sight[controller]:
+            yield Sample(scenario, tuple((dict(fixed) | dict(point)).items()), controller, perception, seed)
+
+
+def _axis(given: Any, place: str) -> Axis:
+    if isinstance(given, list):
+        given = {"values": given}
+    told = f"{place} must give values, or low and high, or mean and sigma, got {given!r}"
+    if not isinstance(given, dict):
+        raise InputError(told)
+    kept = {name: value for name, value in given.items() if name != "values"}
+    if "values" in given:
+        values = given["values"]
+        if kept or not isinstance(values, list) or not values:
+            raise InputError(f"{place}.values must be a list and stand alone, got {given!r}")
+        return Axis(tuple(_scalar(value, f"{place}.values") for value in values))
+    if not any(keys <= set(kept) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(kept):
+        raise InputError(told)
+    axis = strict.structure(Axis, kept, place)
+    assert isinstance(axis, Axis)
+    return axis
+
+
+def _scalar(value: Any, place: str) -> Scalar:
+    if not isinstance(value, bool | int | float | str):
+        raise InputError(f"{place} must hold numbers, texts, true or false, got {value!r}")
+    return value
+
+
+def _named(mapping: Any, place: str) -> dict[str, Any]:
+    if not isinstance(mapping, dict):
+        raise InputError(f"{place} must be a mapping of path.to.field to values, got {mapping!r}")
+    return mapping

@@ -1,0 +1,96 @@
+"""The drives of a study on a Dask cluster: an embedded one, or any that is reached by an address."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from files.errors import InputError
+from scenarios.closed_loop import simulate
+from scenarios.commands.tables import flat
+from scenarios.results import Results
+from scenarios.runfolder import row, to_json
+from scenarios.study import Sample
+
+if TYPE_CHECKING:  # the extra `sweep`
+    from distributed import Client, Future
+
+AHEAD = 4
+"""Drives handed out for each worker thread: enough that none waits, few enough to stop quickly."""
+REACH_S = 10
+
+
+def work(sample: Sample) -> dict[str, Any]:
+    """Drive one sample on a worker: its row, or its error. What a worker has built it keeps for the next."""
+    try:
+        found = json.loads(to_json(flat(row(simulate(sample.case())))))
+        return described(sample, None) | found
+    except Exception as error:  # whatever a case runs into is its result
+        return described(sample, f"{type(error).__name__}: {' '.join(str(error).split())}")
+
+
+def described(sample: Sample, error: str | None) -> dict[str, Any]:
+    """The columns that every row has: key, error, what was asked for."""
+    asked = {f"set.{path}": value for path, value in sample.point}
+    names = {name: getattr(sample, name) for name in ("scenario", "controller", "perception", "seed")}
+    return {"key": sample.key, "error": error, **names, **asked}
+
+
+def run(
+    client: Client, samples: Sequence[Sample], results: Results, advance: Callable[[], None] = lambda: None
+) -> None:
+    """Drive all samples; each row is in `results` before `advance` is called. Needs no order.
+
+    A worker that dies gives its drives to others; one that kills its worker four times is recorded as failed.
+    """
+    from distributed import as_completed
+
+    waiting = iter(samples)
+    asked: dict[str, Sample] = {}
+
+    def hand_out(count: int) -> list[Future]:
+        futures = []
+        for sample, _ in zip(waiting, range(count), strict=False):
+            future = client.submit(work, sample, key=f"foreride-{sample.key}", pure=False)
+            asked[future.key] = sample
+            futures.append(future)
+        return futures
+
+    window = AHEAD * max(1, sum(client.nthreads().values()))
+    done = as_completed(hand_out(window), raise_errors=False)
+    for future in done:
+        sample = asked.pop(future.key)
+        problem = future.exception()
+        lost = described(sample, f"{type(problem).__name__}: {problem}")
+        results.add(future.result() if problem is None else lost)
+        future.release()
+        advance()
+        for following in hand_out(1):
+            done.add(following)
+
+
+@contextmanager
+def cluster(address: str | None, workers: int) -> Iterator[Client]:
+    """A client of the cluster at `address`, or of one of `workers` processes on this machine."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise InputError("sweep needs Dask: pip install 'foreride[sweep]'") from None
+    if address is not None:
+        try:
+            client = Client(address, timeout=REACH_S)
+        except (OSError, ValueError) as error:
+            told = " ".join(str(error).split()) or type(error).__name__
+            raise InputError(f"--scheduler {address}: cannot be reached ({told})") from None
+        with client:
+            yield client
+        return
+    with (
+        LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs=50
+        ) as local,
+        Client(local) as client,
+    ):
+        yield client
