@@ -33,6 +33,7 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {
 REPORTING = {"half_sine_bump": 6, "watts_hump": 3, "flat_top_hump": 3, "pothole": 7}
 REPORTING_ROUGH = (("A", 90), ("B", 80), ("C", 60))
 TUNING = {"half_sine_bump": 2, "watts_hump": 1, "flat_top_hump": 1, "pothole": 2}
+FEW = ("half_sine_bump_1", "flat_top_hump_0", "pothole_0")
 TUNING_ROUGH = (("B", 70), ("C", 50))
 
 
@@ -44,6 +45,8 @@ def main() -> None:
     rng = np.random.default_rng(202)
     events = features(TUNING, rng, approach_m=5.0, after_s=1.2) + roughs(TUNING_ROUGH, 2.0, rng)
     write("tuning", "Events on which `foreride tune` chooses settings; none is reported.", events)
+    few = [event for event in events if event["name"] in FEW]
+    write("tuning_short", "A few of the events for tuning, for machines with little time.", few)
 
 
 def features(
