@@ -13,6 +13,7 @@ from scenarios.commands.options import (
     comma_list,
     console,
     overrides_of,
+    progress_bar,
 )
 from scenarios.runfolder import environment, to_json
 from scenarios.schema import Scenario
@@ -49,16 +50,22 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError(f"--evaluations must be >= 4, got {arguments.evaluations}")
     scenarios = load_all(arguments.events, overrides_of(arguments))
     car = scenarios[0].vehicle.parameters
+    if any(scenario.vehicle.parameters != car for scenario in scenarios):
+        raise InputError("scenarios to tune on must have one and the same car; --vehicle gives them one")
     searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
-    judge = Judge(scenarios)
+    drives = {name: arguments.evaluations * len(spans) for name, spans in searches.items()}
     found = []
-    for name, spans in searches.items():
-        evaluations = arguments.evaluations * len(spans)
-        with console.status(f"{name}: {evaluations} drives of {len(scenarios)} events"):
-            tuned = tune(judge, name, spans, evaluations, arguments.seed)
-        console.print(f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}")
-        found.append(tuned)
-        scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]
+    with progress_bar() as progress:
+        bar = progress.add_task("passive", total=sum(drives.values()))
+        judge = Judge(scenarios, lambda: progress.advance(bar))
+        for name, spans in searches.items():
+            progress.update(bar, description=name)
+            tuned = tune(judge, name, spans, drives[name], arguments.seed)
+            progress.console.print(
+                f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}"
+            )
+            found.append(tuned)
+            scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]
     out = arguments.out or Path("runs") / "tuned" / f"{car.kind}.yaml"
     write_text(out, settings_file(scenarios[0], found, _command(arguments)))
     console.print(f"settings: {out}")

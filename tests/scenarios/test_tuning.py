@@ -101,3 +101,13 @@ def test_the_command_writes_settings_that_can_be_read_back_and_are_no_worse(tmp_
 def test_too_few_evaluations_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["tune", "--evaluations", "3"]) == 2
     assert "--evaluations must be >= 4, got 3" in capsys.readouterr().err
+
+
+def test_one_cars_settings_are_not_tuned_on_another(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    road = tmp_path / "road.yaml"
+    road.write_text(SHORT)
+    assert main(["tune", str(road), "bump_8x40_30", "--out", str(tmp_path / "tuned.yaml")]) == 2
+    assert "must have one and the same car" in capsys.readouterr().err
+    assert list(tmp_path.glob("tuned*")) == []
