@@ -58,7 +58,7 @@ class ValveDamper:
 
     kind: ClassVar[str] = "valve"
     inner: ClassVar[int] = 0
-    substeps: ClassVar[int] = 2
+    substeps: ClassVar[int] = 1
 
     currents_a: tuple[float, ...] = (0.3, 0.8, 1.6)
     speeds_m_s: tuple[float, ...] = (0.052, 0.131, 0.262, 0.524, 1.048)
@@ -105,11 +105,9 @@ class ValveDamper:
     def coarse(self, steepest_ns_m: float) -> "Damper":
         """Itself, with forces at the lowest speed that keep to the slope."""
         most = steepest_ns_m * self.speeds_m_s[0]
-        rows = [
-            tuple((min(row[0], most), *row[1:]) for row in force)
-            for force in (self.rebound_n, self.compression_n)
-        ]
-        return replace(self, rebound_n=rows[0], compression_n=rows[1])
+        maps = (self.rebound_n, self.compression_n)
+        rebound, compression = (tuple((min(row[0], most), *row[1:]) for row in rows) for rows in maps)
+        return replace(self, rebound_n=rebound, compression_n=compression)
 
     def _weights(self, current: Any, xp: Any) -> list:
         """Share of each current's row: hat functions."""
@@ -143,7 +141,7 @@ class MrTanhDamper:
 
     kind: ClassVar[str] = "mr_tanh"
     inner: ClassVar[int] = 0
-    substeps: ClassVar[int] = 4
+    substeps: ClassVar[int] = 2
 
     current_max_a: float = 2.0
     viscous_ns_m: tuple[float, float] = (1232.0, 1929.0)  # constant, per A
@@ -252,10 +250,12 @@ class MrBoucWenDamper:
         w = z * sign
         if w < 0.0:
             bound = sqrt(self.gain / (self.beta_m2 - self.gamma_m2))
-            root = self.gain / bound
             needed = bound / self.gain * atanh(min(-w / bound, 1.0 - 1e-12))
             if path <= needed:
-                return [inner[0] + velocity * step_s, sign * bound * tanh(root / bound * (path - needed))]
+                return [
+                    inner[0] + velocity * step_s,
+                    sign * bound * tanh(self.gain / bound * (path - needed)),
+                ]
             path, w = path - needed, 0.0
         bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
         start = atanh(min(w / bound, 1.0 - 1e-12))

@@ -60,10 +60,11 @@ def drive(car: Car, bump: Haversine, damping: float, x_m: float = 0.0) -> Vehicl
 def integrate(car: Car, bump: Haversine, damping: float, method: str = "RK45") -> VehicleState:
     """The equations over the exact road by scipy's adaptive integrators."""
     command, time = np.full(car.wheels, damping), np.arange(TICKS + 1) / RATE_HZ
-    profiles = [bump] * car.wheels
+    profiles, asked = [bump] * car.wheels, command.tolist()
 
-    def slope(t: float, x: Array) -> Array:
-        return equations.derivative(car, x, command, *road_under(car, profiles, SPEED_M_S * t, SPEED_M_S))
+    def slope(t: float, x: Array) -> list[float]:
+        road = road_under(car, profiles, SPEED_M_S * t, SPEED_M_S)
+        return equations.derivative(car, x.tolist(), asked, *road, equations.FLOATS)
 
     start = equations.rest_state(car)
     x = solve_ivp(slope, (0, time[-1]), start, method, t_eval=time, rtol=1e-8, atol=1e-10, max_step=2e-3).y
