@@ -7,6 +7,7 @@ A label line is `class cx cy w h`, centre and size as fractions of the image. Be
 
 import hashlib
 import json
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from detector.detection import CLASS_NAMES
+from detector.imagefile import read_image
 from files.errors import InputError
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
@@ -46,49 +48,58 @@ def image_paths(folder: Path) -> list[Path]:
     return paths
 
 
-def read_image(path: Path) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 RGB. Raises InputError naming a file that is no image."""
-    image = cv2.imdecode(np.fromfile(path, np.uint8), cv2.IMREAD_COLOR) if path.stat().st_size else None
-    if image is None:
-        raise InputError(f"{path}: cannot be decoded as an image")
-    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB).astype(np.uint8, copy=False)
-
-
-def read_labels(path: Path) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Classes (n,) and fractional boxes (n, 4) of a label file; an absent file means no object."""
+def read_labels(path: Path, classes: int = len(CLASS_NAMES)) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Classes (n,), below `classes`, and fractional boxes (n, 4) of a label file; no file means no object."""
     rows = []
     for number, line in enumerate(path.read_text().splitlines() if path.exists() else (), 1):
         if line.strip():
-            rows.append(_label_row(line, f"{path}:{number}"))
+            rows.append(_label_row(line, f"{path}:{number}", classes))
     table = np.array(rows, np.float64).reshape(-1, 5)
     centre, half = table[:, 1:3], table[:, 3:5] / 2
     boxes = np.concatenate((centre - half, centre + half), 1)
     return table[:, 0].astype(np.int64), boxes.astype(np.float32)
 
 
-def _label_row(line: str, where: str) -> list[float]:
+def _label_row(line: str, where: str, classes: int) -> list[float]:
     try:
         row = [float(word) for word in line.split()]
     except ValueError:
         row = []
     if len(row) != 5 or not np.isfinite(row).all():
         raise InputError(f"{where}: expected five numbers `class cx cy w h`, got {line.strip()!r}")
-    if row[0] not in range(len(CLASS_NAMES)):
-        raise InputError(f"{where}: class must be 0..{len(CLASS_NAMES) - 1}, got {row[0]:g}")
+    if row[0] not in range(classes):
+        raise InputError(f"{where}: class must be 0..{classes - 1}, got {row[0]:g}")
     if min(row[1:]) < 0 or max(row[1:]) > 1 or min(row[3:]) <= 0:
         raise InputError(f"{where}: cx cy w h must be fractions in 0..1 with w, h > 0, got {line.strip()!r}")
     return row
 
 
-def read_samples(folder: Path, longest: int | None = None) -> Iterator[Sample]:
-    """Decode every image of a dataset folder, shrunk to at most `longest` pixels on its longer side."""
-    for path in image_paths(folder):
-        image = read_image(path)
+def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = False) -> Iterator[Sample]:
+    """Decode every image of a dataset folder, shrunk to at most `longest` pixels on its longer side.
+
+    Files that cannot be used are told on stderr if they are to be skipped; otherwise InputError names all of
+    them, after the last good one.
+    """
+    paths, faults = image_paths(folder), []
+    if not (folder / "labels").is_dir():
+        raise InputError(f"{folder}: no folder labels/ in it; a dataset holds images/ and labels/")
+    for path in paths:
+        try:
+            image, labels = read_image(path), read_labels(folder / "labels" / f"{path.stem}.txt")
+        except InputError as error:
+            faults.append(str(error))
+            continue
         shrink = min(1.0, (longest or max(image.shape)) / max(image.shape))
         if shrink < 1:
             size = (round(image.shape[1] * shrink), round(image.shape[0] * shrink))
             image = cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
-        yield Sample(path.name, image, *read_labels(folder / "labels" / f"{path.stem}.txt"))
+        yield Sample(path.name, image, *labels)
+    if faults and not skip_bad:
+        raise InputError(
+            f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
+        )
+    for fault in faults:
+        print(f"left out: {fault}", file=sys.stderr)
 
 
 def read_objects(folder: Path) -> dict[str, list[dict]] | None:

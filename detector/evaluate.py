@@ -27,7 +27,12 @@ BIN_M = 2.5
 EGO_RANGE_M = (4.0, 15.0)
 
 
-def evaluate(folder: Path, detect: Callable[[NDArray[np.uint8]], Detections], confidence: float) -> dict:
+def evaluate(
+    folder: Path,
+    detect: Callable[[NDArray[np.uint8]], Detections],
+    confidence: float,
+    skip_bad: bool = False,
+) -> dict:
     """Metrics of `detect` on a folder; it should answer with a far lower threshold than `confidence`.
 
     Gives what `metrics.summarise` does and, where objects.jsonl is there, `ego_recall` (objects in the
@@ -36,7 +41,7 @@ def evaluate(folder: Path, detect: Callable[[NDArray[np.uint8]], Detections], co
     results = []
     objects = read_objects(folder)
     with Progress(len(image_paths(folder))) as progress:
-        for sample in read_samples(folder):
+        for sample in read_samples(folder, skip_bad=skip_bad):
             rows, columns = sample.image.shape[:2]
             found = _in_lane(detect(sample.image), sample, folder / "lane")
             boxes = sample.boxes * np.array([columns, rows, columns, rows], np.float32)
@@ -109,6 +114,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--json", type=Path, help="write the numbers here")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
     p.add_argument("--threads", type=int, default=1)
+    p.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
     return p
 
 
@@ -116,7 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
         detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
-        summary = evaluate(args.data, detect, args.confidence)
+        summary = evaluate(args.data, detect, args.confidence, args.skip_bad)
         summary |= {"weights": str(detect.path), "data": str(args.data), "metadata": detect.metadata}
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")

@@ -36,7 +36,8 @@ _LIMITS = """## Limits
 
 Carriageways are straight and level but for their roughness. Vehicles and houses are plain bodies; trees,
 poles and people are flat pictures turned to the camera. There are no animals, junctions, queues or drops on
-the lens. A box of a bump in deep snow, dense fog or the dark may hold less than an eye can tell from the road.
+the lens. A bump in deep snow, dense fog or the dark may be labelled though an eye can hardly tell it from the
+road.
 Images and labels are free of third parties' material and may be used under the project's licence.
 """
 

@@ -9,6 +9,7 @@ MODULES = {
     "data": ("road.dataset", "render a labelled image set"),
     "card": ("road.card", "write a rendered set's README.md"),
     "boxes": ("road.boxes", "box sizes of labelled folders"),
+    "convert": ("detector.convert", "own images from and to YOLO and COCO formats"),
     "train": ("detector.train", "train SBP-YOLO (extra: training)"),
     "eval": ("detector.evaluate", "precision, recall and mAP on a folder of images"),
     "export": ("detector.export", "write ONNX from trained weights (extra: training)"),

@@ -59,9 +59,10 @@ def test_names_what_is_missing_or_broken(tmp_path: Path) -> None:
     (tmp_path / "images").mkdir()
     with pytest.raises(InputError, match="no image in it"):
         next(read_samples(tmp_path))
-    for content in (b"", b"not a picture"):
+    (tmp_path / "labels").mkdir()
+    for content, said in ((b"", "empty file"), (b"not a picture", "cannot be decoded")):
         (tmp_path / "images" / "x.jpg").write_bytes(content)
-        with pytest.raises(InputError, match=r"x\.jpg: cannot be decoded"):
+        with pytest.raises(InputError, match=rf"x\.jpg: {said}"):
             next(read_samples(tmp_path))
 
 

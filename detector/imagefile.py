@@ -1,0 +1,65 @@
+"""Reading one image file, refusing what would silently be something else than its labels describe."""
+
+import struct
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import InputError
+
+_ORIENTATION = 0x0112  # EXIF 2.32, table 4
+_UPRIGHT = 1
+
+
+def read_image(path: Path) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 RGB of a colour image with 8 bits per channel.
+
+    Raises InputError naming a file that is empty, no image, cut short, grey, of more than 8 bits, or turned
+    by its EXIF orientation, which programs that label images may or may not have followed.
+    """
+    data = path.read_bytes()
+    if not data:
+        raise InputError(f"{path}: empty file; must be an image")
+    if _is_cut_short(data):
+        raise InputError(f"{path}: the file is cut short; its end is missing")
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    if image is None:
+        raise InputError(f"{path}: cannot be decoded as an image")
+    if image.dtype != np.uint8:
+        raise InputError(f"{path}: {image.dtype.itemsize * 8} bits per channel; must be 8")
+    if image.ndim != 3:
+        raise InputError(f"{path}: a grey image; must have three colours")
+    turned = exif_orientation(data)
+    if turned != _UPRIGHT:
+        raise InputError(
+            f"{path}: EXIF orientation {turned}; save it upright (orientation 1), labels accordingly"
+        )
+    code = cv2.COLOR_BGRA2RGB if image.shape[2] == 4 else cv2.COLOR_BGR2RGB
+    return cv2.cvtColor(image, code).astype(np.uint8, copy=False)
+
+
+def exif_orientation(data: bytes) -> int:
+    """Orientation 1..8 that a JPEG file's EXIF block asks for; 1 where it says nothing (EXIF 2.32, 4.6)."""
+    start = data.find(b"Exif\0\0", 0, 1 << 16) + 6
+    if data[:2] != b"\xff\xd8" or start < 6:
+        return _UPRIGHT
+    order = "<" if data[start : start + 2] == b"II" else ">"
+    try:
+        (offset,) = struct.unpack_from(f"{order}I", data, start + 4)
+        (count,) = struct.unpack_from(f"{order}H", data, start + offset)
+        for entry in range(count):
+            tag, _, _, value = struct.unpack_from(f"{order}HHIH", data, start + offset + 2 + 12 * entry)
+            if tag == _ORIENTATION:
+                return int(value)
+    except struct.error:
+        return _UPRIGHT
+    return _UPRIGHT
+
+
+def _is_cut_short(data: bytes) -> bool:
+    """Whether the end marker of a JPEG or PNG is missing: decoders fill the rest with grey in silence."""
+    if data[:2] == b"\xff\xd8":
+        return b"\xff\xd9" not in data[len(data) // 2 :]
+    return data[:4] == b"\x89PNG" and b"IEND" not in data[-64:]
