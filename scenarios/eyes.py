@@ -3,12 +3,13 @@
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
-from detector.runtime import Detector
+from detector.runtime import WEIGHTS, Detector
 from preview.estimator import Estimator
 from preview.perception import degrade, true_boxes
 from road.camera import CameraMount, CameraPose, pose_of
@@ -64,8 +65,15 @@ def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generato
 def load_detector(scenario: Scenario) -> Detector:
     """The detector with the scenario's weights and threshold."""
     wanted = scenario.detection
-    weights = None if wanted.weights is None else Path(wanted.weights)
-    return Detector(weights, threads=wanted.threads, confidence=wanted.confidence)
+    weights = WEIGHTS if wanted.weights is None else Path(wanted.weights)
+    written_ns = weights.stat().st_mtime_ns if weights.exists() else 0
+    return _session(weights, wanted.threads, wanted.confidence, written_ns)
+
+
+@lru_cache(maxsize=4)
+def _session(weights: Path, threads: int, confidence: float, written_ns: int) -> Detector:
+    """One detector for all runs of a process; `written_ns` tells a file from its successor."""
+    return Detector(weights, threads=threads, confidence=confidence)
 
 
 def pose(mount: CameraMount, state: VehicleState) -> CameraPose:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -22,10 +23,15 @@ AHEAD = 4
 REACH_S = 10
 
 
+_ALONE = threading.Lock()
+"""Prediction models are shared within a process, so that workers with several threads must take turns."""
+
+
 def work(sample: Sample) -> dict[str, Any]:
     """Drive one sample on a worker: its row, or its error. What a worker has built it keeps for the next."""
     try:
-        found = json.loads(to_json(flat(row(simulate(sample.case())))))
+        with _ALONE:
+            found = json.loads(to_json(flat(row(simulate(sample.case())))))
         return described(sample, None) | found
     except Exception as error:  # whatever a case runs into is its result
         return described(sample, f"{type(error).__name__}: {' '.join(str(error).split())}")
