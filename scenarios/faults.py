@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def _active(fault: Fault, time_s: float) -> bool:
 
 def _spoil(measurement: Measurement, fault: SensorFault, before: Measurement | None) -> Measurement:
     channels = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
-    changed = {}
+    changed: dict[str, Any] = {}
     for name in channels if fault.channel == "all" else (fault.channel,):
         value, last = getattr(measurement, name), getattr(before or measurement, name)
         spoilt = last if fault.mode == "stuck" else np.full_like(value, np.nan)
