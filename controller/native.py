@@ -32,6 +32,7 @@ _OPERATIONS = {
     casadi.OP_SQRT: "call {t} @llvm.sqrt.{s}({t} {a})",
     casadi.OP_EXP: "call {t} @llvm.exp.{s}({t} {a})",
     casadi.OP_LOG: "call {t} @llvm.log.{s}({t} {a})",
+    casadi.OP_TANH: "call {t} @llvm.tanh.{s}({t} {a})",
 }
 _COMPARISONS = {
     casadi.OP_LT: "fcmp olt {t} {a}, {b}",
@@ -58,9 +59,10 @@ class Kernel:
         machine = llvm.Target.from_default_triple().create_target_machine(
             cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=0
         )
-        self._engine = llvm.create_mcjit_compiler(module, machine)  # owns the code
-        self._engine.finalize_object()
-        self._run = _SIGNATURE(self._engine.get_function_address("kernel"))
+        engine = llvm.create_mcjit_compiler(module, machine)
+        engine.finalize_object()
+        self._run = _SIGNATURE(engine.get_function_address("kernel"))
+        self._run.engine = engine  # type: ignore[attr-defined]  # which owns the code
         self.lanes = lanes
         self.rows_in = sum(function.nnz_in(i) for i in range(function.n_in()))
         self.rows_out = sum(function.nnz_out(i) for i in range(function.n_out()))
@@ -92,7 +94,7 @@ def _module(function: casadi.Function, lanes: int) -> str:
     """LLVM assembly of `kernel(points, results, count, row length of points, of results)`."""
     number, suffix = ("double", "f64") if lanes == 1 else (f"<{lanes} x double>", f"v{lanes}f64")
     body = "\n".join(f"  {line}" for line in _body(function, lanes, number, suffix))
-    intrinsics = {"minnum": 2, "maxnum": 2, "fabs": 1, "sqrt": 1, "exp": 1, "log": 1}
+    intrinsics = {"minnum": 2, "maxnum": 2, "fabs": 1, "sqrt": 1, "exp": 1, "log": 1, "tanh": 1}
     declared = "\n".join(
         f"declare {number} @llvm.{name}.{suffix}({', '.join([number] * arguments)})"
         for name, arguments in intrinsics.items()

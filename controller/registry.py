@@ -52,6 +52,9 @@ CONTROLLERS: dict[str, Entry] = {
     "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
 }
 
+CLAIRVOYANT = "clairvoyant"
+"""The replay of a drive's optimum, which only the closed loop can build: it is made for one drive."""
+
 UNSUPERVISED = ("passive", "fixed")
 """What nothing can happen to."""
 
@@ -85,7 +88,7 @@ def sees_ahead(name: str) -> bool:
 
     Raises InputError for a name that does not exist.
     """
-    return _is_user(name) or _entry(name).sees_ahead
+    return name != CLAIRVOYANT and (_is_user(name) or _entry(name).sees_ahead)
 
 
 def _is_user(name: str) -> bool:
@@ -94,7 +97,8 @@ def _is_user(name: str) -> bool:
 
 def _entry(name: str) -> Entry:
     if name not in CONTROLLERS:
-        raise InputError(f"controller must be one of {', '.join(CONTROLLERS)} or FILE.py:NAME, got {name!r}")
+        known = ", ".join([*CONTROLLERS, CLAIRVOYANT])
+        raise InputError(f"controller must be one of {known} or FILE.py:NAME, got {name!r}")
     return CONTROLLERS[name]
 
 

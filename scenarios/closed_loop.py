@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 
 from comfort.metrics import ride_metrics
+from controller.clairvoyant import Replay
+from controller.registry import CLAIRVOYANT
 from road.envelope import wheel_profile
+from scenarios.bound import bound
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.driver import Driver
@@ -17,6 +20,8 @@ from scenarios.faults import Faults
 from scenarios.observer_errors import observer_errors
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog, collect
+from vehicle.audit import energy_audit
+from vehicle.parameters import prediction_car
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
 from vehicle.state import VehicleState
@@ -71,10 +76,12 @@ def simulate(
     }
     profiles = [tracks[y] for y in car.wheel_y_m]
     plant = Plant(car)
-    plant.reset(profiles, scenario.start_m, scenario.speed_m_s)
+    plant.reset(profiles, scenario.start_m, scenario.motion)
     sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
     perception, weights_sha256 = build_perception(case, profiles, streams, keep_images)
-    driver = Driver(case, plant, sensors, perception, Faults(scenario.faults, streams["faults"]))
+    faults = Faults(scenario.faults, streams["faults"])
+    replay = Replay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
+    driver = Driver(case, plant, sensors, perception, faults, replay)
     try:
         driver.drive(advance)
     finally:
@@ -88,7 +95,7 @@ def simulate(
         metrics=metrics_of(record, case),
         events=driver.events,
         solver=driver.solver,
-        observer=observer_errors(car, driver.estimates, record),
+        observer=observer_errors(prediction_car(car), driver.estimates, record),
         perception_stats=perception.stats(),
         timing=timing | driver.timing | perception.timing(),
         weights_sha256=weights_sha256,
@@ -98,10 +105,16 @@ def simulate(
     )
 
 
+def commands(case: Case) -> np.ndarray:
+    """Drive a case; return what was asked for during each tick, (inputs, ticks), N·s/m and N."""
+    signals = simulate(case).signals
+    return np.array([values[1:] for name, values in signals.items() if name.startswith("command_")])
+
+
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
-    """The ride metrics of a recorded drive."""
+    """The ride metrics of a recorded drive, and its audit (`vehicle.audit`)."""
     car = case.scenario.vehicle.parameters
-    return ride_metrics(
+    ride = ride_metrics(
         TICKS_PER_SECOND,
         seat_acc=record.seat_acc,
         rattle=record.rattle_m,
@@ -109,10 +122,12 @@ def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
         static_tyre_force=record.static_tyre_force[:, 0],
         damper_power=-record.damper_force * record.rattle_velocity,
         stop_gap_m=np.array([corner.stop_gap_m for corner in car.corners]),
+        rebound_gap_m=np.array([corner.rebound_gap_m for corner in car.corners]),
         pitch_acc=record.pitch_acc,
         roll_acc=record.roll_acc,
         rho=case.scenario.tyre_load_weight,
     )
+    return ride | energy_audit(car, record)
 
 
 def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from controller.base import Estimate, Timing
+from controller.base import Controller, Estimate, Timing
 from controller.observer import Observer, truth_estimate
 from controller.registry import build
 from controller.sensor_watch import SensorWatch
@@ -15,6 +15,8 @@ from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from scenarios.faults import LATE, Faults
 from scenarios.perception import Event, Perception
+from vehicle.equations import state_size
+from vehicle.parameters import prediction_car
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
 from vehicle.state import VehicleState
@@ -28,13 +30,22 @@ class Driver:
     """
 
     def __init__(
-        self, case: Case, plant: Plant, sensors: Sensors, perception: Perception, faults: Faults
+        self,
+        case: Case,
+        plant: Plant,
+        sensors: Sensors,
+        perception: Perception,
+        faults: Faults,
+        controller: Controller | None = None,
     ) -> None:
+        """Without `controller`, the one that the case names is built."""
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
         timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
-        self._controller = build(case.controller, car, control.settings, timing)
-        self._observer = None if scenario.observer == "truth" else Observer(car, scenario.sensors, timing)
+        known = prediction_car(car)
+        self._controller = controller or build(case.controller, known, control.settings, timing)
+        self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
+        self._states = state_size(known)
         self._watch = SensorWatch(car.wheels, scenario.sensors)
         self._plant, self._sensors, self._perception = plant, sensors, perception
         self._faults = faults
@@ -78,7 +89,7 @@ class Driver:
         checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
         self._perception.sense(checked.measurement)
         if self._observer is None:
-            return truth_estimate(state)
+            return replace(truth_estimate(state), x=state.x[: self._states])
         estimate = self._observer.update(checked, self._command)
         self.estimates.append(estimate)
         return estimate

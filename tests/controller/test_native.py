@@ -25,6 +25,7 @@ EXPRESSIONS = {
     "root": casadi.sqrt(A * A + 1),
     "exponential": casadi.exp(A),
     "logarithm": casadi.log(A * A + 1),
+    "hyperbolic tangent": casadi.tanh(A),
     "less": A < B,
     "at most": A <= B,
     "equal": A == B,

@@ -1,0 +1,95 @@
+"""The best that any controller could do on a drive: an optimal plan for all of it, and its replay.
+
+Direct single shooting on the exact model (`controller.whole_drive`) with limits on every command, minimised
+by L-BFGS-B (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995). The problem is not convex, so it is
+solved from several starts; how far apart they end tells how far the best of them can be trusted.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from controller.base import Estimate, Stateless
+from controller.model import KILO
+from controller.whole_drive import WholeDrive
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
+
+SETTLED = 1e-8
+"""Relative fall of J in one iteration under which the search ends."""
+MOST_ITERATIONS = 4000
+MARGIN = 1e-9
+"""By how much plans keep off the limits, kN·s/m and kN: beyond them commands are clipped and do nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """plan: (intervals, inputs), kN·s/m and kN. objective: its J. found: J from each start, by name."""
+
+    plan: np.ndarray
+    objective: float
+    found: dict[str, float]
+
+    @property
+    def gap(self) -> float:
+        """How much worse than the best the worst of the starts ended, relative."""
+        return max(self.found.values()) / self.objective - 1.0
+
+
+def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) -> Optimum:
+    """Minimise J from each start (intervals, inputs) and return the best.
+
+    A search that ends before it has settled counts like the others: its J is one that a plan reaches.
+    """
+    low, high = (np.tile(limit, drive.intervals) for limit in limits(vehicle))
+    best: np.ndarray | None = None
+    found: dict[str, float] = {}
+    for name, start in starts.items():
+        scale, _ = drive.objective(start)
+        search = minimize(
+            lambda plan, scale=scale: tuple(part / scale for part in drive.objective(plan)),
+            np.clip(start.ravel(), low, high),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=np.stack([low, high], axis=1),
+            options={"maxcor": 20, "ftol": SETTLED, "gtol": 0.0, "maxiter": MOST_ITERATIONS, "maxfun": 10**6},
+        )
+        found[name], _ = drive.objective(search.x)
+        if best is None or found[name] <= min(found.values()):
+            best = search.x
+    assert best is not None, "at least one start"
+    return Optimum(best.reshape(drive.intervals, -1), min(found.values()), found)
+
+
+def limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest command, (inputs,), kN·s/m and kN."""
+    corners = vehicle.corners
+    low = [corner.damping_min_ns_m for corner in corners]
+    high = [corner.damping_max_ns_m for corner in corners]
+    for corner in corners:
+        if corner.actuator is not None:
+            low.append(-corner.actuator.force_limit_n)
+            high.append(corner.actuator.force_limit_n)
+    least, most = np.array(low) / KILO, np.array(high) / KILO
+    margin = np.minimum(MARGIN, 0.25 * (most - least))
+    return least + margin, most - margin
+
+
+class Replay(Stateless):
+    """Gives the commands of a plan one after the other, the last one ever after."""
+
+    def __init__(self, plan: np.ndarray):
+        self._plan = plan
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin anew."""
+        self._asked = 0
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the next command (inputs,), N·s/m and N."""
+        command = KILO * self._plan[min(self._asked, len(self._plan) - 1)]
+        self._asked += 1
+        return command

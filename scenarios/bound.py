@@ -1,0 +1,132 @@
+"""What is physically there to win on a scenario: the clairvoyant bound, found once and kept."""
+
+import hashlib
+import io
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from controller.clairvoyant import Optimum, optimise
+from controller.model import KILO
+from controller.whole_drive import Drive, WholeDrive
+from files.atomic import write_bytes
+from files.cache import cache_folder
+from road.envelope import WheelProfile, wheel_profile
+from scenarios.cases import Case
+from scenarios.clock import TICKS_PER_SECOND, due, ticks
+from scenarios.schema import Scenario
+from vehicle.equations import input_size
+from vehicle.plant import Plant
+from vehicle.speed import ConstantSpeed, SpeedProfile
+from vehicle.state import road_under
+
+STARTS = ("passive", "skyhook", "mpc_preview")
+"""Controllers whose commands the searches start from."""
+
+Commands = Callable[[Case], np.ndarray]
+"""Drives a case and returns the commands of each tick (inputs, ticks), N·s/m and N."""
+
+
+def bound(scenario: Scenario, commands: Commands) -> Optimum:
+    """The best plan for the scenario's whole drive; from the cache where it is known.
+
+    What is cached is believed only if its plan still gives the J that stands beside it.
+    """
+    car, drive = scenario.vehicle.parameters, drive_of(scenario)
+    whole = WholeDrive(car, drive)
+    path = cache_folder() / "bounds" / f"{_key(scenario, drive)}.npz"
+    try:
+        known = _read(path.read_bytes(), whole)
+    except OSError:
+        known = None
+    if known is not None:
+        return known
+    first = np.searchsorted(drive.interval, np.arange(whole.intervals))
+    plans = {}
+    for name in STARTS:
+        asked = commands(_rehearsal(scenario, name))[:, first].T / KILO
+        plans[name] = np.pad(asked, ((0, 0), (0, input_size(car) - asked.shape[1])))
+    optimum = optimise(car, whole, plans)
+    with suppress(OSError):  # a bound that cannot be kept is still a bound
+        write_bytes(path, _bytes(optimum))
+    return optimum
+
+
+def captured(objective: float, passive: float, clairvoyant: float) -> float:
+    """Share of the benefit that exists which a controller's J gets: 0 for passive, 1 for the bound."""
+    return (passive - objective) / (passive - clairvoyant)
+
+
+def drive_of(scenario: Scenario) -> Drive:
+    """The scenario's drive as `controller.whole_drive` takes it."""
+    car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
+    profiles = wheel_profiles(scenario)
+    plant = Plant(car)
+    plant.reset(profiles, scenario.start_m, scenario.motion)
+    motion = scenario.motion
+    course = motion if isinstance(motion, SpeedProfile) else ConstantSpeed(motion)
+    stretch = course.ahead(scenario.start_m, 0, count)
+    height, velocity = road_under(car, profiles, stretch.edges_m, stretch.speed_m_s)
+    middle, _ = road_under(car, profiles, stretch.middles_m, 0.0)
+    still = stretch.forward_acc is None
+    late = ticks(control.delay_s)
+    asked = [tick >= late and due(tick - late, control.rate_hz) for tick in range(count)]
+    return Drive(
+        rate_hz=TICKS_PER_SECOND,
+        height=np.array(height),
+        velocity=np.array(velocity),
+        middle=np.array(middle),
+        forward_acc=np.zeros(count + 1) if still else np.asarray(stretch.forward_acc),
+        surge=np.zeros(count) if still else np.diff(stretch.speed_m_s) * TICKS_PER_SECOND,
+        interval=np.cumsum(asked) - 1,
+        start=np.array(plant.state.x),
+        rho=scenario.tyre_load_weight,
+    )
+
+
+def wheel_profiles(scenario: Scenario) -> list[WheelProfile]:
+    """The road as each wheel feels it."""
+    car = scenario.vehicle.parameters
+    tracks = {
+        y: wheel_profile(scenario.road, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m
+    }
+    return [tracks[y] for y in car.wheel_y_m]
+
+
+def _rehearsal(scenario: Scenario, controller: str) -> Case:
+    """A drive with exact states and the true road ahead, in which nothing goes wrong."""
+    clear = replace(scenario, observer="truth", faults=())
+    return Case(clear, controller, "oracle" if controller == "mpc_preview" else "none", scenario.seed)
+
+
+def _key(scenario: Scenario, drive: Drive) -> str:
+    """Hash of all that the bound depends on: the car, and what happens to it."""
+    told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
+    told.update(repr((drive.rate_hz, drive.rho)).encode())
+    for array in (drive.height, drive.velocity, drive.middle, drive.surge, drive.interval, drive.start):
+        told.update(np.ascontiguousarray(array).tobytes())
+    return told.hexdigest()
+
+
+def _bytes(optimum: Optimum) -> bytes:
+    stream = io.BytesIO()
+    names, values = np.array(list(optimum.found)), np.array(list(optimum.found.values()))
+    np.savez_compressed(stream, plan=optimum.plan, names=names, values=values)
+    return stream.getvalue()
+
+
+def _read(data: bytes, whole: WholeDrive) -> Optimum | None:
+    """What was kept, or None where it is damaged or not true any more."""
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as kept:
+            plan, names, values = kept["plan"], kept["names"], kept["values"]
+    except Exception:  # zip and npy readers raise many things on damaged data
+        return None
+    if plan.shape != (whole.intervals, whole.inputs) or not len(values) or len(names) != len(values):
+        return None
+    objective, _ = whole.objective(plan)
+    if not np.isclose(objective, values.min(), rtol=1e-9):
+        return None
+    return Optimum(plan, objective, dict(zip(names.tolist(), values.tolist(), strict=True)))

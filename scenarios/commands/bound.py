@@ -1,0 +1,67 @@
+"""`foreride bound`: what is physically there to win on a scenario, whatever the controller."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from controller.registry import CLAIRVOYANT
+from files.atomic import write_text
+from scenarios.bound import bound
+from scenarios.cases import Case
+from scenarios.closed_loop import commands, simulate
+from scenarios.commands.options import add_field_options, console, overrides_of
+from scenarios.loading import load
+from scenarios.runfolder import digest, environment, to_json
+from scenarios.schema import Scenario
+from vehicle.actuator import FullyActive, SlowActive
+
+ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("bound", help="the best that any controller could do on a scenario")
+    command.add_argument("scenario", metavar="SCENARIO", help="a name in the library, or a YAML file")
+    beside = "what works beside the dampers (default: what the scenario's car has)"
+    command.add_argument("--actuator", choices=tuple(ACTUATORS), help=beside)
+    add_field_options(command)
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Find the scenario's optimum, or take it from the cache, and replay it through the plant."""
+    scenario = load(arguments.scenario, overrides_of(arguments))
+    if arguments.actuator:
+        scenario = equipped(scenario, arguments.actuator)
+    with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
+        optimum = bound(scenario, commands)
+        metrics = simulate(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
+        passive = simulate(Case(scenario, "passive", "none", scenario.seed)).metrics["objective"]
+    console.print(
+        f"{scenario.name}, {scenario.vehicle.model}: J {metrics['objective']:.4f} (m/s²)², "
+        f"{metrics['objective'] / passive:.3f} of passive; Wk RMS {metrics['wk_rms']:.3f} m/s²; "
+        f"starts end within {100 * optimum.gap:.2f} %"
+    )
+    if arguments.json:
+        numbers = {
+            "schema": 1,
+            "scenario": scenario.name,
+            "scenario_hash": digest(scenario.mapping),
+            "vehicle": scenario.vehicle.model,
+            "objective": metrics["objective"],
+            "wk_rms": metrics["wk_rms"],
+            "gap_between_starts": optimum.gap,
+            "starts": optimum.found,
+            "passive_objective": passive,
+            "metrics": metrics,
+            "manifest": environment(),
+        }
+        write_text(arguments.json, to_json(numbers) + "\n")
+    return 0
+
+
+def equipped(scenario: Scenario, actuator: str) -> Scenario:
+    """The scenario with another actuator in its car: none, slow_active or fully_active."""
+    parameters = replace(scenario.vehicle.parameters, actuator=ACTUATORS[actuator])
+    return replace(scenario, vehicle=replace(scenario.vehicle, parameters=parameters))

@@ -1,0 +1,76 @@
+"""The bound of a short drive: better than what it started from, kept, and never believed when damaged."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from road.features import HalfSineBump
+from road.profile import Road
+from scenarios.bound import bound, captured
+from scenarios.cases import Case
+from scenarios.cli import main
+from scenarios.closed_loop import commands, simulate
+from scenarios.loading import load
+from scenarios.schema import Scenario
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("FORERIDE_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "bounds"
+
+
+def short() -> Scenario:
+    """Nine metres with one bump at 30 km/h."""
+    road = Road(9.0, (HalfSineBump(start_m=4.0, height_m=0.06, length_m=0.4),))
+    overrides = ["vehicle.model=quarter", "observer=truth", "control.rate_hz=100", "control.delay_s=0.01"]
+    return replace(load("bump_8x40_30", overrides), road=road)
+
+
+def test_the_replay_reaches_the_bound_and_no_start_beats_it() -> None:
+    scenario = short()
+    optimum = bound(scenario, commands)
+    reached = simulate(Case(scenario, "clairvoyant", "none", 0)).metrics["objective"]
+    assert reached == pytest.approx(optimum.objective, rel=1e-9)
+    for controller, perception in (("passive", "none"), ("mpc_reactive", "none"), ("mpc_preview", "oracle")):
+        assert simulate(Case(scenario, controller, perception, 0)).metrics["objective"] > optimum.objective
+
+
+def test_it_is_kept_and_believed_only_while_it_is_true(cache: Path) -> None:
+    scenario = short()
+    found = bound(scenario, commands)
+    (file,) = cache.iterdir()
+    whole = file.read_bytes()
+
+    def never(case: Case) -> np.ndarray:
+        raise AssertionError("searched again")
+
+    again = bound(scenario, never)
+    np.testing.assert_array_equal(again.plan, found.plan)
+    assert again.found == found.found
+    for damaged in (b"", whole[: len(whole) // 2], whole[:-40] + bytes(40)):
+        file.write_bytes(damaged)
+        with pytest.raises(AssertionError, match="searched again"):
+            bound(scenario, never)
+    with pytest.raises(AssertionError, match="searched again"):
+        bound(replace(scenario, speed_kmh=31.0), never)
+
+
+def test_captured_is_the_share_of_what_there_is_to_win() -> None:
+    assert captured(1.0, 1.0, 0.6) == 0.0
+    assert captured(0.6, 1.0, 0.6) == 1.0
+    assert captured(0.7, 1.0, 0.6) == pytest.approx(0.75)
+
+
+def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("scenarios.commands.bound.load", lambda name, overrides: short())
+    file = tmp_path / "bound.json"
+    assert main(["bound", "short", "--json", str(file)]) == 0
+    numbers = json.loads(file.read_text())
+    assert 0.0 < numbers["objective"] < numbers["passive_objective"]
+    assert numbers["wk_rms"] > 0.0
+    assert 0.0 <= numbers["gap_between_starts"] < 0.05
+    assert set(numbers["starts"]) == {"passive", "skyhook", "mpc_preview"}
