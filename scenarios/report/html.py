@@ -62,7 +62,7 @@ def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
     for _, group in groupby(runs, key=_drive):
         members = list(group)
         notes = {label_of(run): _frames_note(run, frames_from, every) for run in members}
-        start = event_window(members[0])[0] / TICKS_PER_SECOND
+        start = event_window(members[0], before_s=0.5)[0] / TICKS_PER_SECOND
         best = max(range(len(members)), key=lambda i: _SIGHT.index(members[i].case.perception))
         shown.append(scene(members, notes, every) | {"start": start, "best": best})
     return shown

@@ -37,7 +37,6 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
         "title": first.title,
         "vehicle": first.vehicle.model,
         "seed": runs[0].case.seed,
-        "speed_kmh": first.speed_kmh,
         "road": {"step": ROAD_STEP_M, "z": packed(height)},
         "axles": [car.axle_x_m[i] for i in (side[0], side[-1])][: len(side)],
         "radius": car.wheel_radius_m,

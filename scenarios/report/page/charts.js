@@ -26,7 +26,7 @@ function timeCharts(place, scene, runs, now, seek) {
       width: width(place), height: 150, title: "", cursor: { sync: { key: sync.key }, drag: { x: true, y: false } },
       scales: { x: { time: false } },
       axes: [axis({ size: 24 }), axis({ label: panel.title, labelSize: 18, labelFont: "11px system-ui", size: 40 })],
-      series: [{ label: "s", value: (_, v) => (v == null ? "" : v.toFixed(3)) }].concat(
+      series: [{ label: "time (s)", value: (_, v) => (v == null ? "" : v.toFixed(3)) }].concat(
         runs.map((run, i) => ({ label: run.label, stroke: () => colour(i ? "b" : "a"), width: 1.4, value: (_, v) => (v == null ? "" : v.toFixed(2)) }))),
       hooks: {
         draw: [(chart) => cursorAt(chart, now(), runs)],

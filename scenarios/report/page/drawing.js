@@ -105,10 +105,9 @@ function drawCar(pen, scene, run, t, width, top, height, ink) {
   });
   pen.fillStyle = colour("ink");
   pen.textAlign = "left";
-  pen.fillText(run.label, 8, top + 16);
+  pen.fillText(run.label, 8, top + height - 6);
   pen.textAlign = "right";
-  pen.fillStyle = colour("faint");
-  pen.fillText(`${at(scene, run, "acc", t).toFixed(1)} m/s²`, width - 8, top + 16);
+  pen.fillText(`${at(scene, run, "acc", t).toFixed(1)} m/s²`, width - 8, top + height - 6);
   pen.restore();
 }
 

@@ -43,7 +43,10 @@
     drawCamera(find("camera"), state.scene, b, state.t);
     drawCars(find("cars"), state.scene, [a, b], state.t);
     drawAhead(find("ahead"), state.scene, b, state.t);
-    state.drawn.forEach((chart) => chart.redraw(false, false));
+    for (const chart of state.drawn) {
+      chart.redraw(false, false);
+      chart.setLegend({ idx: Math.min(Math.round(state.t * state.scene.rate), chart.data[0].length - 1) });
+    }
   }
 
   function seek(t) {

@@ -1,0 +1,209 @@
+"""The HTML report: complete, self-contained, honest about what is missing, and alive in a browser."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from scenarios.cli import main
+from scenarios.readback import read
+from scenarios.report.frames import with_frames
+from scenarios.report.replay import packed, spectra
+
+SHORT = """
+title: A short <drive> over a hump
+speed_kmh: 40
+road:
+  length_m: 20
+  features:
+    - {kind: flat_top_hump, start_m: 11, length_m: 3.6, height_m: 0.09, ramp_m: 0.6}
+vehicle: {model: half}
+"""
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+PROBE = """<script>
+const errors = []; addEventListener("error", (event) => errors.push(event.message));
+</script>"""
+KEYS = """<script>
+const press = (key, shiftKey) => document.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey }));
+const clock = () => document.getElementById("clock").textContent;
+const inks = (id) => {
+  const c = document.getElementById(id), pixels = c.getContext("2d").getImageData(0, 0, c.width, c.height);
+  return new Set(new Uint32Array(pixels.data.buffer)).size;
+};
+const told = {};
+press("End"); told.end = clock(); press("Home"); told.home = clock();
+for (let i = 0; i < 3; i++) press("ArrowRight", true);
+press("ArrowLeft"); told.stepped = clock();
+told.inks = ["cars", "ahead"].map(inks);
+told.charts = document.querySelectorAll("#charts .uplot").length;
+told.spectrum = document.querySelectorAll("#spectrum .uplot").length;
+told.sideways = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+told.errors = errors;
+document.title = "TOLD" + JSON.stringify(told) + "END";
+</script>"""
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a comparison: passive without a camera, preview with one whose images are not kept."""
+    folder = tmp_path_factory.mktemp("compared")
+    (folder / "short.yaml").write_text(SHORT)
+    arguments = [str(folder / "short.yaml"), "--controllers", "passive,mpc_preview", "--perception", "camera"]
+    assert main(["compare", *arguments, "--out", str(folder / "runs")]) == 0
+    assert main(["report", str(folder / "runs"), "--out", str(folder / "report.html")]) == 0
+    return folder
+
+
+def data_of(page: str) -> dict:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+    assert found
+    return json.loads(found[1])
+
+
+def camera_run(folder: Path) -> Path:
+    return folder / "runs" / "short-half-mpc_preview-camera-seed0"
+
+
+def test_it_needs_nothing_from_elsewhere_and_is_small(compared: Path) -> None:
+    page = (compared / "report.html").read_text()
+    outside = re.findall(r"""(?:src|href)\s*=\s*["'](?!data:)|@import|url\(""", page)
+    assert not outside
+    assert len(page) < 15e6
+    assert "{{" not in page
+    assert "A short &lt;drive&gt; over a hump" in page
+
+
+def test_it_shows_passive_beside_preview_with_all_that_belongs_to_them(compared: Path) -> None:
+    (scene,) = data_of((compared / "report.html").read_text())["scenes"]
+    passive, preview = scene["runs"]
+    assert passive["label"] == "passive"
+    assert scene["best"] == 1
+    assert {"x", "heave", "pitch", "acc", "damping", "force", "front", "rear"} <= set(preview["signals"])
+    assert "Rendered again" in preview["frames"]
+    assert "without a camera" in passive["frames"]
+    assert all("image" in look and "tracks" in look for look in preview["looks"])
+    assert any(look["boxes"] for look in preview["looks"])
+    assert preview["preview"]
+
+
+def test_the_tables_tell_metrics_solver_and_manifest(compared: Path) -> None:
+    page = (compared / "report.html").read_text()
+    metrics = json.loads((camera_run(compared) / "metrics.json").read_text())
+    manifest = json.loads((camera_run(compared) / "manifest.json").read_text())
+    assert f"{metrics['wk_rms']:.3f}" in page
+    assert f"<td>{manifest['solver']['solves']}</td>" in page
+    assert manifest["scenario_hash"] in page
+    assert manifest["weights_sha256"] in page
+
+
+def test_a_single_run_gets_its_passive_car(compared: Path, tmp_path: Path) -> None:
+    alone = tmp_path / "alone"
+    shutil.copytree(camera_run(compared), alone / "run")
+    out = tmp_path / "one.html"
+    assert main(["report", str(alone / "run"), "--no-render", "--out", str(out)]) == 0
+    (scene,) = data_of(out.read_text())["scenes"]
+    (both,) = data_of((compared / "report.html").read_text())["scenes"]
+    assert [run["label"] for run in scene["runs"]] == ["passive", "mpc_preview (camera)"]
+    assert scene["runs"][0]["signals"] == both["runs"][0]["signals"]
+    assert "Boxes and tracks only" in scene["runs"][1]["frames"]
+
+
+def test_rendering_again_gives_what_the_detector_saw(compared: Path) -> None:
+    """The true hump lies inside the box that the detector found in the image that was not kept."""
+    run = with_frames(read(camera_run(compared)))
+    assert all(look.image.shape == run.looks[0].image.shape for look in run.looks)
+    from scenarios.eyes import load_detector
+
+    detector = load_detector(run.case.scenario)
+    look = max(run.looks, key=lambda look: len(look.detections))
+    again = detector(look.image)
+    assert np.allclose(again.boxes, look.detections.boxes, atol=1e-3)
+
+
+def test_a_half_finished_comparison_is_marked_as_partial(compared: Path, tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    shutil.copytree(compared / "runs", runs)
+    shutil.rmtree(runs / camera_run(compared).name)
+    out = tmp_path / "partial.html"
+    assert main(["report", str(runs), "--out", str(out)]) == 0
+    page = out.read_text()
+    assert "Partial result." in page
+    assert f"{camera_run(compared).name} did not run" in page
+    assert "Partial result." not in (compared / "report.html").read_text()
+
+
+@pytest.mark.parametrize("damage", ["nothing", "half a run", "no report source"])
+def test_what_cannot_be_reported_is_told_in_one_line(
+    compared: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], damage: str
+) -> None:
+    source, out = tmp_path / "source", tmp_path / "report.html"
+    if damage == "half a run":
+        shutil.copytree(camera_run(compared), source)
+        (source / "signals.parquet").unlink()
+    elif damage == "no report source":
+        source.mkdir()
+    assert main(["report", str(source), "--out", str(out)]) == 2
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_the_film_shows_both_cars(compared: Path, tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    out = tmp_path / "report.html"
+    assert main(["report", str(compared / "runs"), "--out", str(out), "--film", str(film)]) == 0
+    reader = cv2.VideoCapture(str(film))
+    assert reader.get(cv2.CAP_PROP_FRAME_COUNT) > 20
+    assert reader.read()[1].shape == (720, 1280, 3)
+
+
+def test_the_spectrum_of_a_sine_lies_at_its_frequency_and_holds_its_power() -> None:
+    from dataclasses import dataclass
+
+    @dataclass
+    class Sine:
+        signals: dict
+
+    time = np.arange(8192) / 1000
+    found = spectra([Sine({"seat_acc_0": 2.0 * np.sin(2 * np.pi * 10.0 * time)})])  # type: ignore[list-item]
+    import base64
+
+    frequency, density = (
+        np.frombuffer(base64.b64decode(text), "<f4") for text in (found["f"], found["density"][0])
+    )
+    assert frequency[density.argmax()] == pytest.approx(10.0, abs=0.3)
+    assert np.sum(density) * (frequency[1] - frequency[0]) == pytest.approx(2.0, rel=0.02)
+
+
+def test_numbers_are_packed_as_little_endian_float32() -> None:
+    assert packed([1.0]) == "AACAPw=="
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
+@pytest.mark.parametrize("width", [1280, 500])
+def test_it_lives_in_a_browser_and_obeys_the_keyboard(compared: Path, tmp_path: Path, width: int) -> None:
+    page = (compared / "report.html").read_text()
+    probed = tmp_path / "probed.html"
+    probed.write_text(page.replace("<body>", "<body>" + PROBE).replace("</body>", KEYS + "</body>"))
+    flags = [
+        "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+        "--disable-background-networking", "--disable-component-update", "--disable-sync",
+        f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=3000",
+    ]  # fmt: skip
+    command = [str(CHROMIUM), *flags, "--dump-dom", probed.as_uri()]
+    dom = subprocess.run(command, capture_output=True, text=True, timeout=300).stdout
+    found = re.search(r"TOLD(.*?)END", dom)
+    assert found, dom[-2000:]
+    told = json.loads(found[1].replace("&quot;", '"').replace("&amp;", "&"))
+    assert told["errors"] == []
+    assert told["home"] == "0.00 s"
+    assert told["stepped"] == "0.29 s"
+    assert float(told["end"].split()[0]) > 1.0
+    assert min(told["inks"]) > 3
+    assert told["charts"] == 3
+    assert told["spectrum"] == 1
+    assert told["sideways"] <= 0

@@ -1,0 +1,139 @@
+"""Sweeps on a local cluster: the same numbers as one by one, through kills, failures and bad addresses."""
+
+import json
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from scenarios.cli import main
+from scenarios.closed_loop import simulate
+from scenarios.results import Results, load_results
+from scenarios.study import read
+from scenarios.sweep import cluster, run, work
+
+ROAD = """
+title: A short drive
+speed_kmh: 40
+road:
+  length_m: 12
+  features:
+    - {kind: half_sine_bump, start_m: 5, height_m: 0.05, length_m: 0.5}
+vehicle: {model: quarter}
+"""
+STUDY = """
+scenarios: [short.yaml]
+controllers: [passive, skyhook]
+sampling: latin_hypercube
+samples: 5
+vary:
+  speed_kmh: {low: 30, high: 260}
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    (tmp_path / "short.yaml").write_text(ROAD)
+    path = tmp_path / "study.yaml"
+    path.write_text(STUDY)
+    return path
+
+
+def _die_once(flag: str, sample: object) -> dict:
+    """Kill the worker that is given the first drive; the next worker finds the flag and works."""
+    if not os.path.exists(flag):
+        Path(flag).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return work(sample)  # type: ignore[arg-type]
+
+
+def test_a_killed_worker_loses_nothing_and_failures_are_recorded(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of five speeds one or more lie above 200 km/h, which a scenario does not allow."""
+    flag = str(study.parent / "died")
+    samples = read(study)
+    results = Results(study.parent / "out")
+    with cluster(None, 1) as client:
+        submit = client.submit
+        monkeypatch.setattr(
+            client, "submit", lambda _, sample, **options: submit(_die_once, flag, sample, **options)
+        )
+        run(client, samples, results)
+    results.flush()
+    assert os.path.exists(flag)
+    rows = {entry["key"]: entry for entry in load_results(results.folder).to_pylist()}
+    assert set(rows) == {sample.key for sample in samples}
+    fast = [sample for sample in samples if dict(sample.point)["speed_kmh"] > 200]
+    assert fast
+    assert {key for key, entry in rows.items() if entry["error"]} == {sample.key for sample in fast}
+    assert all("speed_kmh" in rows[sample.key]["error"] for sample in fast)
+    good = next(sample for sample in samples if sample not in fast)
+    assert rows[good.key]["wk_rms"] == simulate(good.case()).metrics["wk_rms"]
+
+
+def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = study.parent / "out"
+    samples = read(study)
+    results = Results(out)
+    for sample in samples[:-1]:
+        results.add(work(sample))  # all but one, by a process that was killed before it could flush
+    handed: list[str] = []
+    import scenarios.commands.sweep as command
+
+    def recorded(client: object, missing: list, results: Results, advance: object) -> None:
+        handed.extend(sample.key for sample in missing)
+        for sample in missing:
+            results.add(work(sample))
+
+    class NoCluster:
+        def __enter__(self) -> None: ...
+        def __exit__(self, *_: object) -> None: ...
+
+    monkeypatch.setattr(command, "run", recorded)
+    monkeypatch.setattr(command, "cluster", lambda address, workers: NoCluster())
+    counts = study.parent / "counts.json"
+    assert main(["sweep", str(study), "--out", str(out), "--json", str(counts)]) == 0
+    assert handed == [samples[-1].key]
+    assert json.loads(counts.read_text())["drives"] == len(samples)
+    assert load_results(out).num_rows == len(samples)
+    assert main(["sweep", str(study), "--out", str(out)]) == 0
+    assert len(handed) == 1
+    failed = sum(error is not None for error in load_results(out)["error"].to_pylist())
+    assert main(["sweep", str(study), "--out", str(out), "--retry-failed"]) == 0
+    assert len(handed) == 1 + failed
+    other = study.with_name("other.yaml")
+    other.write_text(STUDY.replace("samples: 5", "samples: 4"))
+    assert main(["sweep", str(other), "--out", str(out)]) == 2
+
+
+def test_an_unreachable_scheduler_is_told_in_one_line(
+    study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.sweep.REACH_S", 1)
+    out = study.parent / "out"
+    assert main(["sweep", str(study), "--out", str(out), "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert told.startswith("foreride: --scheduler tcp://127.0.0.1:9: cannot be reached")
+
+
+def test_a_full_disk_is_told_in_one_line_and_loses_no_finished_drive(
+    study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    results = Results(study.parent / "out")
+    samples = read(study)
+    results.add(work(samples[0]))
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device", str(results.folder))
+
+    import scenarios.commands.sweep as command
+
+    monkeypatch.setattr(command, "run", full)
+    monkeypatch.setattr(command, "cluster", lambda *_: __import__("contextlib").nullcontext())
+    assert main(["sweep", str(study), "--out", str(results.folder)]) == 2
+    told = capsys.readouterr().err.strip().splitlines()
+    assert len(told) == 1
+    assert "No space left on device" in told[0]
+    assert samples[0].key in Results(results.folder).done
