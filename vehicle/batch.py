@@ -1,0 +1,99 @@
+"""Many cars at once, for parameter studies: one road and one speed, each car with its own parameters.
+
+MuJoCo steps them on threads, with results that are bit-identical at any number of threads and equal to those
+of `vehicle.plant.Plant` at the same commands.
+"""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import ArrayLike, NDArray
+
+from files.errors import InputError
+from vehicle.clock import RATE_HZ, STEP_S
+from vehicle.damper import IdealDamper
+from vehicle.engine import Native, build_model
+from vehicle.equations import input_size, rest_state
+from vehicle.parameters import Car
+from vehicle.speed import ConstantSpeed
+from vehicle.state import Profile, VehicleState, observe, road_under
+
+Array = NDArray[np.float64]
+_PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
+
+
+class Fleet:
+    """Cars of one kind (all quarter, all half or all full cars) with ideal dampers, driven side by side.
+
+    threads: 0 takes all processors. Raises InputError for a mixture of kinds and for dampers of other kinds.
+    """
+
+    def __init__(self, cars: Sequence[Car], threads: int = 0) -> None:
+        shapes = {(car.kind, input_size(car)) for car in cars}
+        if len(shapes) != 1:
+            raise InputError(f"cars must be of one kind and at least one, got {len(shapes)} kinds")
+        if not all(isinstance(car.damper, IdealDamper) for car in cars):
+            raise InputError("cars must have ideal dampers to be stepped together")
+        self.cars = tuple(cars)
+        self._models = [build_model(car) for car in cars]
+        self._batch = Batch(self._models[0], len(cars), nthread=threads, persistent=True)
+        self._batch.set_models(self._models)
+        self._engine = Native(cars[0])
+
+    def drive(
+        self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, command: ArrayLike, ticks: int
+    ) -> Array:
+        """States (cars, ticks + 1, states) in the order of `vehicle.equations`, standstill first.
+
+        profiles: one for each wheel of a car. command: (cars, inputs), held over the drive.
+        """
+        cars, wheels = len(self.cars), self.cars[0].wheels
+        asked = np.asarray(command, float)
+        if asked.shape != (cars, input_size(self.cars[0])):
+            wanted = (cars, input_size(self.cars[0]))
+            raise InputError(f"command must have shape {wanted}, got {asked.shape}")
+        row = np.zeros((cars, self._engine.size))
+        row[:, self._engine.order] = [rest_state(car) for car in self.cars]
+        control = np.zeros((cars, ticks, self._models[0].nu))
+        control[:, :, :wheels] = asked[:, None, :wheels]
+        control[:, :, wheels : 2 * wheels] = self._road_force(profiles, x_m, speed_m_s, ticks)
+        control[:, :, 2 * wheels : wheels + asked.shape[1]] = asked[:, None, wheels:]
+        self._batch.reset()
+        self._batch.state[:, : row.shape[1]] = row
+        rows = self._batch.rollout(ticks, control, record=[_PHYSICS])[_PHYSICS]
+        states = np.concatenate([row[:, None], rows], axis=1)
+        return states[:, :, self._engine.order]
+
+    def observe(
+        self,
+        car: int,
+        states: Array,
+        profiles: Sequence[Profile],
+        x_m: float,
+        speed_m_s: float,
+        command: ArrayLike,
+    ) -> VehicleState:
+        """Everything about one car of a drive, from the states that `drive` returned."""
+        time = np.arange(states.shape[1]) / RATE_HZ
+        travel = x_m + speed_m_s * time
+        asked = np.tile(np.asarray(command, float)[car][:, None], len(time))
+        road = road_under(self.cars[car], profiles, travel, speed_m_s)
+        return observe(
+            self.cars[car], time, travel, np.full(len(time), speed_m_s), states[car].T, asked, road
+        )
+
+    def _road_force(self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, ticks: int) -> Array:
+        """Tyre forces of the road's own motion, (cars, ticks, wheels)."""
+        stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
+        forces = []
+        for car in self.cars:
+            edge, _ = road_under(car, profiles, stretch.edges_m, 0.0)
+            middle, _ = road_under(car, profiles, stretch.middles_m, 0.0)
+            rows = [
+                corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
+                for i, corner in enumerate(car.corners)
+            ]
+            forces.append(np.stack(rows, axis=1))
+        return np.stack(forces)
