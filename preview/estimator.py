@@ -10,7 +10,7 @@ from preview.compose import compose
 from preview.correction import FrontWheel
 from preview.fit import LENGTH, X
 from preview.horizon import RoadPreview, distance_grid
-from preview.motion import EgoMotion, EgoState, Measurement
+from preview.motion import EgoMotion, Measurement
 from preview.settings import Settings
 from preview.track import Track
 from preview.tracker import Tracker
@@ -65,7 +65,7 @@ class Estimator:
         road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
         """
         state = self.motion.update(time_s, measurement, self._on_plane())
-        height = self._road_height(state, measurement) if road_height_m is None else float(road_height_m[0])
+        height = self.motion.road_m if road_height_m is None else float(road_height_m[0])
         self._front.update(state.x_m + self.axle_x_m[0], height)
         for track in self.tracker.tracks:
             if self._front.due(track):
@@ -115,16 +115,6 @@ class Estimator:
         track.directs.append(found)
         self.tracker.refit(track)
         self.tracker.log("struck", track, time_s, moved_m=moved)
-
-    def _road_height(self, state: EgoState, measurement: Measurement) -> float:
-        """Road under the front wheel: its height, plus the tyre deflection that accelerations betray.
-
-        Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
-        """
-        body = state.heave_m - self.axle_x_m[0] * state.pitch_rad
-        wheel_rate, body_rate = 2 * np.pi * self.settings.wheel_hop_hz, 2 * np.pi * self.settings.body_hop_hz
-        tyre = measurement.wheel_acc[0] / wheel_rate**2 + measurement.body_acc[0] / body_rate**2
-        return float(body - measurement.rattle_m[0] + tyre)
 
     def _on_plane(self) -> bool:
         """Tell whether all wheels are off the objects that are known."""

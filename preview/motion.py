@@ -1,8 +1,6 @@
 """Ego motion at sensor rate: where the sprung mass was at any recent moment.
 
-Inertial signals carry the fast part; the rattle space (suspension deflection) ties it to the road over
-a few tenths of a second. So the body's pitch and heave come out relative to the road plane around the
-car, without following the wheels over each stone.
+An odometer tells how far the car has come, `preview.body` its heave and pitch relative to the road plane.
 """
 
 from bisect import bisect_right
@@ -12,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from files.errors import InputError
+from preview.body import HEAVE, PITCH, Body
 from preview.settings import Settings
 
 
@@ -51,7 +50,7 @@ class EgoState:
 
 
 class EgoMotion:
-    """Complementary filters for pitch and heave, an odometer, and their recent history.
+    """Pitch and heave of the body (`preview.body`), an odometer, and their recent history.
 
     axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
     car, which has no pitch); wheels at the same place share an axle, which moves by their mean. The
@@ -66,7 +65,9 @@ class EgoMotion:
         self._of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
         self.settings = settings
         self.x_m = x_m
-        self._pitch = self._heave = self._heave_velocity = 0.0
+        self._body = Body(self.axle_x_m, settings)
+        self._inertial: tuple[float, float] | None = None
+        self.road_m = 0.0
         self._masked_until_s = -np.inf
         self._times: list[float] = []
         self._states: list[EgoState] = []
@@ -84,10 +85,19 @@ class EgoMotion:
             self.x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
-        trust = 1.0 if on_plane and time_s >= self._masked_until_s else 0.0
-        self._update_pitch(measurement, step, trust)
-        self._update_heave(measurement, step, trust)
-        state = EgoState(time_s, self.x_m, self._heave, self._pitch, measurement.speed_m_s)
+        trust = on_plane and time_s >= self._masked_until_s
+        inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate
+        self._body.predict(
+            step,
+            *(0.5 * (now + before) for now, before in zip(inertial, self._inertial or inertial, strict=True)),
+        )
+        self._inertial = inertial
+        deflection = self._deflection(measurement)
+        if trust:
+            self._body.level(deflection, step)
+        self.road_m = float(self._body.road_m(deflection)[0])
+        heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
+        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:
@@ -124,22 +134,14 @@ class EgoMotion:
             mix(a.speed_m_s, b.speed_m_s),
         )
 
-    def _update_pitch(self, measurement: Measurement, step: float, trust: float) -> None:
-        if len(self.axle_x_m) == 1:
-            return
-        front, rear = self._over_axles(measurement.rattle_m)
-        reference = (rear - front) / (self.axle_x_m[0] - self.axle_x_m[1])
-        gain = trust * min(1.0, step / self.settings.reference_time_s)
-        self._pitch += step * measurement.pitch_rate
-        self._pitch += gain * (reference - self._pitch)
+    def _deflection(self, measurement: Measurement) -> np.ndarray:
+        """Body over road less its value at rest, at each axle.
 
-    def _update_heave(self, measurement: Measurement, step: float, trust: float) -> None:
-        """Twice-integrated acceleration, pulled to the rattle space by a critically damped observer."""
-        acceleration = self._at_centre(measurement.body_acc)
-        error = trust * (self._at_centre(measurement.rattle_m) - self._heave)
-        rate = 1.0 / self.settings.reference_time_s
-        self._heave += step * (self._heave_velocity + 2.0 * rate * error)
-        self._heave_velocity += step * (acceleration + rate**2 * error)
+        Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
+        """
+        wheel_rate, body_rate = 2 * np.pi * self.settings.wheel_hop_hz, 2 * np.pi * self.settings.body_hop_hz
+        tyre = measurement.wheel_acc / wheel_rate**2 + measurement.body_acc / body_rate**2
+        return np.array(self._over_axles(measurement.rattle_m - tyre))
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""

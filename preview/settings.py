@@ -16,7 +16,7 @@ class Settings:
     # Boxes
     pixel_sigma: float = 1.0
     relative_sigma: float = 0.05  # of the box height, on top: large boxes err by more pixels than small ones
-    correlation: float = 3.0  # variance inflation, because errors of successive boxes resemble each other
+    correlation: float = 2.0  # variance inflation, because errors of successive boxes resemble each other
     bottom_bias_px: float = 0.3  # systematic box edge minus true edge, rows counted downwards: medians of
     top_bias_px: float = -0.4  # the shipped detector on bumps of rendered validation images
     border_px: float = 2.0  # edges this near to the image border or bonnet are cut, not seen
@@ -39,7 +39,15 @@ class Settings:
     death_existence: float = 0.05
 
     # Ego motion
-    reference_time_s: float = 0.3  # memory of gyro pitch against rattle pitch
+    heave_sigma_m: float = 0.01  # of the body at the start
+    body_pitch_sigma_deg: float = 0.5
+    gyro_offset_sigma_deg_s: float = 0.1
+    gyro_noise_deg_s: float = 0.01  # per √Hz
+    accelerometer_offset_sigma_m_s2: float = 0.03
+    accelerometer_noise_m_s2: float = 0.003  # per √Hz
+    level_ratio: float = 40.0  # sigma of one reading's road height, over the road's rise in 0.1 s
+    least_roughness_m: float = 0.0005
+    roughness_memory_s: float = 1.0
     strike_acc_m_s2: float = 25.0  # wheel acceleration that makes the rattle reference useless
     strike_hold_s: float = 0.15
     history_s: float = 3.0
