@@ -7,11 +7,14 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
+from rich.console import Console
+from rich.progress import Progress
 
 from files.atomic import write_bytes, write_text
 from files.errors import InputError
@@ -30,6 +33,7 @@ SPLITS = ("train", "val", "test")
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
 VIEWS_PER_ROAD = 10
 LANE_HALF_WIDTH_M = 1.2
+_TELL_EVERY = 120
 _JPEG_QUALITY = (55, 96)
 
 
@@ -49,12 +53,13 @@ def write_dataset(
     counts: dict[str, int],
     seed: int,
     workers: int = 1,
-    report: Callable[[str], None] = lambda line: None,
+    report: Callable[[int], None] = lambda done: None,
 ) -> dict:
     """Render `counts[split]` images per split into `out` and return what dataset.json says.
 
     Roads are never shared between splits. Every image and label depends only on the seed and its place in the
-    set, so the number of workers is immaterial; labels appear before their images, each in one step.
+    set, so the number of workers is immaterial; labels appear before their images, each in one step. `report`
+    is told how many images are done, after each road.
 
     Raises InputError for negative counts or an `out` that already holds a data set.
     """
@@ -63,17 +68,15 @@ def write_dataset(
             raise InputError(f"counts must map {', '.join(SPLITS)} to numbers >= 0, got {split}: {count}")
     if (out / "dataset.json").exists():
         raise InputError(f"{out}: already holds a data set; choose an empty folder")
-    began = time.monotonic()
-    digest, done, total = hashlib.sha256(), 0, sum(counts.values())
+    digest, done = hashlib.sha256(), 0
     for split in _ORDER:
         lines = []
         for rows in _run(_jobs(out, split, counts.get(split, 0), seed), workers):
             for row in rows:
                 digest.update(f"{split}/{row['image']} {row.pop('sha256')}\n".encode())
                 lines.append(json.dumps(row) + "\n")
-            if done // 120 != (done + len(rows)) // 120:
-                report(f"{done + len(rows)}/{total} images, {time.monotonic() - began:.0f} s")
             done += len(rows)
+            report(done)
         (out / split).mkdir(parents=True, exist_ok=True)
         write_text(out / split / "objects.jsonl", "".join(lines))
     summary = {
@@ -178,6 +181,25 @@ def _label(cls: int, box: list[float], camera: Camera) -> str:
     return f"{cls} {(x0 + x1) / 2 / w:.6f} {(y0 + y1) / 2 / h:.6f} {(x1 - x0) / w:.6f} {(y1 - y0) / h:.6f}\n"
 
 
+@contextmanager
+def progress(total: int) -> Iterator[Callable[[int], None]]:
+    """A bar with the time left on a terminal, a line now and then elsewhere, of the images done."""
+    began, shown = time.monotonic(), 0
+
+    def tell(done: int) -> None:
+        nonlocal shown
+        if done - shown >= _TELL_EVERY or done == total:
+            shown = done
+            print(f"{done}/{total} images, {time.monotonic() - began:.0f} s", flush=True)
+
+    if not sys.stderr.isatty():
+        yield tell
+        return
+    with Progress(*Progress.get_default_columns(), console=Console(stderr=True)) as bar:
+        task = bar.add_task("rendering", total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     parser = argparse.ArgumentParser(prog="foreride detector data", description="Render a labelled data set.")
@@ -189,9 +211,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     counts = {split: getattr(options, split) for split in SPLITS}
     try:
-        summary = write_dataset(
-            options.out, counts, options.seed, options.workers, lambda s: print(s, flush=True)
-        )
+        with progress(sum(counts.values())) as report:
+            summary = write_dataset(options.out, counts, options.seed, options.workers, report)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
