@@ -12,6 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from controller.base import Estimate, Stateless
+from controller.limits import plan_limits
 from controller.model import KILO
 from controller.whole_drive import WholeDrive
 from preview.horizon import RoadPreview
@@ -20,8 +21,6 @@ from vehicle.parameters import Car
 SETTLED = 1e-8
 """Relative fall of J in one iteration under which the search ends."""
 MOST_ITERATIONS = 4000
-MARGIN = 1e-9
-"""By how much plans keep off the limits, kN·s/m and kN: beyond them commands are clipped and do nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +42,7 @@ def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) 
 
     A search that ends before it has settled counts like the others: its J is one that a plan reaches.
     """
-    low, high = (np.tile(limit, drive.intervals) for limit in limits(vehicle))
+    low, high = (np.tile(limit, drive.intervals) for limit in plan_limits(vehicle))
     best: np.ndarray | None = None
     found: dict[str, float] = {}
     for name, start in starts.items():
@@ -61,20 +60,6 @@ def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) 
             best = search.x
     assert best is not None, "at least one start"
     return Optimum(best.reshape(drive.intervals, -1), min(found.values()), found)
-
-
-def limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest command, (inputs,), kN·s/m and kN."""
-    corners = vehicle.corners
-    low = [corner.damping_min_ns_m for corner in corners]
-    high = [corner.damping_max_ns_m for corner in corners]
-    for corner in corners:
-        if corner.actuator is not None:
-            low.append(-corner.actuator.force_limit_n)
-            high.append(corner.actuator.force_limit_n)
-    least, most = np.array(low) / KILO, np.array(high) / KILO
-    margin = np.minimum(MARGIN, 0.25 * (most - least))
-    return least + margin, most - margin
 
 
 class Replay(Stateless):

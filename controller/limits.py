@@ -4,7 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controller.model import KILO
 from vehicle.parameters import Car
+
+HAIR = 1e-9
+"""kN·s/m and kN."""
 
 
 @dataclass(frozen=True)
@@ -27,3 +31,17 @@ class Limits:
 
     def __str__(self) -> str:
         return f"{self.low.max():g} ... {self.high.min():g} N·s/m"
+
+
+def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest entries of a plan: settings, kN·s/m, then actuator forces, kN; (inputs,) each.
+
+    They keep a hair off what the parts can do, as beyond that a model clips its command and its derivative by
+    it vanishes: an entry that rounding puts there would look as if it did nothing.
+    """
+    low = [corner.damping_min_ns_m for corner in vehicle.corners]
+    high = [corner.damping_max_ns_m for corner in vehicle.corners]
+    forces = [corner.actuator.force_limit_n for corner in vehicle.corners if corner.actuator is not None]
+    least, most = np.array([*low, *(-force for force in forces)]) / KILO, np.array([*high, *forces]) / KILO
+    margin = np.minimum(HAIR, 0.25 * (most - least))
+    return least + margin, most - margin

@@ -12,7 +12,7 @@ from controller.base import Estimate, Timing
 from controller.comfort_filter import ComfortFilter
 from controller.condense import Condenser
 from controller.latency import Pipeline
-from controller.limits import Limits
+from controller.limits import Limits, plan_limits
 from controller.model import KILO, prediction_model
 from controller.qp import solve_box
 from controller.road_ahead import RoadAhead
@@ -48,6 +48,7 @@ class PredictiveController:
         self._intervals = len(grid.intervals_s)
         self._node_times = self._timing.delay_s + grid.nodes_s
         self._limits = Limits.of(vehicle)
+        self._low, self._high = (limit[: vehicle.wheels] for limit in plan_limits(vehicle))
         self._filter = ComfortFilter(vehicle, period)
         self._pipeline = Pipeline(self._timing, self._limits.passive)
         self._road = RoadAhead(vehicle.wheels, self._settings.road)
@@ -83,7 +84,7 @@ class PredictiveController:
         self._road.look(estimate, self._seen(estimate, preview))
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
         problem = self._condense(state, self._plan, self._road.heights(self._node_times))
-        low, high = self._limits.low / KILO - self._plan, self._limits.high / KILO - self._plan
+        low, high = self._low - self._plan, self._high - self._plan
         solution = solve_box(problem.hessian, problem.gradient, low.ravel(), high.ravel())
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)

@@ -7,6 +7,7 @@ import pytest
 
 import controller.mpc as mpc
 from controller.base import Timing
+from controller.limits import plan_limits
 from controller.mpc import PredictiveController
 from controller.qp import Solution
 from controller.settings import MpcSettings
@@ -125,3 +126,14 @@ def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
         controller.acted(np.array([acting]))
     later = [planned_from(controller, moving())[4] for controller in (soft, hard)]
     assert later[1] - later[0] > 1000.0
+
+
+def test_an_entry_of_the_plan_at_its_limit_still_acts() -> None:
+    """Also where adding corrections has rounded it: beyond the damper's range its derivative would vanish."""
+    model = PredictiveController(QUARTER)._model
+    state = np.concatenate([moving(), np.zeros(2)])
+    for limit in plan_limits(QUARTER):
+        for correction in (0.0, 0.1, 0.7, 1.3, -2.1):
+            rounded = (limit - correction) + correction
+            by_command = np.array(model.slopes(state, rounded, 0.0, 0.0, 0.005)[2])
+            assert np.abs(by_command).max() > 0.0

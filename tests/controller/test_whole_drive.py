@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from comfort.metrics import ride_metrics
-from controller.clairvoyant import Replay, limits, optimise
+from controller.clairvoyant import Replay, optimise
+from controller.limits import plan_limits
 from controller.model import KILO
 from controller.whole_drive import Drive, WholeDrive
 from vehicle.actuator import SlowActive
@@ -56,7 +57,7 @@ def drive(vehicle: Car) -> Drive:
 
 
 def random_plan(whole: WholeDrive, vehicle: Car, seed: int = 0) -> np.ndarray:
-    low, high = limits(vehicle)
+    low, high = plan_limits(vehicle)
     return np.random.default_rng(seed).uniform(low, high, (whole.intervals, whole.inputs))
 
 
@@ -101,7 +102,7 @@ def test_the_optimum_beats_every_fixed_damper_and_does_not_depend_on_the_start()
     whole = WholeDrive(vehicle, drive(vehicle))
     fixed = {str(c): np.full((whole.intervals, 1), c) for c in (0.3, 1.5, 4.5)}
     optimum = optimise(vehicle, whole, fixed)
-    low, high = limits(vehicle)
+    low, high = plan_limits(vehicle)
     assert np.all((optimum.plan >= low) & (optimum.plan <= high))
     assert optimum.objective < 0.95 * min(whole.objective(plan)[0] for plan in fixed.values())
     assert optimum.objective == pytest.approx(whole.objective(optimum.plan)[0], rel=1e-12)
