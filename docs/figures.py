@@ -90,7 +90,7 @@ def _draw_events(events: dict[str, dict[str, float]]) -> None:
     axis.set_xlim(0.1, 1.1)
     axis.set_xlabel("objective J relative to the passive car (less is better)")
     _plain(axis)
-    axis.legend(fontsize=9, loc="lower left", frameon=False)
+    figure.legend(fontsize=9, loc="outside lower center", ncols=3, frameon=False)
     save(figure, FOLDER / "events.png")
 
 

@@ -8,10 +8,13 @@ targets exist.
 
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from scenarios import study
 from scenarios.cli import main, parser
 from scenarios.loading import load
 
@@ -56,9 +59,12 @@ def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
             Path(named[1]).write_text(text)
         if kind == "yaml":
             assert named, f"{page.name}: a yaml block must begin with its file's name"
-            load(named[1])
+            study.read(Path(named[1])) if "\nscenarios:" in text else load(named[1])
         elif kind == "python":
             exec(compile(text, f"{page.name}:{named[1] if named else 'block'}", "exec"), namespace)
+            if named and named[1].startswith("test_"):
+                command = [sys.executable, "-m", "pytest", "-q", named[1], "--ride-accept"]
+                subprocess.run(command, check=True, capture_output=True)
         for line in commands(text) if kind == "bash" else ():
             assert line[0] == "foreride", line
             assert main(line[1:]) == 0, " ".join(line)
