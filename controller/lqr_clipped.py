@@ -58,7 +58,7 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     twin = linear_twin(vehicle, [settings.nominal_ns_m] * vehicle.wheels)
     drive = _force_input(vehicle)
     a, b, c = wk_second_order().state_space()
-    seats = _seats(vehicle)
+    seats = np.array(vehicle.seat_levers)
     bodies = 2 * np.arange(seats.shape[1]) + 1
     n, filters = len(twin.A), len(seats)
     response, direct = seats @ twin.A[bodies], seats @ drive[bodies]
@@ -87,11 +87,6 @@ def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, r
     static = np.array([corner.static_tyre_n for corner in vehicle.corners])
     load = twin.C[-vehicle.wheels :] / static[:, None] * np.sqrt(rho / vehicle.wheels)
     return block_diag(load, weighted / np.sqrt(len(weighted)))
-
-
-def _seats(vehicle: Car) -> np.ndarray:
-    """What turns body motion into vertical motion of the seats, (seats, body motions)."""
-    return np.array([(1.0, -x)[: len(vehicle.body_inertia)] for x in vehicle.seat_x_m])
 
 
 def _rest(vehicle: Car) -> np.ndarray:

@@ -12,7 +12,7 @@ from controller.settings import LqrSettings
 from tests.controller.cars import estimate
 from vehicle.parameters import QuarterCar, load_vehicle
 
-QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
+QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 
 
 def cost(car: QuarterCar, gain: np.ndarray, settings: LqrSettings) -> float:
@@ -60,6 +60,16 @@ def test_the_half_cars_regulator_is_stable_and_mirrors_with_the_car() -> None:
     gain = regulator(car, LqrSettings())
     turned = gain[::-1][:, [0, 1, 2, 3, 6, 7, 4, 5, 10, 11, 8, 9]] * np.array([1, 1, -1, -1, *[1] * 8])
     np.testing.assert_allclose(turned, gain, rtol=1e-6, atol=1e-6 * np.abs(gain).max())
+
+
+def test_the_full_cars_regulator_is_the_same_on_both_sides() -> None:
+    """Left and right exchanged: the wheels in pairs, roll and its rate with their sign."""
+    car = replace(FULL, seat_x_m=(-0.5, -0.5), seat_y_m=(0.4, -0.4))
+    gain = regulator(car, LqrSettings())
+    sides = np.array([1, 0, 3, 2])
+    order = [0, 1, 2, 3, 4, 5, *(6 + np.stack([2 * sides, 2 * sides + 1], axis=1).ravel())]
+    turned = gain[sides][:, order] * np.array([1, 1, 1, 1, -1, -1, *[1] * 8])
+    np.testing.assert_allclose(turned, gain[:, :14], rtol=1e-6, atol=1e-6 * np.abs(gain).max())
 
 
 def test_a_car_at_rest_on_a_raised_road_keeps_the_nominal_damping() -> None:
