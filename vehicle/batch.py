@@ -15,8 +15,9 @@ from files.errors import InputError
 from vehicle.clock import RATE_HZ, STEP_S
 from vehicle.damper import IdealDamper
 from vehicle.engine import Native, build_model
-from vehicle.equations import input_size, rest_state
+from vehicle.equations import input_size
 from vehicle.parameters import Car
+from vehicle.plant import standing
 from vehicle.speed import ConstantSpeed
 from vehicle.state import Profile, VehicleState, observe, road_under
 
@@ -55,7 +56,8 @@ class Fleet:
             wanted = (cars, input_size(self.cars[0]))
             raise InputError(f"command must have shape {wanted}, got {asked.shape}")
         row = np.zeros((cars, self._engine.size))
-        row[:, self._engine.order] = [rest_state(car) for car in self.cars]
+        stands = (standing(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
+        row[:, self._engine.order] = list(stands)
         control = np.zeros((cars, ticks, self._models[0].nu))
         control[:, :, :wheels] = asked[:, None, :wheels]
         control[:, :, wheels : 2 * wheels] = self._road_force(profiles, x_m, speed_m_s, ticks)
@@ -77,7 +79,7 @@ class Fleet:
     ) -> VehicleState:
         """Everything about one car of a drive, from the states that `drive` returned."""
         time = np.arange(states.shape[1]) / RATE_HZ
-        travel = x_m + speed_m_s * time
+        travel = ConstantSpeed(speed_m_s).ahead(x_m, 0, len(time) - 1).edges_m
         asked = np.tile(np.asarray(command, float)[car][:, None], len(time))
         road = road_under(self.cars[car], profiles, travel, speed_m_s)
         return observe(

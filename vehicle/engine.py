@@ -60,7 +60,7 @@ class Native:
 
 
 class Stepped:
-    """Any damper; a row is MuJoCo's state, then the dampers' settings, then their inner states."""
+    """Any damper; a row is MuJoCo's state, the dampers' settings and inner states, and the last rates."""
 
     def __init__(self, parameters: Car) -> None:
         self._model = build_model(parameters)
@@ -73,7 +73,7 @@ class Stepped:
         self._step_s = STEP_S / self._substeps
         depth = self._corners[0].damper.inner
         self._forces = self._wheels if self._corners[0].actuator else 0
-        self.size = self._physics + self._wheels * (1 + depth)
+        self.size = self._physics + self._wheels * (2 + depth)
         native = _state_order(parameters)
         moving = 2 * (self._bodies + self._wheels)
         settings = self._physics + np.arange(self._wheels)
@@ -86,10 +86,12 @@ class Stepped:
         rows = np.empty((len(control), self.size))
         mujoco.mj_setState(self._model, self._data, row[: self._physics], self._spec)
         settings = row[self._physics : self._physics + self._wheels].tolist()
-        flat = row[self._physics + self._wheels :].tolist()
+        flat, before = (
+            row[self._physics + self._wheels : -self._wheels].tolist(),
+            row[-self._wheels :].tolist(),
+        )
         depth = len(flat) // self._wheels
         inner = [flat[i * depth : (i + 1) * depth] for i in range(self._wheels)]
-        before = self._strut_motion()[1]
         wheels, force = self._wheels, self._forces
         for tick, inputs in enumerate(control):
             asked = inputs[:wheels].tolist()
@@ -98,7 +100,7 @@ class Stepped:
             for _ in range(self._substeps):
                 before = self._substep(asked, settings, inner, before)
             mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], self._spec)
-            rows[tick, self._physics :] = [*settings, *(value for states in inner for value in states)]
+            rows[tick, self._physics :] = [*settings, *(value for part in inner for value in part), *before]
         return rows
 
     def _substep(self, asked: list, settings: list, inner: list, before: list) -> list:

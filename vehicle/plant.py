@@ -62,7 +62,7 @@ class Plant:
         self._follow(replace(speed, start_m=self._x_m) if isinstance(speed, SpeedProfile) else speed)
         height, _ = road_under(self.parameters, self._profiles, self._x_m, 0.0)
         row = np.zeros((1, self._engine.size))
-        row[0, self._order] = _standing(self.parameters, height)
+        row[0, self._order] = standing(self.parameters, height)
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
         here = self._stretch
@@ -169,7 +169,7 @@ class Plant:
         self._used = 0
 
 
-def _standing(parameters: Car, road_height: list[float]) -> Array:
+def standing(parameters: Car, road_height: list[float]) -> Array:
     """State at rest on wheels at `road_height` (w,), the body where its corners are level with the wheels."""
     x = rest_state(parameters)
     body = len(parameters.body_inertia)

@@ -8,6 +8,7 @@ import pytest
 from files import strict
 from files.errors import InputError
 from vehicle.corner import CORNER_FIELDS
+from vehicle.linear import natural_frequencies_hz
 from vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
@@ -44,7 +45,7 @@ def test_short_names_and_files_load_the_same_car(tmp_path: Path) -> None:
 
 def test_unknown_name_lists_the_shipped_ones() -> None:
     with pytest.raises(
-        InputError, match=r"one of full_car, half_car, quarter_car or a \.yaml file, got 'tractor'"
+        InputError, match=r"one of compact_car, full_car, half_car, .* or a \.yaml file, got 'tractor'"
     ):
         load_vehicle("tractor")
 
@@ -78,3 +79,26 @@ def test_errors_of_a_file_name_it(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r"car\.yaml: sprung_mass_kg must be > 0 and finite, got -1"):
         load_vehicle(path)
+
+
+@pytest.mark.parametrize("name", ["compact_car", "suv", "van", "heavy_van"])
+def test_shipped_cars_ride_like_cars(name: str) -> None:
+    """Body over 1 Hz in heave, pitch and roll, wheels 10-15 Hz (Wong, Theory of Ground Vehicles, ch. 7)."""
+    frequencies = natural_frequencies_hz(load_vehicle(name))
+    assert (frequencies[:2] > 1.0).all()
+    assert (frequencies[:2] < 1.7).all()
+    assert 1.7 < frequencies[2] < 2.5
+    assert (frequencies[3:] > 10.0).all()
+    assert (frequencies[3:] < 15.0).all()
+
+
+def test_the_laden_van_is_the_van_and_its_load() -> None:
+    """Weight and its moment are those of van and load; stops are nearer by what the springs give."""
+    van, laden = load_vehicle("van"), load_vehicle("heavy_van")
+    more = [b.body_load_n - a.body_load_n for a, b in zip(van.corners, laden.corners, strict=True)]
+    assert 2 * (more[0] + more[2]) == pytest.approx(600 * GRAVITY_M_S2)
+    assert more[2] * 4 / (600 * GRAVITY_M_S2) == pytest.approx(2 * (1.151 + 0.5) / 2.472, rel=0.01)
+    for a, b in zip(van.corners, laden.corners, strict=True):
+        settled = b.static_rattle_m - a.static_rattle_m
+        assert b.stop_gap_m == pytest.approx(a.stop_gap_m - settled, abs=2e-3)
+        assert b.rebound_gap_m == pytest.approx(a.rebound_gap_m + settled, abs=2e-3)

@@ -1,0 +1,149 @@
+from dataclasses import replace
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from files.errors import InputError
+from vehicle import equations
+from vehicle.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from vehicle.parameters import load_vehicle, prediction_car
+from vehicle.plant import Plant
+
+PARTS: list[Damper] = [IdealDamper(), ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
+STATIC: list[Damper] = PARTS[:3]
+
+
+def law(part: Damper, share: float, rate: float, travel: float = 0.0, inner: Any = ()) -> float:
+    setting = 300.0 + 4200.0 * share
+    return part.force(setting, share, travel, rate, list(inner), equations.FLOATS)
+
+
+def test_valve_gives_its_map_and_goes_on_with_the_last_slope() -> None:
+    part = ValveDamper()
+    for i, current in enumerate(part.currents_a):
+        share = (current - part.currents_a[0]) / (part.currents_a[-1] - part.currents_a[0])
+        for j, speed in enumerate(part.speeds_m_s):
+            assert law(part, share, speed) == pytest.approx(-part.rebound_n[i][j])
+            assert law(part, share, -speed) == pytest.approx(part.compression_n[i][j])
+    slope = (1000.0 - 470.0) / (1.048 - 0.524)
+    assert law(part, 0.0, 2.0) == pytest.approx(-(1000.0 + slope * (2.0 - 1.048)))
+
+
+@settings(deadline=None)
+@given(share=st.floats(0, 1), rate=st.floats(-3, 3))
+def test_a_valve_never_produces_energy_and_grows_with_current(share: float, rate: float) -> None:
+    part = ValveDamper()
+    assert law(part, share, rate) * rate <= 0.0
+    assert abs(law(part, 1.0, rate)) >= abs(law(part, share, rate)) - 1e-9
+
+
+def test_tanh_damper_by_hand_at_one_ampere() -> None:
+    """c = 1232 + 1929, alpha = 32 + 918 - 244, delta = 0.58 + 0.30, extended by far more than switch_m."""
+    expected = -3161.0 * 0.2 - 706.0 * np.tanh(100.0 * 0.2 + 0.88)
+    assert law(MrTanhDamper(), 0.5, 0.2, travel=0.05) == pytest.approx(expected)
+
+
+def test_bouc_wen_yields_at_the_bound_of_its_equation() -> None:
+    """Pulled steadily, z goes to sqrt(A / (beta + gamma)) and the slip to what c1 lets through."""
+    part, inner = MrBoucWenDamper(), [0.0, 0.0]
+    for tick in range(200):
+        inner = part.advance(0.5, 0.3 * tick * 1e-3, 0.3, inner, 1e-3)
+    assert inner[1] == pytest.approx(np.sqrt(58.0 / (136320.0 + 2059020.0)))
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_bouc_wen_steps_agree_with_a_stiff_integrator_through_reversals(share: float) -> None:
+    part, step, omega, reach = MrBoucWenDamper(), 1e-4, 2 * np.pi * 3.0, 0.01
+
+    def rates(t: float, inner: np.ndarray) -> list[float]:
+        travel, rate = reach * np.sin(omega * t), reach * omega * np.cos(omega * t)
+        return part.inner_rates(share, travel, rate, list(inner), np)
+
+    truth = solve_ivp(rates, (0, 0.5), [0.0, 0.0], "LSODA", rtol=1e-9, atol=1e-12, max_step=1e-3).y[:, -1]
+    inner = [0.0, 0.0]
+    for k in range(5000):
+        t = (k + 0.5) * step
+        inner = part.advance(share, reach * np.sin(omega * t), reach * omega * np.cos(omega * t), inner, step)
+    np.testing.assert_allclose(inner, truth, rtol=2e-3, atol=1e-6)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_laws_agree_in_all_arithmetics(part: Damper) -> None:
+    car = replace(load_vehicle("half"), damper=part)
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        x = rng.normal(0.0, 0.05, equations.state_size(car))
+        x[equations.damping_rows(car)] = rng.uniform(300, 4500, 2)
+        x[equations.damping_rows(car).stop :] *= 0.05
+        inputs = (rng.uniform(300, 4500, 2), rng.normal(0, 0.02, 2), rng.normal(0, 0.5, 2))
+        expected = equations.derivative(car, x, *inputs)
+        symbols = [casadi.SX.sym("s", value.size) for value in (x, *inputs)]
+        symbolic = casadi.Function("f", symbols, [equations.derivative(car, *symbols, casadi)])
+        floats = equations.derivative(
+            car, x.tolist(), *(value.tolist() for value in inputs), equations.FLOATS
+        )
+        np.testing.assert_allclose(np.array(symbolic(x, *inputs)).ravel(), expected, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(floats, expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_the_coarse_damper_is_gentle_at_zero_and_right_at_speed(part: Damper) -> None:
+    steepest = 12e3
+    coarse = part.coarse(steepest)
+    assert coarse.inner == 0
+    slope = (law(coarse, 1.0, -1e-5) - law(coarse, 1.0, 1e-5)) / 2e-5
+    assert slope <= 1.01 * steepest
+    for rate in (-0.6, 0.6):
+        inner = [0.0, 0.0] if part.inner else []
+        if isinstance(part, MrBoucWenDamper):
+            for _ in range(100):
+                inner = part.advance(0.5, 0.0, rate, inner, 1e-4)
+        assert law(coarse, 0.5, rate) == pytest.approx(law(part, 0.5, rate, 0.0, inner), rel=0.12)
+
+
+def test_a_prediction_car_knows_the_states_but_the_inner_ones() -> None:
+    car = replace(load_vehicle("half"), damper=MrBoucWenDamper())
+    known = prediction_car(car)
+    assert equations.state_size(car) - equations.state_size(known) == 2 * 2
+    assert equations.damping_rows(car) == equations.damping_rows(known)
+
+
+class Step:
+    """A road that is 5 cm higher from 1 m on, by a ramp of 0.2 m."""
+
+    def height(self, x: Any) -> Any:
+        return 0.05 * np.clip((x - 1.0) / 0.2, 0.0, 1.0)
+
+    def slope(self, x: Any) -> Any:
+        return np.where((x > 1.0) & (x < 1.2), 0.25, 0.0)
+
+
+@pytest.mark.parametrize("part", PARTS[1:])
+def test_blocks_of_ticks_give_the_states_of_single_ticks(part: Damper) -> None:
+    car = replace(load_vehicle("quarter"), damper=part)
+    blocks, single = Plant(car), Plant(car)
+    for plant in (blocks, single):
+        plant.reset([Step()], 0.0, 10.0)
+    for command in (500.0, 4000.0, 1500.0) * 8:
+        blocks.step([command], 10)
+        for _ in range(10):
+            single.step([command])
+    np.testing.assert_array_equal(blocks.signals.x, single.signals.x)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"speeds_m_s": (0.1, 0.1, 0.2, 0.3, 0.4)}, "speeds_m_s must hold at least 2 ascending"),
+        ({"rebound_n": ((1.0,),)}, "rebound_n must hold 3 rows of 5 values"),
+        ({"compression_n": ((5.0, 4.0, 6.0, 7.0, 8.0),) * 3}, "compression_n must not fall"),
+    ],
+)
+def test_a_wrong_map_is_told_in_one_line(change: dict[str, Any], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        replace(ValveDamper(), **change)
