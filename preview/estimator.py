@@ -10,6 +10,7 @@ from preview.compose import compose
 from preview.correction import FrontWheel
 from preview.fit import LENGTH, X
 from preview.horizon import RoadPreview, distance_grid
+from preview.memory import Memory, expectations, recall, remember
 from preview.motion import EgoMotion, Measurement
 from preview.settings import Settings
 from preview.track import Track
@@ -25,8 +26,8 @@ class Estimator:
 
     camera, mount: as calibrated. axle_x_m: wheels relative to the centre of gravity, front first (one for a
     quarter car, two for a half car). wheel_y_m: lateral position of each wheel's path. distance_m: grid of
-    the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()` and
-    `events` are of that odometer.
+    the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()`,
+    `events` and `memory()` are of that odometer. memory: what an earlier drive over the same road left.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class Estimator:
         settings: Settings | None = None,
         distance_m: np.ndarray | None = None,
         x_m: float = 0.0,
+        memory: Memory | None = None,
     ) -> None:
         if len(axle_x_m) != len(wheel_y_m):
             raise InputError(
@@ -49,6 +51,9 @@ class Estimator:
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m)
         self.tracker = Tracker(self.settings)
+        if memory is not None:
+            recall(self.tracker.calibration, memory)
+            self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))
         self._front = FrontWheel(wheel_y_m[0], self.settings)
         self._newest_frame_s = -np.inf
 
@@ -105,6 +110,10 @@ class Estimator:
             }
             for track in self.tracker.tracks
         ]
+
+    def memory(self) -> Memory:
+        """Return what the next drive over this road may start with."""
+        return remember(self.tracker.calibration, self.tracker.passed + self.tracker.tracks)
 
     def _strike(self, track: Track, time_s: float) -> None:
         track.struck = True

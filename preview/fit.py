@@ -89,7 +89,7 @@ def fit(
     known = np.array(priors)
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
-    data = np.array(sights)
+    data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)

@@ -17,11 +17,15 @@ _FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first bo
 
 
 class Tracker:
-    """All tracks, and the calibration they share. `events` logs births, confirmations and deaths."""
+    """All tracks, and the calibration they share.
+
+    `passed` keeps the confirmed ones that lie behind; `events` logs births, confirmations and deaths.
+    """
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.tracks: list[Track] = []
+        self.passed: list[Track] = []
         self.calibration = Calibration(settings)
         self.events: list[dict[str, Any]] = []
         self._next_identity = 0
@@ -49,8 +53,15 @@ class Tracker:
         """Let go of tracks wholly behind the rear wheel, and learn the calibration from the real ones."""
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
-                self.calibration.learn(track.best.shared, self.calibration.prior())
+                self.passed.append(track)
+                if track.sights:
+                    self.calibration.learn(track.best.shared, self.calibration.prior())
             self._remove(track, time_s, "passed")
+
+    def expect(self, tracks: list[Track]) -> None:
+        """Take in tracks of objects that were not seen yet but are known."""
+        self.tracks += tracks
+        self._next_identity = max([self._next_identity, *(track.identity + 1 for track in tracks)])
 
     def refit(self, track: Track) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""

@@ -10,6 +10,7 @@ import numpy as np
 from comfort.metrics import ride_metrics
 from controller.clairvoyant import Replay
 from controller.registry import CLAIRVOYANT
+from preview.memory import Memory
 from road.envelope import wheel_profile
 from scenarios.bound import bound
 from scenarios.cases import Case
@@ -38,6 +39,7 @@ class Run:
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
     track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
     previews: what the controller was told of the road ahead.
+    memory: what the estimator learned, if there is one.
     """
 
     case: Case
@@ -52,6 +54,7 @@ class Run:
     track_y_m: float
     looks: list[Look]
     previews: PreviewLog
+    memory: Memory | None = None
 
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:
@@ -102,6 +105,7 @@ def simulate(
         track_y_m=min(car.wheel_y_m),
         looks=perception.looks,
         previews=collect(driver.seen),
+        memory=perception.memory(),
     )
 
 

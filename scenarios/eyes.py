@@ -11,6 +11,7 @@ import numpy as np
 
 from detector.runtime import WEIGHTS, Detector
 from preview.estimator import Estimator
+from preview.memory import read as read_memory
 from preview.perception import degrade, true_boxes
 from road.camera import CameraMount, CameraPose, pose_of
 from road.envelope import WheelProfile
@@ -47,7 +48,13 @@ def build_perception(
         weights = hashlib.sha256(detector.path.read_bytes()).hexdigest()
         eye = camera_eye(scenario, mount, detector, int(streams["image"].integers(2**31)), keep_images)
     estimator = Estimator(
-        scenario.camera.intrinsics, nominal, car.axle_x_m, car.wheel_y_m, scenario.estimator
+        scenario.camera.intrinsics,
+        nominal,
+        car.axle_x_m,
+        car.wheel_y_m,
+        scenario.estimator,
+        x_m=scenario.start_m,
+        memory=None if scenario.memory is None else read_memory(scenario.memory),
     )
     return Seeing(eye, estimator, scenario.camera.rate_hz, scenario.camera.latency_s), weights
 

@@ -106,7 +106,8 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     choice = {"model": "half"} if choice is None else choice
     if not isinstance(choice, dict):
         raise InputError(
-            f"{scenario}: vehicle must be a mapping with model (quarter, half, full or a file), got {choice!r}"
+            f"{scenario}: vehicle must be a mapping with model (quarter, half, full or a file), "
+            f"got {choice!r}"
         )
     model = choice.get("model", "half")
     own = scenario.parent / str(model)

@@ -16,6 +16,7 @@ import numpy as np
 from detector.detection import Detections
 from preview.estimator import Estimator
 from preview.horizon import RoadPreview
+from preview.memory import Memory
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from vehicle.sensors import Measurement
 from vehicle.state import VehicleState
@@ -56,6 +57,9 @@ class Perception(Protocol):
     def stats(self) -> dict[str, Any]:
         """Counts of what was seen."""
 
+    def memory(self) -> Memory | None:
+        """What the next drive over this road may start with."""
+
     def timing(self) -> dict[str, float]:
         """How long it took on this machine."""
 
@@ -90,6 +94,10 @@ class Blind:
     def stats(self) -> dict[str, Any]:
         """Nothing was seen."""
         return {}
+
+    def memory(self) -> Memory | None:
+        """Nothing is remembered."""
+        return None
 
     def timing(self) -> dict[str, float]:
         """Nothing took time."""
@@ -168,6 +176,10 @@ class Seeing:
             "boxes": sum(len(look.detections) for look in self.looks),
             "confirmed_tracks": len(confirmed),
         }
+
+    def memory(self) -> Memory | None:
+        """What the estimator learned of camera and road."""
+        return self._estimator.memory()
 
     def timing(self) -> dict[str, float]:
         """Median run time of one exposure with its detection, and of the estimator."""

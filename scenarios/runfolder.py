@@ -14,6 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from files.atomic import atomic_folder
+from preview.memory import write as write_memory
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
 from scenarios.preview_log import PreviewLog
@@ -111,7 +112,7 @@ def folder_name(case: Case) -> str:
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write manifest, metrics, signals, events, previews and, where the run kept them, camera frames."""
+    """Write manifest, metrics, signals, events, previews and, where there are any, memory and camera frames."""
     with atomic_folder(folder) as scratch:
         (scratch / "manifest.json").write_text(to_json(manifest(run)) + "\n")
         (scratch / "metrics.json").write_text(to_json(run.metrics) + "\n")
@@ -119,6 +120,8 @@ def write(run: Run, folder: Path) -> None:
         (scratch / "events.jsonl").write_text(lines)
         pq.write_table(pa.table(run.signals), scratch / "signals.parquet", compression="zstd")
         pq.write_table(_preview_table(run.previews), scratch / "previews.parquet", compression="zstd")
+        if run.memory is not None:
+            write_memory(scratch / "memory.yaml", run.memory)
         for look in run.looks:
             if look.image is not None:
                 (scratch / FRAMES).mkdir(exist_ok=True)

@@ -97,6 +97,7 @@ class Scenario:
     braking steadily between them. Its centre of gravity starts at `start_m`; the run ends when the front axle
     reaches the road's end.
     `enveloping` is the tyre's way over obstacles shorter than itself.
+    `memory` is the memory.yaml that an earlier drive over the same road left in its run folder.
     `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
 
@@ -116,6 +117,7 @@ class Scenario:
     oracle: OracleErrors = field(default_factory=OracleErrors)
     faults: tuple[Fault, ...] = ()
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
+    memory: str | None = None
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)
     tyre_load_weight: float = 3.0

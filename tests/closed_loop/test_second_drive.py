@@ -1,0 +1,30 @@
+"""A second drive over the same road starts with what the first one learned."""
+
+from dataclasses import replace
+
+from preview.memory import write
+from road.features import HalfSineBump
+from road.profile import Road
+from scenarios.cases import Case
+from scenarios.closed_loop import simulate
+from scenarios.course.judge import passages
+from scenarios.loading import load
+
+
+def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tmp_path):
+    base = replace(load("bump_8x40_30"), road=Road(length_m=62.0, features=(HalfSineBump(50.0, 0.08, 0.4),)))
+    first = simulate(Case(base, "passive", "boxes", 3))
+    assert first.memory is not None
+    (place,) = first.memory.objects
+    assert place.kind == "bump"
+    assert abs(place.x_m - 50.0) < 0.5  # less what the odometer drifted
+
+    path = tmp_path / "memory.yaml"
+    write(path, first.memory)
+    second = simulate(Case(replace(base, memory=str(path)), "passive", "boxes", 3))
+    (before,), (after,) = passages(first), passages(second)
+    assert after.first_confirmed_m is not None
+    assert before.first_confirmed_m is not None
+    assert after.first_confirmed_m > before.first_confirmed_m + 10.0
+    assert after.used is not None
+    assert abs(after.used.error_m) < 0.15
