@@ -29,7 +29,7 @@ METRICS = {
     "rattle_peak": "m: largest suspension travel from equilibrium of any wheel",
     "stop_time": "s during which any wheel is on a bump or rebound stop",
     "tyre_load_rms": "root of the mean over wheels (so over axles) of (dynamic / static tyre load)²",
-    "tyre_load_p95": "95th percentile over time of |dynamic / static tyre load|, worst wheel",
+    "tyre_load_p95": "95th percentile over time of the size of dynamic / static tyre load, worst wheel",
     "lift_time": "s during which any wheel carries nothing",
     "damper_energy": "J turned into heat by all dampers",
     "damper_power_peak": "W: the most that one damper takes up",

@@ -14,6 +14,7 @@ from files import strict
 from files.atomic import write_text
 from scenarios.cli import parser
 from scenarios.schema import Scenario
+from vehicle.audit import energy_audit
 
 _SCENARIO_HEAD = """# Scenario fields
 
@@ -45,7 +46,8 @@ def scenario_page() -> str:
             hints = get_type_hints(cls)
             lines += ["| field | type | default | |", "|---|---|---|---|"]
             for item in own:
-                cells = f"`{item.name}`", _type(hints[item.name]), _default(item), meanings.get(item.name, "")
+                meaning = meanings.get(item.name) or _first_line(hints[item.name])
+                cells = f"`{item.name}`", _type(hints[item.name]), _default(item), meaning
                 lines.append(f"| {' | '.join(cells)} |")
             lines.append("")
     return "\n".join(lines)
@@ -103,7 +105,8 @@ def metric_page() -> str:
     lines = ["# Metrics", "", "What `metrics.json` of a run and the rows of a comparison hold.", ""]
     lines += ["| metric | unit and meaning |", "|---|---|"]
     lines += [f"| `{name}` | {meaning} |" for name, meaning in METRICS.items()]
-    return "\n".join(lines) + "\n"
+    lines += ["", "## Audit", "", inspect.cleandoc(energy_audit.__doc__ or ""), ""]
+    return "\n".join(lines)
 
 
 def _commands(top: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.ArgumentParser]]:
@@ -119,6 +122,12 @@ def _dataclasses(hint: Any) -> Iterator[Any]:
         yield hint
     for argument in get_args(hint) if get_origin(hint) is not Literal else ():
         yield from _dataclasses(argument)
+
+
+def _first_line(hint: Any) -> str:
+    """What the one block a field may hold is; "" where it is a plain value or there are kinds."""
+    members = list(_dataclasses(hint))
+    return inspect.cleandoc(members[0].__doc__ or "").partition("\n")[0] if len(members) == 1 else ""
 
 
 def _type(hint: Any) -> str:
