@@ -1,0 +1,171 @@
+"""The controllers' quadratic program by several solvers: `python -m benchmarks.bench_solvers [--json FILE]`.
+
+The programs are those of a car shaken at random before a wavy road, condensed as `controller.condense` does
+it; every solver gets the same, cold. Its error is the furthest that an entry of its answer would still move
+on its own, kN·s/m, which is zero at the optimum. A solver fails where it says so, raises, crashes, or errs by
+more than TOLERANCE. IPOPT solves the same programs as nonlinear ones. Each solver runs in a process of its
+own; times are processor times, so that others on the machine do not count.
+"""
+
+import argparse
+import json
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from time import process_time
+from typing import Any, NamedTuple
+
+import casadi
+import numpy as np
+
+from benchmarks.bench_mpc import situations
+from controller.base import Timing
+from controller.mpc import PredictiveController
+from controller.qp import solve_box
+from files.atomic import write_text
+from vehicle.parameters import load_vehicle
+
+TOLERANCE = 0.01
+CASES = (("quarter", 0.01), ("half", 0.01), ("full", 0.01))
+QUIET: dict[str, Any] = {"print_time": False, "error_on_fail": False}
+CONIC: dict[str, dict[str, Any]] = {
+    "daqp": {},
+    "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
+    "osqp": {"osqp": {"verbose": False}},
+    "proxqp": {},
+    "hpipm": {},
+    "ipqp": {"print_iter": False, "print_header": False, "print_info": False},
+}
+
+
+class Program(NamedTuple):
+    """½ xᵀHx + gᵀx with low <= x <= high."""
+
+    hessian: np.ndarray
+    gradient: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+Solve = Callable[[Program], tuple[np.ndarray, str | None]]
+"""Returns the answer and what is wrong with it, None for nothing."""
+
+
+def programs(car: str, period_s: float, count: int) -> list[Program]:
+    """What the controller of a shaken car has to solve, step after step."""
+    vehicle = load_vehicle(car)
+    controller = PredictiveController(vehicle, timing=Timing(period_s))
+    found = []
+    for estimate, preview in situations(vehicle, count):
+        controller.step(estimate, preview)
+        plan = controller._plan
+        state = controller._condense.states[:, 0].copy()
+        condensed = controller._condense(state, plan, controller._road.heights(controller._node_times))
+        low, high = ((limit - plan).ravel() for limit in (controller._low, controller._high))
+        found.append(Program(condensed.hessian.copy(), condensed.gradient.copy(), low, high))
+    return found
+
+
+def ours(program: Program) -> tuple[np.ndarray, str | None]:
+    """The shipped way."""
+    return solve_box(*program)
+
+
+def conic(name: str, size: int) -> Solve:
+    """A CasADi `conic` plug-in without general constraints."""
+    shape = {"h": casadi.Sparsity.dense(size, size), "a": casadi.Sparsity(0, size)}
+    solver = casadi.conic("solver", name, shape, QUIET | CONIC[name])
+
+    def solve(program: Program) -> tuple[np.ndarray, str | None]:
+        answer = solver(h=program.hessian, g=program.gradient, lbx=program.low, ubx=program.high)
+        stats = solver.stats()
+        wrong = None if stats["success"] else str(stats.get("unified_return_status", "failed"))
+        return np.array(answer["x"])[:, 0], wrong
+
+    return solve
+
+
+def ipopt(size: int) -> Solve:
+    """An interior-point method for nonlinear programs."""
+    x, h, g = casadi.MX.sym("x", size), casadi.MX.sym("h", size, size), casadi.MX.sym("g", size)
+    cost = 0.5 * casadi.bilin(h, x, x) + casadi.dot(g, x)
+    options: dict[str, Any] = QUIET | {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8}}
+    problem: dict[str, Any] = {"x": x, "p": casadi.veccat(h, g), "f": cost}
+    solver = casadi.nlpsol("solver", "ipopt", problem, options)
+
+    def solve(program: Program) -> tuple[np.ndarray, str | None]:
+        given = np.concatenate([program.hessian.ravel(order="F"), program.gradient])
+        answer = solver(x0=np.zeros(size), p=given, lbx=program.low, ubx=program.high)
+        stats = solver.stats()
+        return np.array(answer["x"])[:, 0], None if stats["success"] else stats["return_status"]
+
+    return solve
+
+
+def error(x: np.ndarray, program: Program) -> float:
+    """The furthest that an entry would still move on its own."""
+    wished = x - (program.hessian @ x + program.gradient) / np.diag(program.hessian)
+    return float(np.abs(np.clip(wished, program.low, program.high) - x).max())
+
+
+def measure(name: str, given: list[Program]) -> dict:
+    """One row: median and 99th percentile in ms, largest error, failures with the first reason."""
+    size = len(given[0].gradient)
+    times, errors, failures = [], [], []
+    solve = ours if name == "ours" else ipopt(size) if name == "ipopt" else conic(name, size)
+    for program in given:
+        start = process_time()
+        answer, wrong = solve(program)
+        times.append(1e3 * (process_time() - start))
+        errors.append(error(answer, program))
+        if wrong or not errors[-1] <= TOLERANCE:
+            failures.append(wrong or f"off by {errors[-1]:.2g} kN·s/m")
+    return {
+        "solver": name,
+        "median_ms": float(np.median(times)),
+        "p99_ms": float(np.percentile(times, 99)),
+        "largest_error": max(errors),
+        "failures": len(failures),
+        "of": len(given),
+        "reason": failures[0] if failures else None,
+    }
+
+
+def apart(name: str, given: list[Program]) -> dict:
+    """`measure` in a process of its own, so that a crash is one solver's failure."""
+    method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
+        try:
+            return pool.submit(measure, name, given).result()
+        except BrokenProcessPool:
+            reason = "crashed"
+        except Exception as raised:  # plug-ins raise what they like
+            reason = f"{type(raised).__name__}: {raised}".splitlines()[0][:80]
+    return {"solver": name, "failures": len(given), "of": len(given), "reason": reason}
+
+
+def main() -> None:
+    """Measure, print a table, and write JSON where asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=200, help="programs a car (default 200)")
+    parser.add_argument("--json", type=Path, help="also write the rows to this file")
+    arguments = parser.parse_args()
+    rows = []
+    print(f"{'car':8} {'size':>5} {'solver':8} {'median':>10} {'p99':>10} {'error':>9} failures")
+    for car, period_s in CASES:
+        given = programs(car, period_s, arguments.count)
+        for name in ("ours", *CONIC, "ipopt"):
+            row = {"car": car, "size": len(given[0].gradient)} | apart(name, given)
+            rows.append(row)
+            times = [f"{row[key]:7.3f} ms" if key in row else 10 * " " for key in ("median_ms", "p99_ms")]
+            off = f"{row['largest_error']:9.1e}" if "largest_error" in row else 9 * " "
+            failed = f"{row['failures']} of {row['of']}: {row['reason']}" if row["failures"] else "none"
+            print(f"{car:8} {row['size']:5d} {name:8} {' '.join(times)} {off} {failed}", flush=True)
+    if arguments.json:
+        write_text(arguments.json, json.dumps(rows, indent=1))
+
+
+if __name__ == "__main__":
+    main()
