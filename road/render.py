@@ -108,16 +108,11 @@ class Scene:
             ),
             view, camera.height_px,
         )  # fmt: skip
-        in_view = np.bincount(hits.ravel(), minlength=len(self.road.features) + 1)
-        if props:
-            staging.draw(image, hits, view, props, self._air)
-        in_sight = np.bincount(hits.ravel(), minlength=len(in_view))
+        hidden_share = staging.draw(image, hits, view, props, self._air) if props else {}
         hits, depth, pixels = self._expose(image, hits, depth, view, index)
         boxes, numbers, counts = visible_boxes(hits)
-        hidden = (1 - in_sight[numbers] / np.maximum(in_view[numbers], 1)).astype(np.float32)
-        kept = (hidden <= MAX_HIDDEN) & np.array(
-            [self.road.features[k - 1].cls is not None for k in numbers], bool
-        )
+        hidden = np.array([hidden_share.get(k, 0.0) for k in numbers], np.float32)
+        kept = hidden <= MAX_HIDDEN
         boxes, numbers, counts, hidden = boxes[kept], numbers[kept], counts[kept], hidden[kept]
         classes = np.array([self.road.features[k - 1].cls for k in numbers], np.int64)
         return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)

@@ -30,8 +30,13 @@ class Air(NamedTuple):
     wet: bool
 
 
-def draw(image: np.ndarray, hits: np.ndarray, view: View, props: Sequence[Prop], air: Air) -> None:
-    """Add `props` to the linear `image` (H, W, 3), farthest first; clear the `hits` (H, W) behind them."""
+def draw(
+    image: np.ndarray, hits: np.ndarray, view: View, props: Sequence[Prop], air: Air
+) -> dict[int, float]:
+    """Add `props` to the linear `image` (H, W, 3), farthest first, and clear the `hits` (H, W) behind them.
+
+    Returns the share of its pixels that each feature in `hits` has lost.
+    """
     ordered = sorted(props, key=lambda prop: -float(np.hypot(*(place_of(prop) - view.position[:2]))))
     ground = hits.copy()
     _shade_ground(image, view, ordered, air)
@@ -42,9 +47,11 @@ def draw(image: np.ndarray, hits: np.ndarray, view: View, props: Sequence[Prop],
                 _draw_face(image, ground, view, face, air, halos)
         else:
             _draw_sprite(image, ground, view, prop, air, halos)
-    hits[:] = ground
     for u, v, size, colour in halos:
         _add_halo(image, u, v, size, colour, air.wet)
+    before, after = (np.bincount(seen.ravel(), minlength=int(hits.max()) + 1) for seen in (hits, ground))
+    hits[:] = ground
+    return {int(k): 1 - after[k] / before[k] for k in np.flatnonzero(before)}
 
 
 def lamp_pools(props: Sequence[Prop]) -> np.ndarray:
