@@ -120,12 +120,12 @@ def read(path: Path) -> list[Sample]:
     axes = {field: _axis(given, f"{path}: vary.{field}") for field, given in varied.items()}
     for field, value in fixed.items():
         _scalar(value, f"{path}: set.{field}")
-    samples = list(_samples(study, points(study, axes), fixed, path.parent))
-    for scenario in {sample.scenario: sample for sample in samples}.values():
-        try:
-            scenario.case()
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
+    try:
+        samples = list(_samples(study, points(study, axes), fixed, path.parent))
+        for first in {sample.scenario: sample for sample in reversed(samples)}.values():
+            first.case()
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     return samples
 
 

@@ -56,8 +56,8 @@ function spectrum(place, scene) {
   const f = unpack(scene.psd.f), values = scene.psd.density.map(unpack), wk = unpack(scene.psd.wk);
   return new uPlot({
     width: width(place), height: 300,
-    scales: { x: { time: false, distr: 3 }, y: { distr: 3 }, wk: { distr: 1, range: [0, 1.2] } },
-    axes: [axis({ label: "frequency (Hz)", labelSize: 20, size: 30, labelFont: "11px system-ui" }), axis({ label: "(m/s²)²/Hz", labelSize: 20, size: 54, labelFont: "11px system-ui" }), axis({ scale: "wk", side: 1, label: "|Wk|", labelSize: 18, grid: { show: false }, labelFont: "11px system-ui" })],
+    scales: { x: { time: false, distr: 3 }, y: { distr: 3, range: (_, low, high) => [Math.max(low, high * 1e-6), high * 2] }, wk: { distr: 1, range: [0, 1.2] } },
+    axes: [axis({ label: "frequency (Hz)", labelSize: 20, size: 30, labelFont: "11px system-ui" }), axis({ label: "(m/s²)²/Hz", labelSize: 20, size: 54, values: (_, ticks) => ticks.map((v) => (v == null ? "" : String(Number(v.toPrecision(1))))), labelFont: "11px system-ui" }), axis({ scale: "wk", side: 1, label: "|Wk|", labelSize: 18, grid: { show: false }, labelFont: "11px system-ui" })],
     series: [{ label: "Hz", value: (_, v) => (v == null ? "" : v.toFixed(1)) }]
       .concat(scene.runs.map((run, i) => ({ label: run.label, stroke: () => colour(runInk(scene, run, inks, i)), width: 1.5, value: (_, v) => (v == null ? "" : v.toExponential(1)) })))
       .concat([{ label: "|Wk|", scale: "wk", stroke: () => colour("faint"), dash: [6, 5], width: 1.5, value: (_, v) => (v == null ? "" : v.toFixed(2)) }]),

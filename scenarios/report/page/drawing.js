@@ -115,7 +115,7 @@ function drawAhead(canvas, scene, run, t) {
   const { pen, width, height } = sheet(canvas);
   const from = -1, to = 10, wheel = at(scene, run, "x", t) + frontAxle(scene);
   const column = (d) => ((d - from) / (to - from)) * width;
-  const reach = Math.max(0.06, 1.25 * scene.z.reduce((most, z) => Math.max(most, Math.abs(z)), 0));
+  const reach = Math.max(0.06, 1.7 * scene.z.reduce((most, z) => Math.max(most, Math.abs(z)), 0));
   const row = (z) => height * 0.46 - (z / reach) * height * 0.4;
   pen.strokeStyle = colour("grid"); pen.fillStyle = colour("faint"); pen.textAlign = "center";
   for (let d = 0; d <= to; d += 2) {
