@@ -17,11 +17,14 @@ import pytest
 from scenarios import study
 from scenarios.cli import main, parser
 from scenarios.loading import load
+from vehicle.parameters import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# (\w+\.(?:py|yaml))\n")
+READERS = {"scenarios": lambda name: study.read(Path(name)), "kind": load_vehicle}
+"""What reads a yaml block that has this key at its top, where it is no scenario."""
 KNOWN = {"yaml", "python", "bash", "sh", "text"}
 
 
@@ -59,7 +62,8 @@ def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
             Path(named[1]).write_text(text)
         if kind == "yaml":
             assert named, f"{page.name}: a yaml block must begin with its file's name"
-            study.read(Path(named[1])) if "\nscenarios:" in text else load(named[1])
+            read = next((reader for key, reader in READERS.items() if f"\n{key}:" in text), load)
+            read(named[1])
         elif kind == "python":
             exec(compile(text, f"{page.name}:{named[1] if named else 'block'}", "exec"), namespace)
             if named and named[1].startswith("test_"):
