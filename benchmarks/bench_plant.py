@@ -1,16 +1,24 @@
-"""Real-time factor of the plant by car and by ticks per call: `python -m benchmarks.bench_plant`."""
+"""Real-time factor of the plant by car, ticks per call and damper, and of many cars at once.
+
+`python -m benchmarks.bench_plant`. Times are the process's own (CPU) times, so that other work on the machine
+does not count; with two threads those of both add up, so that the row tells what threading costs, and the wall
+clock what it brings.
+"""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from road.envelope import wheel_profile
 from road.features import HalfSineBump
 from road.profile import Road
+from vehicle.batch import Fleet
+from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from vehicle.parameters import Car, load_vehicle
 from vehicle.plant import RATE_HZ, Plant
 
-TICKS = 20_000
+TICKS = 10_000
 
 
 def ticks_per_second(car: Car, block: int, ask_state: bool) -> float:
@@ -21,22 +29,42 @@ def ticks_per_second(car: Car, block: int, ask_state: bool) -> float:
     best = np.inf
     for _ in range(3):
         plant.reset([profile] * car.wheels, 0.0, 30 / 3.6)
-        start = time.perf_counter()
+        start = time.process_time()
         for _ in range(TICKS // block):
             plant.step(command, block)
             if ask_state:
                 _ = plant.state
-        best = min(best, time.perf_counter() - start)
+        best = min(best, time.process_time() - start)
     return TICKS / best
+
+
+def fleet_ticks_per_second(car: Car, cars: int, threads: int, ticks: int = 500) -> tuple[float, float]:
+    """Ticks of all cars together, by CPU time and by the wall clock."""
+    profile = wheel_profile(Road(length_m=30.0, features=(HalfSineBump(2.0, 0.08, 0.4),)), 0.75)
+    fleet = Fleet([car] * cars, threads)
+    command = np.tile([corner.damping_passive_ns_m for corner in car.corners], (cars, 1))
+    busy, wall = time.process_time(), time.perf_counter()
+    fleet.drive([profile] * car.wheels, 0.0, 30 / 3.6, command, ticks)
+    done = cars * ticks
+    return done / (time.process_time() - busy), done / (time.perf_counter() - wall)
 
 
 def main() -> None:
     print(f"{'car':14}{'ticks/call':>11}{'state':>7}{'ticks/s':>10}{'x real time':>13}")
-    for name in ("quarter_car", "half_car"):
+    for name in ("quarter_car", "half_car", "full_car"):
         for block, ask_state in ((1, False), (5, False), (5, True), (10, False), (10, True), (1000, False)):
             rate = ticks_per_second(load_vehicle(name), block, ask_state)
             asked = "yes" if ask_state else "no"
-            print(f"{name:14}{block:11d}{asked:>7}{rate:10.0f}{rate / RATE_HZ:13.0f}")
+            print(f"{name:14}{block:11d}{asked:>7}{rate:10.0f}{rate / RATE_HZ:13.0f}", flush=True)
+    parts: tuple[Damper, ...] = (ValveDamper(), MrTanhDamper(), MrBoucWenDamper())
+    for part in parts:
+        rate = ticks_per_second(replace(load_vehicle("half"), damper=part), 5, False)
+        print(f"{'half, ' + part.kind:25}{'':7}{rate:10.0f}{rate / RATE_HZ:13.0f}", flush=True)
+    print(f"\n{'fleet of 512':14}{'threads':>11}{'':7}{'ticks/s':>10}{'by wall':>13}")
+    for name in ("quarter_car", "half_car", "full_car"):
+        for threads in (1, 2):
+            busy, wall = fleet_ticks_per_second(load_vehicle(name), 512, threads)
+            print(f"{name:14}{threads:11d}{'':7}{busy:10.0f}{wall:13.0f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -34,8 +34,8 @@ def terminal_cost(
     vehicle = model.vehicle
     damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
     a, c = _linear(model, damping)
-    n = equations.state_size(vehicle)
-    kept = np.r_[0 : n - vehicle.wheels, n : model.n_x]
+    settings = equations.damping_rows(vehicle)
+    kept = np.r_[0 : settings.start, settings.stop : model.n_x]
     p = solve_continuous_lyapunov(a[np.ix_(kept, kept)].T, -c[:, kept].T @ c[:, kept]) / period_s
     root = np.zeros((model.n_x, model.n_x))
     root[np.ix_(kept, kept)] = cholesky(p + 1e-9 * np.eye(len(kept)))
@@ -44,13 +44,12 @@ def terminal_cost(
 
 def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     vehicle = model.vehicle
-    n = equations.state_size(vehicle)
     x = casadi.SX.sym("x", model.n_x)
     flat = casadi.SX.zeros(vehicle.wheels)
     rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat)
     slopes = casadi.Function("f", [x], [casadi.jacobian(e, x) for e in (rates, model.outputs(x))])
     rest = np.zeros(model.n_x)
-    rest[n - vehicle.wheels : n] = damping_ns_m
+    rest[equations.damping_rows(vehicle)] = damping_ns_m
     a, c = slopes(rest)
     return np.array(a), np.array(c)
 

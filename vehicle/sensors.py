@@ -1,4 +1,4 @@
-"""What the car's own sensors report: the truth with noise and offsets, from a seeded generator.
+"""What the car's own sensors report: the truth with noise, offsets and, if asked for, steps, delay and loss.
 
 Default values, each for a class of part rather than a part:
 
@@ -7,9 +7,15 @@ Default values, each for a class of part rather than a part:
 * wheel accelerometer: automotive high-g MEMS (±120 g); 1 mg/√Hz, offset 50 mg
 * rattle: Hall-effect level sensor on a linkage, ±100 mm; 0.2 mm noise, 1 mm of zero error
 * speed: toothed-ring wheel-speed sensor; 0.02 m/s noise, 0.3 % error of the rolling radius
+
+`CATALOGUE_STEPS` holds what digital outputs of such parts resolve: 16-bit inertial modules like Bosch's
+SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375 (49 mg), a
+12-bit level sensor over 200 mm.
 """
 
-from dataclasses import dataclass, fields
+from collections import deque
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +25,44 @@ from vehicle.parameters import GRAVITY_M_S2
 from vehicle.state import VehicleState
 
 Array = NDArray[np.float64]
+
+
+def _require_numbers(values: Any) -> None:
+    for item in fields(values):
+        value = getattr(values, item.name)
+        if isinstance(value, int | float) and not (np.isfinite(value) and value >= 0.0):
+            raise InputError(f"{item.name} must be >= 0 and finite, got {value}")
+
+
+@dataclass(frozen=True)
+class SensorInterface:
+    """How readings reach the controller: in steps, late, or not at all.
+
+    *_step: least difference of two readings, 0 for none. delay_readings: how many readings late all of them
+    come. dropout: probability that a channel of a reading is lost, when the last one received stands.
+    """
+
+    body_acc_step_m_s2: float = 0.0
+    wheel_acc_step_m_s2: float = 0.0
+    rattle_step_m: float = 0.0
+    pitch_rate_step_rad_s: float = 0.0
+    speed_step_m_s: float = 0.0
+    delay_readings: int = 0
+    dropout: float = 0.0
+
+    def __post_init__(self) -> None:
+        _require_numbers(self)
+        if self.dropout >= 1.0:
+            raise InputError(f"dropout must be < 1, got {self.dropout}")
+
+
+CATALOGUE_STEPS = SensorInterface(
+    body_acc_step_m_s2=0.244e-3 * GRAVITY_M_S2,
+    wheel_acc_step_m_s2=49e-3 * GRAVITY_M_S2,
+    rattle_step_m=0.2 / 4096,
+    pitch_rate_step_rad_s=float(np.radians(0.0038)),
+    speed_step_m_s=0.01,
+)
 
 
 @dataclass(frozen=True)
@@ -36,15 +80,14 @@ class SensorNoise:
     speed_m_s: float = 0.02
     speed_scale: float = 0.003  # relative
     bandwidth_hz: float = 200.0  # of accelerometers and gyro
+    interface: SensorInterface = field(default_factory=SensorInterface)
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (np.isfinite(value) and value >= 0.0):
-                raise InputError(f"{field.name} must be >= 0 and finite, got {value}")
+        _require_numbers(self)
 
 
-NO_NOISE = SensorNoise(**{field.name: 0.0 for field in fields(SensorNoise)})
+_NUMBERS = [item.name for item in fields(SensorNoise) if item.name != "interface"]
+NO_NOISE = replace(SensorNoise(), **dict.fromkeys(_NUMBERS, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,16 +116,35 @@ class Sensors:
             offsets.size + 2
         )
         self._scale = 1.0 + n.speed_scale * rng.standard_normal()
+        i = n.interface
+        sizes = np.repeat([i.body_acc_step_m_s2, i.wheel_acc_step_m_s2, i.rattle_step_m], wheels)
+        self._step = np.array([*sizes, i.pitch_rate_step_rad_s, i.speed_step_m_s])
+        self._on_way: deque[Array] = deque(maxlen=i.delay_readings + 1)
+        self._received: Array | None = None
+        self._plain = i == SensorInterface()
 
     def measure(self, state: VehicleState) -> Measurement:
         """The reading at one moment."""
         w = self._wheels
         error = self._offset + self._sigma * self._rng.standard_normal(3 * w + 2)
+        moved = [state.pitch_rate, state.speed_m_s * self._scale]
+        reading = np.concatenate([state.body_acc, state.wheel_acc, state.rattle_m, moved]) + error
+        if not self._plain:
+            reading = self._transmit(reading)
         return Measurement(
             time_s=state.time_s,
-            body_acc=state.body_acc + error[:w],
-            wheel_acc=state.wheel_acc + error[w : 2 * w],
-            rattle_m=state.rattle_m + error[2 * w : 3 * w],
-            pitch_rate=float(state.pitch_rate + error[-2]),
-            speed_m_s=float(state.speed_m_s * self._scale + error[-1]),
+            body_acc=reading[:w],
+            wheel_acc=reading[w : 2 * w],
+            rattle_m=reading[2 * w : 3 * w],
+            pitch_rate=float(reading[-2]),
+            speed_m_s=float(reading[-1]),
         )
+
+    def _transmit(self, reading: Array) -> Array:
+        """Round to steps, hold back, and keep the last value of channels that are lost."""
+        stepped = np.where(self._step > 0.0, self._step, 1.0)
+        self._on_way.append(np.where(self._step > 0.0, np.round(reading / stepped) * stepped, reading))
+        arriving = self._on_way[0]
+        lost = self._rng.random(len(reading)) < self._noise.interface.dropout
+        self._received = arriving if self._received is None else np.where(lost, self._received, arriving)
+        return self._received

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,8 @@ from road.features import HalfSineBump
 from road.profile import Road
 from vehicle.parameters import load_vehicle
 from vehicle.plant import Plant
-from vehicle.sensors import NO_NOISE, SensorNoise, Sensors
-from vehicle.state import VehicleState
+from vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
+from vehicle.state import VehicleState, observe
 
 
 def moving_car() -> VehicleState:
@@ -68,3 +70,39 @@ def test_the_seed_decides() -> None:
 def test_negative_noise_is_refused() -> None:
     with pytest.raises(InputError, match="rattle_m must be >= 0 and finite, got -1"):
         SensorNoise(rattle_m=-1.0)
+
+
+def still(rattle_m: float) -> VehicleState:
+    """A quarter car at rest with its wheel pressed in."""
+    x = [0.0, 0.0, -rattle_m, 0.0, 1500.0]
+    return observe(load_vehicle("quarter"), 0.0, 0.0, 10.0, x, np.array([1500.0]), ([0.0], [0.0]))
+
+
+def quiet(**interface: float) -> SensorNoise:
+    return replace(NO_NOISE, bandwidth_hz=200.0, interface=SensorInterface(**interface))
+
+
+def test_readings_come_in_steps() -> None:
+    sensors = Sensors(1, np.random.default_rng(0), quiet(rattle_step_m=0.002))
+    found = [sensors.measure(still(rattle)).rattle_m[0] for rattle in (0.0009, 0.0011, 0.0051)]
+    np.testing.assert_allclose(found, [0.0, 0.002, 0.006], atol=1e-12)
+
+
+def test_readings_come_late() -> None:
+    sensors = Sensors(1, np.random.default_rng(0), quiet(delay_readings=2))
+    found = [sensors.measure(still(1e-3 * i)).rattle_m[0] for i in range(6)]
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.0, 1e-3, 2e-3, 3e-3])
+
+
+def test_lost_readings_keep_the_last_one_as_often_as_asked() -> None:
+    sensors = Sensors(1, np.random.default_rng(0), quiet(dropout=0.25))
+    found = np.array([sensors.measure(still(1e-6 * i)).rattle_m[0] for i in range(2000)])
+    assert np.mean(np.diff(found) == 0.0) == pytest.approx(0.25, abs=0.03)
+    assert (np.diff(found) >= 0.0).all()
+
+
+def test_an_impossible_interface_is_refused() -> None:
+    with pytest.raises(InputError, match="dropout must be < 1"):
+        SensorInterface(dropout=1.0)
+    with pytest.raises(InputError, match="rattle_step_m must be >= 0"):
+        SensorInterface(rattle_step_m=-1.0)
