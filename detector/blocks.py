@@ -29,29 +29,45 @@ class Conv(nn.Module):
 
 
 class Bottleneck(nn.Module):
-    """Two 3×3 convolutions through half the channels, plus the input."""
+    """Two 3×3 convolutions through a share of the channels, plus the input."""
 
-    def __init__(self, channels: int):
+    def __init__(self, channels: int, share: float = 0.5):
         super().__init__()
-        self.reduce = Conv(channels, channels // 2, 3)
-        self.expand = Conv(channels // 2, channels, 3)
+        hidden = int(channels * share)
+        self.reduce = Conv(channels, hidden, 3)
+        self.expand = Conv(hidden, channels, 3)
 
     def forward(self, x: Tensor) -> Tensor:
         return x + self.expand(self.reduce(x))
 
 
-class C3k2(nn.Module):
-    """YOLOv11's split block: half the channels pass a bottleneck, and all three parts are fused."""
+class C3k(nn.Module):
+    """Cross-stage block of two full-width bottlenecks, on half the channels each way."""
 
-    def __init__(self, c_in: int, c_out: int, expansion: float = 0.5):
+    def __init__(self, channels: int):
+        super().__init__()
+        hidden = channels // 2
+        self.deep = nn.Sequential(Conv(channels, hidden), Bottleneck(hidden, 1.0), Bottleneck(hidden, 1.0))
+        self.direct = Conv(channels, hidden)
+        self.fuse = Conv(2 * hidden, channels)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return self.fuse(torch.cat((self.deep(x), self.direct(x)), 1))
+
+
+class C3k2(nn.Module):
+    """YOLOv11's split block: half the channels pass a bottleneck (or, nested, a C3k); all parts are fused."""
+
+    def __init__(self, c_in: int, c_out: int, expansion: float = 0.5, nested: bool = False):
         super().__init__()
         hidden = int(c_out * expansion)
         self.split = Conv(c_in, 2 * hidden)
-        self.bottleneck = Bottleneck(hidden)
+        self.bottleneck = C3k(hidden) if nested else Bottleneck(hidden)
         self.fuse = Conv(3 * hidden, c_out)
 
     def forward(self, x: Tensor) -> Tensor:
-        first, second = self.split(x).chunk(2, 1)
+        hidden = self.split.conv.out_channels // 2
+        first, second = self.split(x).split((hidden, hidden), 1)
         return self.fuse(torch.cat((first, second, self.bottleneck(second)), 1))
 
 
@@ -153,7 +169,8 @@ class C2PSA(nn.Module):
         self.fuse = Conv(channels, channels)
 
     def forward(self, x: Tensor) -> Tensor:
-        direct, deep = self.split(x).chunk(2, 1)
+        half = self.split.conv.out_channels // 2
+        direct, deep = self.split(x).split((half, half), 1)
         deep = deep + self.attention(deep)
         deep = deep + self.feed(deep)
         return self.fuse(torch.cat((direct, deep), 1))

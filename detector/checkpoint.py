@@ -8,10 +8,13 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
+from detector.detection import CLASS_NAMES
+from detector.models import Network, build
 from files.atomic import write_bytes
 from files.errors import InputError
 
 M = TypeVar("M", bound=nn.Module)
+DEFAULT_MODEL = "sbp-yolo"  # of files that do not say
 
 
 class Average(Generic[M]):
@@ -69,13 +72,31 @@ def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
 
     Raises InputError if it does not fit.
     """
+    weights, metadata = _weights_of(path)
+    try:
+        model.load_state_dict(weights)
+    except RuntimeError:
+        made = metadata.get("model", DEFAULT_MODEL)
+        raise InputError(f"{path}: these weights are of a {made}, and fit no model of another kind") from None
+    return metadata
+
+
+def load_network(path: Path) -> tuple[Network, dict[str, Any]]:
+    """The network, ready for inference, and the metadata of a weights file. Raises InputError."""
+    name = str(_weights_of(path)[1].get("model", DEFAULT_MODEL))
+    model = build(name)
+    return model.eval(), load_weights(path, model)
+
+
+def _weights_of(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
     content = load(path, ())
     if "average" in content:
-        content = {"weights": content["average"], "metadata": {"passes": content.get("passes", 0)}}
+        made = {"passes": content.get("passes", 0), "model": content.get("model_name", DEFAULT_MODEL)}
+        content = {"weights": content["average"], "metadata": made}
     if "weights" not in content or "metadata" not in content:
         raise InputError(f"{path}: expected the entries weights, metadata")
-    try:
-        model.load_state_dict(content["weights"])
-    except RuntimeError:
-        raise InputError(f"{path}: these weights are not of a {type(model).__name__} of this width") from None
-    return content["metadata"]
+    metadata = content["metadata"]
+    names = metadata.get("names", list(CLASS_NAMES))
+    if names != list(CLASS_NAMES):
+        raise InputError(f"{path}: classes must be {', '.join(CLASS_NAMES)}, got {', '.join(names)}")
+    return content["weights"], metadata

@@ -102,8 +102,8 @@ def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = Fals
         print(f"left out: {fault}", file=sys.stderr)
 
 
-def read_objects(folder: Path) -> dict[str, list[dict]] | None:
-    """Object records by image name from `objects.jsonl`, or None where the folder has no such file."""
+def read_records(folder: Path) -> dict[str, dict] | None:
+    """Condition and objects of each image by its name, from `objects.jsonl`; None without such a file."""
     path = folder / "objects.jsonl"
     if not path.exists():
         return None
@@ -111,7 +111,7 @@ def read_objects(folder: Path) -> dict[str, list[dict]] | None:
     for number, line in enumerate(path.read_text().splitlines(), 1):
         try:
             record = json.loads(line)
-            records[record["image"]] = list(record["objects"])
+            records[record["image"]] = record | {"objects": list(record["objects"])}
         except (json.JSONDecodeError, KeyError, TypeError) as error:
             raise InputError(
                 f"{path}:{number}: expected an object with image and objects ({error})"

@@ -1,4 +1,4 @@
-"""Score an exported detector on a labelled folder: `python -m detector.evaluate --data DIR --json FILE`.
+"""Score an exported detector on a labelled folder: `foreride detector eval --data DIR --json FILE`.
 
 DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred where the mask is black
 are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance).
@@ -14,17 +14,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.dataset import Sample, dataset_hash, image_paths, read_objects, read_samples
-from detector.detection import CLASS_NAMES, Detections
-from detector.metrics import ImageResult, judge, summarise
+from detector.breakdown import Judged, by_condition, by_object, false_alarms, objects_seen
+from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
+from detector.detection import Detections
+from detector.metrics import judge, summarise
 from detector.progress import Progress
 from detector.runtime import Detector
 from files.atomic import write_text
 from files.errors import InputError
 
 LEAST_CONFIDENCE = 0.001
-BIN_M = 2.5
-EGO_RANGE_M = (4.0, 15.0)
 
 
 def evaluate(
@@ -32,23 +31,41 @@ def evaluate(
     detect: Callable[[NDArray[np.uint8]], Detections],
     confidence: float,
     skip_bad: bool = False,
+    masks: bool = True,
 ) -> dict:
     """Metrics of `detect` on a folder; it should answer with a far lower threshold than `confidence`.
 
-    Gives what `metrics.summarise` does and, where objects.jsonl is there, `ego_recall` (objects in the
-    own lane 4-15 m ahead) and `recall_by_distance`. Raises InputError.
+    Gives what `metrics.summarise` does, `false_alarms` on images without objects and, where objects.jsonl is
+    there, what `breakdown` tells of objects and conditions. masks: mind lane/. Raises InputError.
     """
-    results = []
-    objects = read_objects(folder)
+    judged = judge_folder(folder, detect, skip_bad, masks)
+    summary = {"dataset": dataset_hash(folder)} | summarise([j.result for j in judged], confidence)
+    summary["false_alarms"] = false_alarms(judged, confidence)
+    records = read_records(folder)
+    if records is not None:
+        summary |= by_object(objects_seen(judged, records, confidence, folder))
+        summary["by_condition"] = by_condition(judged, records, confidence)
+    return summary
+
+
+def judge_folder(
+    folder: Path,
+    detect: Callable[[NDArray[np.uint8]], Detections],
+    skip_bad: bool = False,
+    masks: bool = True,
+) -> list[Judged]:
+    """Every image of a folder, detected and held against its labels. Raises InputError."""
+    judged = []
     with Progress(len(image_paths(folder))) as progress:
         for sample in read_samples(folder, skip_bad=skip_bad):
             rows, columns = sample.image.shape[:2]
-            found = _in_lane(detect(sample.image), sample, folder / "lane")
+            found = detect(sample.image)
+            if masks:
+                found = _in_lane(found, sample, folder / "lane")
             boxes = sample.boxes * np.array([columns, rows, columns, rows], np.float32)
-            results.append((sample.name, judge(found, boxes, sample.classes)))
-            progress.show(len(results), "evaluating")
-    summary = {"dataset": dataset_hash(folder)} | summarise([r for _, r in results], confidence)
-    return summary if objects is None else summary | _recall_of_objects(results, objects, confidence, folder)
+            judged.append(Judged(sample.name, rows, boxes, judge(found, boxes, sample.classes)))
+            progress.show(len(judged), "evaluating")
+    return judged
 
 
 def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
@@ -65,55 +82,14 @@ def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
     return Detections(found.boxes[inside], found.scores[inside], found.classes[inside])
 
 
-def _recall_of_objects(
-    results: Sequence[tuple[str, ImageResult]],
-    objects: dict[str, list[dict]],
-    confidence: float,
-    folder: Path,
-) -> dict:
-    rows = []  # class, distance, in ego lane, found
-    for name, result in results:
-        records = objects.get(name, [])
-        if [r.get("class") for r in records] != result.truth_classes.tolist():
-            raise InputError(f"{folder / 'objects.jsonl'}: objects of {name} differ from its label file")
-        scores = np.append(result.detections.scores, 0.0)[result.found]
-        for record, score in zip(records, scores, strict=True):
-            rows.append((record["class"], record["distance_m"], record["in_ego_lane"], score >= confidence))
-    table = np.array(rows, float).reshape(-1, 4)
-    ego = table[table[:, 2] == 1]
-    near = ego[(ego[:, 1] >= EGO_RANGE_M[0]) & (ego[:, 1] <= EGO_RANGE_M[1])]
-    return {
-        "ego_range_m": list(EGO_RANGE_M),
-        "ego_recall": _recall(near),
-        "ego_recall_by_distance": _by_distance(ego),
-        "recall_by_distance": _by_distance(table),
-    }
-
-
-def _recall(table: NDArray) -> dict:
-    """Recall and count of all rows and of each class."""
-    parts = {"all": table} | {name: table[table[:, 0] == i] for i, name in enumerate(CLASS_NAMES)}
-    return {
-        name: {"objects": len(part), "recall": float(part[:, 3].mean()) if len(part) else None}
-        for name, part in parts.items()
-    }
-
-
-def _by_distance(table: NDArray) -> list[dict]:
-    bins = np.floor(table[:, 1] / BIN_M).astype(int)
-    return [
-        {"from_m": b * BIN_M, "to_m": (b + 1) * BIN_M} | _recall(table[bins == b])
-        for b in sorted(set(bins.tolist()))
-    ]
-
-
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="python -m detector.evaluate", description=__doc__)
+    p = argparse.ArgumentParser(prog="foreride detector eval", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with images/ and labels/")
     p.add_argument("--weights", type=Path, help="ONNX file; the shipped one by default")
     p.add_argument("--json", type=Path, help="write the numbers here")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
     p.add_argument("--threads", type=int, default=1)
+    p.add_argument("--ignore-masks", action="store_true", help="count detections outside lane/ masks, too")
     p.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
     return p
 
@@ -122,7 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
         detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
-        summary = evaluate(args.data, detect, args.confidence, args.skip_bad)
+        summary = evaluate(args.data, detect, args.confidence, args.skip_bad, not args.ignore_masks)
         summary |= {"weights": str(detect.path), "data": str(args.data), "metadata": detect.metadata}
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")
@@ -150,6 +126,11 @@ def report(summary: dict) -> str:
         ego = summary["ego_recall"]
         parts = (f"{name} {shown(row['recall'])} of {row['objects']}" for name, row in ego.items())
         lines.append("own lane, 4-15 m ahead: " + ", ".join(parts))
+        edge = summary["bottom_edge_4_10_m"]["all"]
+        bias, sigma = shown(edge["bias_px"]), shown(edge["sigma_px"])
+        lines.append(f"bottom edge, 4-10 m: bias {bias} px, sigma {sigma} px of {edge['objects']}")
+    false = summary["false_alarms"]
+    lines.append(f"plain road: {shown(false['per_100_images'])} false per 100 of {false['images']} images")
     return "\n".join(lines)
 
 

@@ -1,7 +1,8 @@
-"""Write a trained model as ONNX: `python -m detector.export --weights weights.pt --out sbp-yolo.onnx`.
+"""Write a trained model as ONNX: `foreride detector export --weights weights.pt --out sbp-yolo.onnx`.
 
 The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 from 64 on, and gives `boxes`
-(1, 300, 4) in pixels and `scores` (1, 300, 2). It is checked against torch before it replaces anything.
+(1, 300, 4) in pixels and `scores` (1, 300, 2). It is rewritten for inference (`--plain`: left as published),
+and held against torch, image by image, before it replaces anything.
 """
 
 import argparse
@@ -22,18 +23,24 @@ from torch import nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 from detector.blocks import Conv
-from detector.checkpoint import load_weights
+from detector.checkpoint import DEFAULT_MODEL, load_network
 from detector.dataset import image_paths, read_image
 from detector.deploy import Deployed
 from detector.detection import CLASS_NAMES
-from detector.models import SbpYolo
+from detector.models import Network
+from detector.quantize import halved, quantized
+from detector.rewrite import rewrite
 from files.atomic import write_bytes
 from files.errors import InputError
 
-TOLERANCE = 1e-4
+OPSET = 17
+PRECISIONS = ("fp32", "fp16", "int8")
+TOLERANCE = {"fp32": 1e-4, "fp16": 2e-2}
+"""Largest difference allowed between ONNX and torch: of a score, or of a box side over the image width."""
+CALIBRATION_IMAGES = 32
 
 
-def fused(model: SbpYolo) -> SbpYolo:
+def fused(model: Network) -> Network:
     """A copy for inference, each batch norm folded into its convolution."""
     model = copy.deepcopy(model).eval()
     for block in model.modules():
@@ -43,47 +50,61 @@ def fused(model: SbpYolo) -> SbpYolo:
     return model
 
 
-def to_onnx(model: SbpYolo, metadata: dict[str, str]) -> bytes:
-    """The ONNX file of a model, with metadata."""
+def to_onnx(model: Network, metadata: dict[str, str], published: bool = False) -> onnx.ModelProto:
+    """The ONNX graph of a model, with metadata; `published`: with boxes decoded at every point."""
     stream = io.BytesIO()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # tracing fixes the number of candidates, which is meant
         torch.onnx.export(
-            Deployed(fused(model)),
+            Deployed(fused(model), published),
             (torch.zeros(1, 384, 640, 3, dtype=torch.uint8),),
             stream,  # type: ignore[arg-type]
             input_names=["image"],
             output_names=["boxes", "scores"],
             dynamic_axes={"image": {1: "height", 2: "width"}},
-            opset_version=17,
+            opset_version=OPSET,
             dynamo=False,
         )
     graph = onnx.load_from_string(stream.getvalue())
     onnx.helper.set_model_props(graph, metadata)
     onnx.checker.check_model(graph)
-    return graph.SerializeToString()
+    return graph
 
 
-def parity(model: SbpYolo, data: bytes, images: Sequence[np.ndarray]) -> float:
-    """Largest difference between ONNX and torch: of a score, or of a box side over the image width.
-
-    Each of torch's 100 best candidates is held against the ONNX candidate nearest to it, since rounding
-    may swap candidates of nearly equal score.
-    """
-    options = ort.SessionOptions()
-    options.intra_op_num_threads = 1
-    session = ort.InferenceSession(data, options, providers=["CPUExecutionProvider"])
+def parity(model: Network, graph: onnx.ModelProto, images: Sequence[np.ndarray]) -> float:
+    """Largest difference between ONNX and torch: of a score, or of a box side over the image width."""
     deployed = Deployed(copy.deepcopy(model).eval())
-    worst = 0.0
-    for image in images:
+
+    def by_torch(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         with torch.inference_mode():
             boxes, scores = deployed(torch.from_numpy(image)[None])
-        other_boxes, other_scores = session.run(None, {"image": image[None]})
-        ours = _candidates(boxes[0].numpy(), scores[0].numpy(), image.shape[1])[:100]
-        theirs = _candidates(other_boxes[0], other_scores[0], image.shape[1])
-        gap = np.abs(ours[:, None] - theirs[None]).max(2).min(1)
-        worst = max(worst, float(gap.max()))
-    return worst
+        return boxes[0].numpy(), scores[0].numpy()
+
+    by_onnx = runner(graph)
+    return max((difference(by_torch(i), by_onnx(i), i.shape[1]) for i in images), default=0.0)
+
+
+def runner(graph: onnx.ModelProto):  # type: ignore[no-untyped-def]
+    """A function from an image to the boxes and scores that the graph gives, on one thread."""
+    options = ort.SessionOptions()
+    options.intra_op_num_threads = 1
+    session = ort.InferenceSession(graph.SerializeToString(), options, providers=["CPUExecutionProvider"])
+
+    def run(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        boxes, scores = session.run(None, {"image": image[None]})
+        return boxes[0], scores[0]
+
+    return run
+
+
+def difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray], width: int) -> float:
+    """Largest difference of a score or of a box side over the image width.
+
+    Each of the first answer's 100 best candidates is held against the nearest candidate of the other,
+    since rounding may swap candidates of nearly equal score.
+    """
+    ours, theirs = _candidates(*one, width)[:100], _candidates(*other, width)
+    return float(np.abs(ours[:, None] - theirs[None]).max(2).min(1).max())
 
 
 def _candidates(boxes: np.ndarray, scores: np.ndarray, width: int) -> np.ndarray:
@@ -92,13 +113,24 @@ def _candidates(boxes: np.ndarray, scores: np.ndarray, width: int) -> np.ndarray
     return np.concatenate((boxes / width, scores), 1)[order]
 
 
-def export(weights: Path, out: Path, version: str, images: Sequence[np.ndarray]) -> dict[str, str]:
-    """Read weights, write the ONNX file if it agrees with torch on `images`; gives its metadata."""
-    model = SbpYolo()
-    made = load_weights(weights, model)
-    model.eval()
+def export(
+    weights: Path,
+    out: Path,
+    version: str,
+    images: Sequence[np.ndarray],
+    plain: bool = False,
+    precision: str = "fp32",
+) -> dict[str, str]:
+    """Read weights, write the ONNX file if it agrees with torch on `images`; gives its metadata.
+
+    8-bit graphs are calibrated on the images, and answer with less precision: judge them by an evaluation.
+    """
+    model, made = load_network(weights)
     metadata = {
         "names": ",".join(CLASS_NAMES),
+        "model": str(made.get("model", DEFAULT_MODEL)),
+        "graph": "plain" if plain else "optimised",
+        "precision": precision,
         "stride": "32",
         "preprocessing": "uint8 RGB, height x width x 3; scaling to 0..1 is inside the graph",
         "width": str(made.get("width", 640)),
@@ -106,22 +138,39 @@ def export(weights: Path, out: Path, version: str, images: Sequence[np.ndarray])
         "passes": str(made.get("passes", 0)),
         "version": version,
     }
-    data = to_onnx(model, metadata)
-    gap = parity(model, data, images)
-    if not gap <= TOLERANCE:
-        raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {TOLERANCE:g}")
-    write_bytes(out, data)
+    graph = to_onnx(model, metadata, published=plain)
+    if not plain:
+        graph = rewrite(graph, join=precision == "int8")
+    if precision == "int8":
+        graph = quantized(graph, images)
+    elif precision == "fp16":
+        graph = halved(graph)
+    gap, allowed = parity(model, graph, images[:4]), TOLERANCE.get(precision, 1.0)
+    if not gap <= allowed:
+        raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {allowed:g}")
+    write_bytes(out, graph.SerializeToString())
     return metadata
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    p = argparse.ArgumentParser(prog="python -m detector.export", description=__doc__)
-    p.add_argument("--weights", type=Path, required=True, help="weights file of detector.train")
+def parser() -> argparse.ArgumentParser:
+    p = argparse.ArgumentParser(prog="foreride detector export", description=__doc__)
+    p.add_argument("--weights", type=Path, required=True, help="weights file of `detector train`")
     p.add_argument("--out", type=Path, required=True, help="ONNX file to write")
-    p.add_argument("--data", type=Path, help="folder with images/ for the check against torch")
-    args = p.parse_args(arguments)
+    p.add_argument("--data", type=Path, help="folder with images/: to check against torch, and to calibrate")
+    kind = p.add_mutually_exclusive_group()
+    kind.add_argument("--optimised", action="store_true", help="rewritten for inference (the default)")
+    kind.add_argument("--plain", action="store_true", help="the graph as published")
+    p.add_argument("--precision", choices=PRECISIONS, default="fp32", help="int8 needs --data")
+    return p
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    args = parser().parse_args(arguments)
     try:
-        metadata = export(args.weights, args.out, _version(), check_images(args.data))
+        if args.precision == "int8" and args.data is None:
+            raise InputError("--precision int8: needs --data, a folder with images/ to calibrate on")
+        images = check_images(args.data, CALIBRATION_IMAGES if args.precision == "int8" else 4)
+        metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -130,13 +179,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def check_images(folder: Path | None, count: int = 4) -> list[np.ndarray]:
-    """A few images cut to multiples of 32: of a folder, or smooth noise where none is given."""
+    """Images of one size, cut to multiples of 32: spread over a folder, or else smooth noise."""
     if folder is None:
         rng = np.random.default_rng(0)
         coarse = rng.integers(0, 256, (count, 12, 20, 3), dtype=np.uint8)
         return [cv2.resize(c, (640, 384), interpolation=cv2.INTER_CUBIC) for c in coarse]
-    images = [read_image(path) for path in image_paths(folder)[:count]]
-    return [np.ascontiguousarray(i[: i.shape[0] // 32 * 32, : i.shape[1] // 32 * 32]) for i in images]
+    paths = image_paths(folder)
+    images = [read_image(path) for path in paths[:: max(1, len(paths) // count)][:count]]
+    images = [i[: i.shape[0] // 32 * 32, : i.shape[1] // 32 * 32] for i in images]
+    return [np.ascontiguousarray(i) for i in images if i.shape == images[0].shape]
 
 
 def _version() -> str:

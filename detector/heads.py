@@ -1,4 +1,4 @@
-"""The LEDH head (arXiv 2508.01339, section 2.4) and the decoding of its box distributions.
+"""The LEDH head (arXiv 2508.01339, section 2.4), YOLOv11's, and the decoding of box distributions.
 
 A box is coded from its anchor point as four distances to its sides in strides, each a distribution
 over `BINS` integer values (distribution focal loss, Li et al. 2020, eq. 3). Here the bins run from -1
@@ -52,6 +52,24 @@ class Predictions:
             start = end
         return logits
 
+    def box_logits_of_one(self, point: Tensor) -> Tensor:
+        """Box logits (P, 4 · BINS) at P points of the only image: each level answers, one is heard.
+
+        For a few hundred points this is cheaper than sorting them by level.
+        """
+        logits, end = point.new_zeros(1, 1, dtype=torch.float32), 0
+        for feature, branch in zip(self.features, self.branches, strict=True):
+            start, end = end, end + feature.shape[1]
+            rows = feature[0].index_select(0, (point - start).clamp(0, feature.shape[1] - 1))
+            found = linear(rows, branch.weight.flatten(1), branch.bias)
+            logits = torch.where((point >= start)[:, None], found, logits)
+        return logits
+
+    def all_box_logits(self) -> Tensor:
+        """Box logits (B, N, 4 · BINS) at all points."""
+        pairs = zip(self.features, self.branches, strict=True)
+        return torch.cat([linear(f, b.weight.flatten(1), b.bias) for f, b in pairs], 1)
+
 
 class LEDH(nn.Module):
     """Per level two grouped 3×3 convolutions shared by a box and a class branch (eq. 8).
@@ -65,9 +83,9 @@ class LEDH(nn.Module):
             nn.Sequential(Conv(c, c, 3, groups=c // 16), Conv(c, c, 3, groups=c // 16)) for c in channels
         )
         self.box = nn.ModuleList(_branch(c, 4 * BINS, 1.0) for c in channels)
-        # Class scores start at the frequency of objects: about five in a 640 x 640 image.
-        rates = [math.log(5 / classes / (640 / stride) ** 2) for stride in strides]
-        self.label = nn.ModuleList(_branch(c, classes, r) for c, r in zip(channels, rates, strict=True))
+        self.label = nn.ModuleList(
+            _branch(c, classes, rare(s, classes)) for c, s in zip(channels, strides, strict=True)
+        )
 
     def forward(self, maps: list[Tensor]) -> Predictions:
         features = [shared(x) for shared, x in zip(self.shared, maps, strict=True)]
@@ -75,6 +93,40 @@ class LEDH(nn.Module):
         return Predictions(
             torch.cat(labels, 1), [_rows(x) for x in features], cast(list[nn.Conv2d], list(self.box))
         )
+
+
+class DecoupledHead(nn.Module):
+    """YOLOv11's head: per level a box branch of two 3×3 convolutions, a class branch of separable ones.
+
+    Takes one (B, C_i, H_i, W_i) map per level.
+    """
+
+    def __init__(self, channels: tuple[int, ...], strides: tuple[int, ...], classes: int):
+        super().__init__()
+        sides, label = max(64, channels[0] // 4), max(channels[0], min(classes, 100))
+        self.sides = nn.ModuleList(nn.Sequential(Conv(c, sides, 3), Conv(sides, sides, 3)) for c in channels)
+        self.kinds = nn.ModuleList(
+            nn.Sequential(
+                Conv(c, c, 3, groups=c),
+                Conv(c, label),
+                Conv(label, label, 3, groups=label),
+                Conv(label, label),
+            )
+            for c in channels
+        )
+        self.box = nn.ModuleList(_branch(sides, 4 * BINS, 1.0) for _ in channels)
+        self.label = nn.ModuleList(_branch(label, classes, rare(s, classes)) for s in strides)
+
+    def forward(self, maps: list[Tensor]) -> Predictions:
+        features = [_rows(sides(x)) for sides, x in zip(self.sides, maps, strict=True)]
+        kinds = [kind(x) for kind, x in zip(self.kinds, maps, strict=True)]
+        labels = [_rows(branch(x)) for branch, x in zip(self.label, kinds, strict=True)]
+        return Predictions(torch.cat(labels, 1), features, cast(list[nn.Conv2d], list(self.box)))
+
+
+def rare(stride: int, classes: int) -> float:
+    """Class bias at the frequency of objects: about five in a 640 x 640 image."""
+    return math.log(5 / classes / (640 / stride) ** 2)
 
 
 def _branch(c_in: int, c_out: int, bias: float) -> nn.Conv2d:
@@ -102,7 +154,8 @@ def anchor_points(height: int, width: int, strides: tuple[int, ...]) -> tuple[Te
 def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
     """Boxes (..., 4) x0 y0 x1 y1 in pixels from logits (..., 4 · BINS), points (..., 2), strides (...)."""
     bins = torch.arange(BINS, device=box_logits.device, dtype=box_logits.dtype) + FIRST_BIN
-    sides = box_logits.unflatten(-1, (4, BINS)).softmax(-1) @ bins * _bin_px(stride)
+    shares = box_logits.unflatten(-1, (4, BINS)).softmax(-1)
+    sides = linear(shares, bins[None]).squeeze(-1) * _bin_px(stride)
     return torch.cat((points - sides[..., :2], points + sides[..., 2:]), -1)
 
 

@@ -1,5 +1,6 @@
 """Run an exported SBP-YOLO on images: onnxruntime, NumPy and OpenCV, no torch."""
 
+from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,14 +9,16 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
+from detector.backends import open_session
 from detector.detection import CLASS_NAMES, Detections
-from detector.nms import select
+from detector.nms import OVERLAP, select
 from files.errors import InputError
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
 LEAST = 64  # smaller images hold fewer points than the network gives candidates
 GREY = 114
+KEPT_SIZES = 3  # image sizes for which a session is kept ready
 
 
 @dataclass(frozen=True)
@@ -30,14 +33,19 @@ class Fit:
 class Detector:
     """SBP-YOLO on one image at a time: `Detector()(image) -> Detections`.
 
-    weights: an ONNX file written by `detector.export`; the shipped one by default
-    threads: of onnxruntime, which does not spin between images, so idle cores stay free
+    weights: an ONNX file written by `detector export`; the shipped one by default
+    threads: of onnxruntime. backend: a name in `backends.BACKENDS`
     confidence, iou: least score kept, and overlap above which the lesser box of a class is dropped
-    Raises InputError where the file is absent, broken or of another kind.
+    Raises InputError where the file is absent, broken or of another kind, or the backend is not installed.
     """
 
     def __init__(
-        self, weights: Path | None = None, threads: int = 1, confidence: float = 0.2, iou: float = 0.5
+        self,
+        weights: Path | None = None,
+        threads: int = 1,
+        confidence: float = 0.2,
+        iou: float = OVERLAP,
+        backend: str = "cpu",
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
             if not 0 < value <= 1:
@@ -45,10 +53,10 @@ class Detector:
         if threads < 1:
             raise InputError(f"threads must be >= 1, got {threads}")
         self.path = Path(weights or WEIGHTS)
-        self.confidence, self.iou = confidence, iou
-        self.session = _open(self.path, threads)
-        self.metadata: dict[str, str] = dict(self.session.get_modelmeta().custom_metadata_map)
+        self.confidence, self.iou, self.threads, self.backend = confidence, iou, threads, backend
+        self.metadata = read_metadata(self.path, backend)
         self.longest = int(self.metadata["width"])
+        self._sessions: OrderedDict[tuple[int, int], ort.InferenceSession] = OrderedDict()
 
     def __call__(self, image: NDArray[np.uint8]) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
@@ -59,10 +67,21 @@ class Detector:
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
         fit = fit_for(image.shape[1], image.shape[0], self.longest)
-        boxes, scores = self.session.run(None, {"image": lay_out(image, fit)[None]})
-        found = select(boxes[0] / fit.scale, scores[0], self.confidence, self.iou)
+        boxes, scores = self.candidates(lay_out(image, fit))
+        found = select(boxes / fit.scale, scores, self.confidence, self.iou)
         found.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=found.boxes)
         return found
+
+    def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The network alone: boxes (K, 4) in pixels and scores (K, classes) of an image that fits it."""
+        size = image.shape[1], image.shape[0]
+        if size not in self._sessions:
+            self._sessions[size] = open_session(self.path, self.backend, self.threads, size)
+            if len(self._sessions) > KEPT_SIZES:
+                self._sessions.popitem(last=False)
+        self._sessions.move_to_end(size)
+        boxes, scores = self._sessions[size].run(None, {"image": image[None]})
+        return boxes[0], scores[0]
 
 
 def fit_for(width: int, height: int, longest: int) -> Fit:
@@ -89,34 +108,25 @@ def _up(length: float) -> int:
     return max(STRIDE, -(-round(length) // STRIDE) * STRIDE)
 
 
-def _open(path: Path, threads: int) -> ort.InferenceSession:
+def read_metadata(path: Path, backend: str = "cpu") -> dict[str, str]:
+    """What a model file says of itself. Raises InputError unless it speaks as `detector.export` writes it."""
     if not path.is_file():
         raise InputError(f"{path}: no such file; expected an ONNX file written by detector.export")
-    options = ort.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    try:
-        session = ort.InferenceSession(path, options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # onnxruntime raises a dozen kinds, none of them documented
-        raise InputError(f"{path}: not an ONNX model that can be run ({type(error).__name__})") from None
-    _check(path, session)
-    return session
-
-
-def _check(path: Path, session: ort.InferenceSession) -> None:
-    """Raise InputError unless the model speaks as `detector.export` writes it."""
+    session = open_session(path, backend)
     inputs = [(i.name, i.type) for i in session.get_inputs()]
     if inputs != [("image", "tensor(uint8)")]:
         raise InputError(f"{path}: expected one input image of uint8, got {inputs}")
+    shape = session.get_inputs()[0].shape
+    if shape != [1, "height", "width", 3]:
+        raise InputError(f"{path}: the image must have the shape 1 x height x width x 3, got {shape}")
     outputs = [o.name for o in session.get_outputs()]
     if outputs != ["boxes", "scores"]:
         raise InputError(f"{path}: expected the outputs boxes and scores, got {outputs}")
-    metadata = session.get_modelmeta().custom_metadata_map
+    metadata = dict(session.get_modelmeta().custom_metadata_map)
     if metadata.get("names") != ",".join(CLASS_NAMES):
         raise InputError(
             f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {metadata.get('names')!r}"
         )
     if not metadata.get("width", "").isdigit() or not int(metadata["width"]):
         raise InputError(f"{path}: metadata width must be a number of pixels, got {metadata.get('width')!r}")
+    return metadata

@@ -10,9 +10,11 @@ MODULES = {
     "card": ("road.card", "write a rendered set's README.md"),
     "boxes": ("road.boxes", "box sizes of labelled folders"),
     "convert": ("detector.convert", "own images from and to YOLO and COCO formats"),
-    "train": ("detector.train", "train SBP-YOLO (extra: training)"),
+    "train": ("detector.train", "train SBP-YOLO or a rival (extra: training)"),
     "eval": ("detector.evaluate", "precision, recall and mAP on a folder of images"),
     "export": ("detector.export", "write ONNX from trained weights (extra: training)"),
+    "bench": ("detector.bench", "time models, graphs, precisions, backends and threads (extra: training)"),
+    "models": ("detector.complexity", "parameters and operations beside the paper's (extra: training)"),
 }
 
 
@@ -29,11 +31,10 @@ def execute(arguments: argparse.Namespace) -> int:
     """Hand the remaining options to the module that does the step."""
     name = MODULES[arguments.step][0]
     try:
-        module = importlib.import_module(name)
+        return int(importlib.import_module(name).main(arguments.rest) or 0)
     except ModuleNotFoundError as error:
         if error.name not in {"torch", "onnx"}:
             raise
         raise InputError(
             f"detector {arguments.step}: needs {error.name}: pip install 'foreride[training]'"
         ) from None
-    return int(module.main(arguments.rest) or 0)

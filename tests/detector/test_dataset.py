@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.dataset import dataset_hash, read_labels, read_objects, read_samples
+from detector.dataset import dataset_hash, read_labels, read_records, read_samples
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -67,13 +67,13 @@ def test_names_what_is_missing_or_broken(tmp_path: Path) -> None:
 
 
 def test_reads_object_records(tmp_path: Path) -> None:
-    assert read_objects(tmp_path) is None
+    assert read_records(tmp_path) is None
     record = {"image": "a.jpg", "objects": [{"class": 0, "distance_m": 5.0}]}
     (tmp_path / "objects.jsonl").write_text(json.dumps(record) + "\n")
-    assert read_objects(tmp_path) == {"a.jpg": record["objects"]}
+    assert read_records(tmp_path) == {"a.jpg": record}
     (tmp_path / "objects.jsonl").write_text("{}\n")
     with pytest.raises(InputError, match=r"objects\.jsonl:1"):
-        read_objects(tmp_path)
+        read_records(tmp_path)
 
 
 def test_hash_follows_the_content(tmp_path: Path) -> None:

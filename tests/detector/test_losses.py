@@ -11,9 +11,8 @@ import torch
 from detector.assigner import Truths
 from detector.heads import BINS, Predictions, anchor_points, encode
 from detector.losses import LossWeights, detection_loss, distribution_focal_loss
-from detector.models import STRIDES
 
-POINTS, STRIDE = anchor_points(96, 128, STRIDES)
+POINTS, STRIDE = anchor_points(96, 128, (4, 8, 16, 32))
 
 
 def everywhere(box_logits: torch.Tensor, class_logits: torch.Tensor) -> Predictions:

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.runtime import WEIGHTS, Detector, fit_for, lay_out
+from detector.backends import installed
+from detector.runtime import KEPT_SIZES, WEIGHTS, Detector, fit_for, lay_out
 from files.errors import InputError
 
 
@@ -99,6 +100,8 @@ def altered(tmp_path: Path, change: str) -> Path:
             node.input[:] = ["picture" if name == "image" else name for name in node.input]
     elif change == "outputs":
         del model.graph.output[1]
+    elif change == "shape":
+        model.graph.input[0].type.tensor_type.shape.dim[3].dim_value = 1
     else:
         next(p for p in model.metadata_props if p.key == change).value = "other"
     path = tmp_path / "model.onnx"
@@ -110,6 +113,7 @@ def altered(tmp_path: Path, change: str) -> Path:
     ("change", "said"),
     [
         ("input", "expected one input image"),
+        ("shape", "shape 1 x height x width x 3|not an ONNX model"),
         ("outputs", "expected the outputs boxes and scores"),
         ("names", "metadata names must be"),
         ("width", "metadata width must be"),
@@ -118,3 +122,18 @@ def altered(tmp_path: Path, change: str) -> Path:
 def test_names_a_model_of_another_kind(tmp_path: Path, change: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         Detector(altered(tmp_path, change))
+
+
+def test_a_backend_that_is_missing_announces_itself() -> None:
+    if "tensorrt" not in installed():
+        with pytest.raises(InputError, match=r"backend tensorrt: not installed, needs .*; installed: cpu"):
+            Detector(backend="tensorrt")
+    with pytest.raises(InputError, match="backend must be one of cpu, openvino, cuda, tensorrt, got 'npu'"):
+        Detector(backend="npu")
+
+
+def test_sessions_for_other_sizes_do_not_pile_up() -> None:
+    detector = Detector()
+    for width in (64, 96, 128, 160, 64):
+        detector(np.zeros((64, width, 3), np.uint8))
+    assert len(detector._sessions) == KEPT_SIZES

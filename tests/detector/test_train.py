@@ -11,9 +11,10 @@ import torch
 from detector.checkpoint import load, load_weights, save_weights
 from detector.dataset import read_samples
 from detector.loader import batches, make_batch
-from detector.models import SbpYolo
+from detector.models import Network, build
 from detector.schedule import parse_stages
-from detector.train import Settings, Trainer, main, validate
+from detector.train import main
+from detector.trainer import Settings, Trainer, validate
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -84,12 +85,12 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
     assert main([*words, "--stages", "96x64:4"]) == 0
     history = [json.loads(line) for line in (run / "history.jsonl").read_text().splitlines()]
     assert [row["passes"] for row in history] == [4, 4]
-    made = load_weights(run / "weights.pt", SbpYolo())
+    made = load_weights(run / "weights.pt", Network())
     assert made["passes"] == 4
     assert main([*words, "--stages", "96x64:4"]) == 2
     assert "add --resume" in capsys.readouterr().out
     assert main([*words, "--stages", "96x64:6", "--resume"]) == 0
-    assert load_weights(run / "weights.pt", SbpYolo())["passes"] == 6
+    assert load_weights(run / "weights.pt", Network())["passes"] == 6
     start = ["--stages", "96x64:2", "--init", str(run / "weights.pt")]
     assert main([*words[:3], str(tmp_path / "other"), *words[4:], *start]) == 0
 
@@ -105,9 +106,9 @@ def test_unreadable_weights_are_named(tmp_path: Path, content: bytes | None) -> 
 
 def test_weights_of_another_width_are_named(tmp_path: Path) -> None:
     path = tmp_path / "w.pt"
-    save_weights(path, SbpYolo(0.5), {})
-    with pytest.raises(InputError, match="not of a SbpYolo of this width"):
-        load_weights(path, SbpYolo())
+    save_weights(path, build("sbp-yolo-s"), {"model": "sbp-yolo-s"})
+    with pytest.raises(InputError, match="are of a sbp-yolo-s"):
+        load_weights(path, Network())
 
 
 @pytest.mark.slow

@@ -1,0 +1,172 @@
+"""Time of one image through models, graphs, precisions, backends and threads, all in one run:
+`foreride detector bench --json FILE`.
+
+Every row is timed in turn within each round, so that what else the machine does falls on all alike;
+compare medians of the same run. Times are of the network alone, bytes to candidates. Models are built with
+random weights, which take as long as trained ones, or read with `--weights`.
+"""
+
+import argparse
+import itertools
+import json
+import resource
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.backends import BACKENDS, installed, open_session
+from detector.progress import Progress
+from files.atomic import write_text
+from files.errors import InputError
+
+GRAPHS = ("plain", "optimised")
+WARM_UP = 3
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row: what is run, and where."""
+
+    model: str
+    graph: str
+    precision: str
+    backend: str
+    size: str
+    threads: int
+
+
+def cases(args: argparse.Namespace) -> list[Case]:
+    """All rows that the command line asks for. The plain graph is timed in single precision only."""
+    kinds = [
+        (g, p) for g, p in itertools.product(args.graphs, args.precisions) if (g, p[:4]) != ("plain", "int8")
+    ]
+    kinds = [(g, p) for g, p in kinds if g == "optimised" or p == "fp32"]
+    grid = itertools.product(args.models, kinds, args.backends, args.sizes, args.threads)
+    return [Case(m, g, p, b, s, int(t)) for m, (g, p), b, s, t in grid]
+
+
+def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path | None) -> dict[Case, Path]:
+    """ONNX files of all rows, written into a folder; needs torch."""
+    import torch
+
+    from detector.checkpoint import save_weights
+    from detector.export import check_images, export
+    from detector.models import build
+
+    images = check_images(data)
+    files: dict[tuple[str, str, str], Path] = {}
+    for row in rows:
+        kind = (row.model, row.graph, row.precision)
+        if kind not in files:
+            source = weights if weights and row.model == "sbp-yolo" else folder / f"{row.model}.pt"
+            if not source.exists():
+                torch.manual_seed(0)
+                save_weights(source, build(row.model), {"model": row.model})
+            files[kind] = folder / f"{'_'.join(kind)}.onnx"
+            export(source, files[kind], "bench", images, row.graph == "plain", row.precision)
+    return {row: files[row.model, row.graph, row.precision] for row in rows}
+
+
+def measure(files: dict[Case, Path], runs: int) -> list[dict]:
+    """A row of numbers per case: median and least time of `runs` rounds, in ms."""
+    sessions = []
+    for case, path in files.items():
+        width, height = _pixels(case.size)
+        image = np.random.default_rng(0).integers(0, 256, (1, height, width, 3), dtype=np.uint8)
+        sessions.append((open_session(path, case.backend, case.threads, (width, height)), image))
+    times: NDArray[np.float64] = np.empty((runs + WARM_UP, len(sessions)))
+    with Progress(runs + WARM_UP) as progress:
+        for done, row in enumerate(times):
+            for i, (session, image) in enumerate(sessions):
+                start = perf_counter()
+                session.run(None, {"image": image})
+                row[i] = 1e3 * (perf_counter() - start)
+            progress.show(done + 1, "timing")
+    times = times[WARM_UP:]
+    return [
+        asdict(case) | {"median_ms": float(np.median(t)), "least_ms": float(t.min()), "runs": runs}
+        for case, t in zip(files, times.T, strict=True)
+    ]
+
+
+def peak_memory_mib(weights: Path | None = None, images: int = 5) -> float:
+    """Highest resident memory (MiB) of this process after a few images; meaningful in a fresh one only."""
+    from detector.runtime import Detector
+
+    detector = Detector(weights)
+    for _ in range(images):
+        detector(np.zeros((384, 640, 3), np.uint8))
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _pixels(size: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in size.split("x"))
+    except ValueError:
+        width = height = 0
+    if min(width, height) < 64 or width % 32 or height % 32:
+        raise InputError(f"--sizes: expected WIDTHxHEIGHT, multiples of 32 from 64 on, got {size!r}")
+    return width, height
+
+
+def _words(text: str) -> list[str]:
+    return [word for word in text.split(",") if word]
+
+
+def parser() -> argparse.ArgumentParser:
+    p = argparse.ArgumentParser(prog="foreride detector bench", description=__doc__)
+    p.add_argument(
+        "--models", type=_words, default=["sbp-yolo", "yolo11n"], help="names of `detector models`"
+    )
+    p.add_argument("--graphs", type=_words, default=list(GRAPHS), help=", ".join(GRAPHS))
+    p.add_argument("--precisions", type=_words, default=["fp32", "int8"], help="fp32, fp16, int8")
+    p.add_argument("--backends", type=_words, default=["cpu"], help=", ".join(BACKENDS))
+    p.add_argument("--sizes", type=_words, default=["640x384"], help="WIDTHxHEIGHT[,...]")
+    p.add_argument("--threads", type=_words, default=["1", "2"], help="numbers of threads")
+    p.add_argument("--runs", type=int, default=30)
+    p.add_argument("--weights", type=Path, help="weights file of sbp-yolo; random ones by default")
+    p.add_argument("--data", type=Path, help="folder with images/ to calibrate int8 on")
+    p.add_argument("--memory", action="store_true", help="only the peak memory of the shipped detector (MiB)")
+    p.add_argument("--json", type=Path, help="write the rows here")
+    return p
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    args = parser().parse_args(arguments)
+    try:
+        if args.memory:
+            rows = [{"model": "shipped", "size": "640x384", "peak_memory_mib": peak_memory_mib()}]
+            print(f"peak memory {rows[0]['peak_memory_mib']:.0f} MiB")
+        else:
+            rows = compare(args)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    if args.json:
+        write_text(args.json, json.dumps(rows, indent=1) + "\n")
+    return 0
+
+
+def compare(args: argparse.Namespace) -> list[dict]:
+    """Time all rows and print them. Raises InputError."""
+    for name in args.backends:
+        if name in BACKENDS and name not in installed():
+            print(f"backend {name} is left out: it needs {BACKENDS[name].package}", file=sys.stderr)
+            args.backends = [b for b in args.backends if b != name]
+    rows_wanted = cases(args)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = measure(prepare(rows_wanted, Path(folder), args.weights, args.data), args.runs)
+    for row in rows:
+        names = f"{row['model']:12}{row['graph']:11}{row['precision']:6}{row['backend']:9}{row['size']:9}"
+        print(f"{names}{row['threads']} threads: {row['median_ms']:7.2f} ms (least {row['least_ms']:.2f})")
+    return rows
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

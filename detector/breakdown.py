@@ -1,0 +1,159 @@
+"""Where a detector is right and wrong: by distance, box height, condition; how true its edges are.
+
+Works on the records of `objects.jsonl`: class, distance and lane of every object, condition of every image.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.detection import CLASS_NAMES
+from detector.metrics import ImageResult, summarise
+from files.errors import InputError
+
+BIN_M = 2.5
+HEIGHT_EDGES_PX = (0, 3, 5, 8, 12, 20, 40, 10_000)
+EGO_RANGE_M = (4.0, 15.0)
+FAR_RANGE_M = (15.0, 25.0)
+FAR_LEAST_PX = 3.0
+EDGE_RANGE_M = (4.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One image: name, height (px), true boxes (n, 4) in px, and what was found of them."""
+
+    name: str
+    height_px: int
+    boxes: NDArray[np.float32]
+    result: ImageResult
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One object: what it is, where it lies, and whether and how it was found.
+
+    bottom_error_px: bottom edge found less true one; None if it was not found or the image cuts it.
+    """
+
+    cls: int
+    distance_m: float
+    in_ego_lane: bool
+    height_px: float
+    found: bool
+    bottom_error_px: float | None
+
+
+def objects_seen(
+    judged: Sequence[Judged], records: dict[str, dict], confidence: float, folder: Path
+) -> list[Seen]:
+    """All objects of a dataset. Raises InputError where the records differ from the labels."""
+    seen = []
+    for image in judged:
+        objects = records.get(image.name, {}).get("objects", [])
+        if [o.get("class") for o in objects] != image.result.truth_classes.tolist():
+            raise InputError(
+                f"{folder / 'objects.jsonl'}: objects of {image.name} differ from its label file"
+            )
+        found = image.result.detections
+        for record, box, match in zip(objects, image.boxes, image.result.found, strict=True):
+            sure = match >= 0 and found.scores[match] >= confidence
+            whole = box[3] < image.height_px - 1
+            error = float(found.boxes[match][3] - box[3]) if sure and whole else None
+            height = float(box[3] - box[1])
+            seen.append(
+                Seen(
+                    record["class"],
+                    record["distance_m"],
+                    bool(record["in_ego_lane"]),
+                    height,
+                    bool(sure),
+                    error,
+                )
+            )
+    return seen
+
+
+def by_object(seen: Sequence[Seen]) -> dict:
+    """Recall in the own lane near and far, by distance and box height, and the errors of the bottom edge."""
+    ego = [o for o in seen if o.in_ego_lane]
+    far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_LEAST_PX]
+    return {
+        "ego_range_m": list(EGO_RANGE_M),
+        "ego_recall": _recall(_within(ego, EGO_RANGE_M)),
+        "ego_far_range_m": list(FAR_RANGE_M),
+        "ego_far_recall": _recall(far),
+        "ego_recall_by_distance": _by_distance(ego),
+        "recall_by_distance": _by_distance(seen),
+        "recall_by_height": [
+            {"from_px": low, "to_px": high} | _recall([o for o in seen if low <= o.height_px < high])
+            for low, high in pairwise(HEIGHT_EDGES_PX)
+        ],
+        "bottom_edge_4_10_m": _per_class(_within(ego, EDGE_RANGE_M), _edge),
+    }
+
+
+def by_condition(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
+    """Metrics of the images of each light, each weather and so on, as the records tell them."""
+    groups: dict[str, list[ImageResult]] = {}
+    for image in judged:
+        for key, value in records.get(image.name, {}).get("condition", {}).items():
+            groups.setdefault(f"{key}: {value}", []).append(image.result)
+    kept = ("map50", "map50_95", "precision", "recall", "images")
+    summaries = {name: summarise(group, confidence) for name, group in sorted(groups.items())}
+    return {name: {key: summary[key] for key in kept} for name, summary in summaries.items()}
+
+
+def false_alarms(judged: Sequence[Judged], confidence: float) -> dict:
+    """Detections on images without any object: plain road."""
+    plain = [image.result.detections.scores for image in judged if not len(image.boxes)]
+    false = sum(int((scores >= confidence).sum()) for scores in plain)
+    return {"images": len(plain), "per_100_images": 100 * false / len(plain) if plain else None}
+
+
+def _within(seen: Sequence[Seen], range_m: tuple[float, float]) -> list[Seen]:
+    return [o for o in seen if range_m[0] <= o.distance_m <= range_m[1]]
+
+
+def _per_class(seen: Sequence[Seen], what: Callable[[Sequence[Seen]], dict]) -> dict:
+    classes = {name: what([o for o in seen if o.cls == i]) for i, name in enumerate(CLASS_NAMES)}
+    return {"all": what(seen)} | classes
+
+
+def _recall(seen: Sequence[Seen]) -> dict:
+    return _per_class(
+        seen,
+        lambda part: {
+            "objects": len(part),
+            "recall": sum(o.found for o in part) / len(part) if part else None,
+        },
+    )
+
+
+def _by_distance(seen: Sequence[Seen]) -> list[dict]:
+    bins = sorted({int(o.distance_m // BIN_M) for o in seen})
+    return [
+        {"from_m": b * BIN_M, "to_m": (b + 1) * BIN_M}
+        | _recall([o for o in seen if int(o.distance_m // BIN_M) == b])
+        for b in bins
+    ]
+
+
+def _edge(seen: Sequence[Seen]) -> dict:
+    """Bias and spread of the bottom edge, in px and in percent of the box's height; + is nearer."""
+    known = [(o.bottom_error_px, o.height_px) for o in seen if o.bottom_error_px is not None]
+    if not known:
+        return {"objects": 0, "bias_px": None, "sigma_px": None, "bias_percent": None, "sigma_percent": None}
+    errors, heights = np.array(known).T
+    share = 100 * errors / heights
+    return {
+        "objects": len(known),
+        "bias_px": float(errors.mean()),
+        "sigma_px": float(errors.std()),
+        "bias_percent": float(share.mean()),
+        "sigma_percent": float(share.std()),
+    }

@@ -1,0 +1,84 @@
+"""Parameters and operations of the models beside the paper's figures: `foreride detector models`."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import torch
+from torch.utils.flop_counter import FlopCounterMode
+
+from detector.blocks import VoVGSCSPC
+from detector.models import MODELS, Network, build
+from files.atomic import write_text
+
+PAPER = {
+    "yolo11n": (2.58, 6.3),
+    "+p2": (2.67, 10.3),
+    "+ledh": (2.37, 6.7),
+    "+ghost": (2.09, 6.2),
+    "+vovgscspc": (2.04, 5.8),
+    "sbp-yolo": (2.04, 5.8),
+    "sbp-yolo-s": (7.42, 20.6),
+}
+"""Parameters in millions and GFLOPs at 640 x 640 (arXiv 2508.01339, Table 1 and Table 3)."""
+
+
+def parameters(model: Network) -> int:
+    """Learned numbers."""
+    return sum(p.numel() for p in model.parameters())
+
+
+def dead_parameters(model: Network) -> int:
+    """Numbers of the released code that ours has not: a 3×3 convolution with norm that no block ever runs.
+
+    Every VoVGSCSPC block there holds one of half its channels.
+    """
+    halves = [m.direct.conv.out_channels for m in model.modules() if isinstance(m, VoVGSCSPC)]
+    return sum(9 * c * c + 2 * c for c in halves)
+
+
+def gflops(model: Network, size: int = 640) -> float:
+    """Multiplications and additions of all convolutions and attention, boxes at every point, in 1e9."""
+    model = model.eval()
+    with torch.inference_mode(), FlopCounterMode(display=False) as counter:
+        model(torch.zeros(1, 3, size, size)).all_box_logits()
+    return counter.get_total_flops() / 1e9
+
+
+def table(size: int = 640) -> list[dict]:
+    """A row for every model by name."""
+    rows = []
+    for name in MODELS:
+        model = build(name)
+        count = parameters(model)
+        rows.append(
+            {
+                "model": name,
+                "parameters": count,
+                "parameters_with_dead": count + dead_parameters(model),
+                "paper_parameters": round(PAPER[name][0] * 1e6),
+                "gflops": round(gflops(model, size), 3),
+                "paper_gflops": PAPER[name][1],
+            }
+        )
+    return rows
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    p = argparse.ArgumentParser(prog="foreride detector models", description=__doc__)
+    p.add_argument("--json", type=Path, help="write the numbers here")
+    args = p.parse_args(arguments)
+    rows = table()
+    print(f"{'model':12} parameters M: ours, with the released code's dead ones, paper;  GFLOPs: ours, paper")
+    for row in rows:
+        millions = (row[k] / 1e6 for k in ("parameters", "parameters_with_dead", "paper_parameters"))
+        numbers = "  ".join(f"{m:6.3f}" for m in millions)
+        print(f"{row['model']:12} {numbers}   {row['gflops']:6.2f}  {row['paper_gflops']:5.1f}")
+    if args.json:
+        write_text(args.json, json.dumps(rows, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,93 @@
+"""Smaller numbers in an exported graph: weights in half precision, or static 8-bit integers (QDQ).
+
+Needs the package onnx (extra: training); what it writes needs onnxruntime only.
+"""
+
+import logging
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import onnx
+from numpy.typing import NDArray
+from onnx import ModelProto, TensorProto, helper, numpy_helper
+from onnxruntime.quantization import (
+    CalibrationDataReader,
+    CalibrationMethod,
+    QuantFormat,
+    QuantType,
+    quantize_static,
+)
+from onnxruntime.quantization.shape_inference import quant_pre_process
+
+QUANTIZED = ["Conv", "Sigmoid", "Mul", "Concat", "Resize", "MaxPool", "Add"]
+IN_FLOAT = ("/stem/", "/attention/", "/head/label", "/head/shared")
+"""Parts whose rounding costs accuracy (measured: `python -m benchmarks.bench_sensitivity`)."""
+
+
+def halved(model: ModelProto) -> ModelProto:
+    """A copy that stores its weights in half precision and computes in single: half the size, not faster."""
+    copy = ModelProto()
+    copy.CopyFrom(model)
+    casts = []
+    for tensor in copy.graph.initializer:
+        if tensor.data_type == TensorProto.FLOAT and np.prod(tensor.dims) > 1:
+            name = tensor.name
+            value = numpy_helper.to_array(tensor).astype(np.float16)
+            tensor.CopyFrom(numpy_helper.from_array(value, f"{name}_half"))
+            casts.append(
+                helper.make_node("Cast", [f"{name}_half"], [name], f"{name}_cast", to=TensorProto.FLOAT)
+            )
+    for cast in reversed(casts):
+        copy.graph.node.insert(0, cast)
+    return copy
+
+
+class Images(CalibrationDataReader):
+    """Hands images (H, W, 3) uint8 to the calibration, one at a time."""
+
+    def __init__(self, images: Sequence[NDArray[np.uint8]]):
+        self.rest: Iterator[NDArray[np.uint8]] = iter(images)
+
+    def get_next(self) -> dict[str, NDArray[np.uint8]] | None:
+        image = next(self.rest, None)
+        return None if image is None else {"image": image[None]}
+
+
+def quantized(
+    model: ModelProto, images: Sequence[NDArray[np.uint8]], in_float: Sequence[str] = IN_FLOAT
+) -> ModelProto:
+    """A copy with 8-bit weights and activations, ranges taken from `images`, all of one size.
+
+    in_float: parts of the names of nodes that stay in single precision.
+    """
+    props = {p.key: p.value for p in model.metadata_props}
+    with tempfile.TemporaryDirectory() as folder:
+        source, ready, out = (Path(folder) / name for name in ("a.onnx", "b.onnx", "c.onnx"))
+        onnx.save(model, source)
+        quant_pre_process(source, ready, skip_symbolic_shape=True, skip_optimization=True)
+        nodes = onnx.load(ready).graph.node
+        kept = [n.name for n in nodes if n.op_type in QUANTIZED and _stays(n, in_float)]
+        logging.getLogger().setLevel(logging.ERROR)
+        quantize_static(
+            ready,
+            out,
+            Images(images),
+            QuantFormat.QDQ,
+            op_types_to_quantize=QUANTIZED,
+            per_channel=True,
+            activation_type=QuantType.QUInt8,
+            weight_type=QuantType.QInt8,
+            nodes_to_exclude=kept,
+            calibrate_method=CalibrationMethod.MinMax,
+        )
+        result = onnx.load(out)
+    helper.set_model_props(result, props)
+    return result
+
+
+def _stays(node: onnx.NodeProto, in_float: Sequence[str]) -> bool:
+    """Whether a node stays in float: by name, or as it computes no feature of the image."""
+    names = (node.name, *node.output)
+    return any(part in name for part in in_float for name in names) or not any("/model/" in n for n in names)

@@ -1,0 +1,142 @@
+"""A model in training: what decides the result, one step, checkpoints, and how it does on whole images."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+from torch import nn
+
+from detector.augment import whole_view
+from detector.checkpoint import Average, load, load_network, load_weights, save
+from detector.dataset import Sample
+from detector.deploy import Deployed
+from detector.distillation import Distillation, DistillationWeights
+from detector.heads import anchor_points
+from detector.loader import Batch
+from detector.losses import LossWeights, detection_loss
+from detector.metrics import judge, summarise
+from detector.models import build
+from detector.nms import OVERLAP, select
+from detector.schedule import Stage, rate_factor
+
+TERMS = ("box", "class", "distribution", "distilled logits", "distilled features")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What decides the result of a training, apart from the images."""
+
+    stages: tuple[Stage, ...]
+    model: str = "sbp-yolo"
+    batch: int = 16
+    rate: float = 2e-3
+    weight_decay: float = 0.01
+    warmup: int = 2000
+    clip: float = 10.0
+    seed: int = 0
+    precision: str = "bf16"
+    loss: LossWeights = field(default_factory=LossWeights)
+    distillation: DistillationWeights = field(default_factory=DistillationWeights)
+
+
+class Trainer:
+    """A model in training, its average, its optimiser, and how many image passes they have seen."""
+
+    def __init__(
+        self, settings: Settings, device: torch.device, init: Path | None = None, teacher: Path | None = None
+    ):
+        torch.manual_seed(settings.seed)
+        self.settings, self.device, self.passes = settings, device, 0
+        model = build(settings.model)
+        if init:
+            load_weights(init, model)
+        self.model = model.to(device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
+        self.average = Average(self.model)
+        learned = nn.ModuleList([self.model])
+        self.distillation = None
+        if teacher:
+            master = load_network(teacher)[0].to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+            self.distillation = Distillation(self.model, master, settings.distillation)
+            learned.append(self.distillation.aligned.to(device))
+        self.optimiser = torch.optim.AdamW(_groups(learned, settings.weight_decay), lr=0.0, fused=True)
+        self._grid: dict[Stage, tuple[torch.Tensor, torch.Tensor]] = {}
+
+    def step(self, batch: Batch) -> torch.Tensor:
+        """One update; gives the loss terms: three, and two more with a teacher."""
+        settings = self.settings
+        factor = rate_factor(settings.stages, self.passes, settings.warmup)
+        for group in self.optimiser.param_groups:
+            group["lr"] = settings.rate * factor
+        images = batch.images.to(self.device, non_blocking=True).float() / 255
+        with self.autocast():
+            predictions = self.model(images)
+        points, stride = self.grid(batch.stage)
+        truths = batch.truths.to(self.device)
+        terms = detection_loss(predictions, truths, points, stride, settings.loss)
+        if self.distillation:
+            with self.autocast():
+                learned = self.distillation(images, predictions, truths, points, stride)
+            terms = torch.cat((terms, learned))
+        self.optimiser.zero_grad()
+        terms.sum().backward()
+        nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)
+        self.optimiser.step()
+        self.passes = batch.passes + settings.batch
+        self.average.update(self.model, self.passes // settings.batch)
+        return terms.detach()
+
+    def autocast(self) -> torch.autocast:
+        return torch.autocast(self.device.type, torch.bfloat16, enabled=self.settings.precision == "bf16")
+
+    def grid(self, stage: Stage) -> tuple[torch.Tensor, torch.Tensor]:
+        if stage not in self._grid:
+            points, stride = anchor_points(stage.height, stage.width, self.model.strides)
+            self._grid[stage] = points.to(self.device), stride.to(self.device)
+        return self._grid[stage]
+
+    def save(self, path: Path) -> None:
+        content = {
+            "model": self.model.state_dict(),
+            "average": self.average.model.state_dict(),
+            "optimiser": self.optimiser.state_dict(),
+            "passes": self.passes,
+            "model_name": self.settings.model,
+        }
+        if self.distillation:
+            content["aligned"] = self.distillation.aligned.state_dict()
+        save(path, content)
+
+    def restore(self, path: Path) -> None:
+        keys = ("model", "average", "optimiser", "passes")
+        content = load(path, (*keys, "aligned") if self.distillation else keys)
+        if self.distillation:
+            self.distillation.aligned.load_state_dict(content["aligned"])
+        self.model.load_state_dict(content["model"])
+        self.average.model.load_state_dict(content["average"])
+        self.optimiser.load_state_dict(content["optimiser"])
+        self.passes = content["passes"]
+
+
+def _groups(model: nn.Module, weight_decay: float) -> list[dict]:
+    """Decay for convolution weights only, not for norms and biases."""
+    decayed = [p for p in model.parameters() if p.ndim > 1]
+    others = [p for p in model.parameters() if p.ndim <= 1]
+    return [{"params": decayed, "weight_decay": weight_decay}, {"params": others, "weight_decay": 0.0}]
+
+
+def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confidence: float = 0.25) -> dict:
+    """Metrics of the averaged model on whole images at a stage's size."""
+    deployed = Deployed(trainer.average.model)
+    results = []
+    for start in range(0, len(samples), trainer.settings.batch):
+        views = [
+            whole_view(s, stage.width, stage.height) for s in samples[start : start + trainer.settings.batch]
+        ]
+        for image, classes, truth in views:
+            with torch.inference_mode(), trainer.autocast():
+                boxes, scores = deployed(torch.from_numpy(image).to(trainer.device)[None])
+            asked = classes >= 0
+            found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), 0.001, OVERLAP)
+            results.append(judge(found, truth[asked], classes[asked]))
+    return summarise(results, confidence)
