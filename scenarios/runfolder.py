@@ -112,7 +112,7 @@ def folder_name(case: Case) -> str:
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write manifest, metrics, signals, events, previews and, where there are any, memory and camera frames."""
+    """Write manifest, metrics, signals, events, previews and, where there are any, memory and frames."""
     with atomic_folder(folder) as scratch:
         (scratch / "manifest.json").write_text(to_json(manifest(run)) + "\n")
         (scratch / "metrics.json").write_text(to_json(run.metrics) + "\n")

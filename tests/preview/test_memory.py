@@ -70,9 +70,7 @@ def test_remembered_objects_are_expected_where_they_were():
     assert all(track.confirmed for track in tracks)
     for track, place in zip(tracks, MEMORY.objects, strict=True):
         assert track.start_m == pytest.approx(place.x_m, abs=1e-6)
-        assert track.end_m - track.start_m == pytest.approx(
-            place.length_m, rel=0.05
-        )  # the kind has a say, too
+        assert track.end_m - track.start_m == pytest.approx(place.length_m, rel=0.05)  # priors weigh in
         drift = np.sqrt(2) * settings.odometry_sigma * (place.x_m - 2.0)
         assert track.best.sigma_m == pytest.approx(np.hypot(place.x_sigma_m, drift), rel=1e-3)
 
