@@ -41,7 +41,7 @@ SPANS: dict[str, dict[str, Span]] = {
     "sh_add": {**_LEVELS, "crossover_hz": Span(0.5, 10.0, ratio=True)},
     "pdd": _LEVELS,
     "lqr_clipped": {
-        "nominal_ns_m": Span(300.0, 2500.0),
+        "nominal_ns_m": Span(300.0, 4500.0),
         "rho": Span(0.3, 10.0, ratio=True),
         "force_weight": Span(1e-3, 1.0, ratio=True),
         "smoothing_m_s": Span(0.01, 0.4, ratio=True),
