@@ -23,7 +23,7 @@ from onnxruntime.quantization.shape_inference import quant_pre_process
 
 QUANTIZED = ["Conv", "Sigmoid", "Mul", "Concat", "Resize", "MaxPool", "Add"]
 IN_FLOAT = ("/stem/", "/attention/", "/head/label", "/head/shared")
-"""Parts whose rounding costs accuracy (measured: `python -m benchmarks.bench_sensitivity`)."""
+"""Parts that stay in single precision: the first convolution, attention and the head."""
 
 
 def halved(model: ModelProto) -> ModelProto:

@@ -57,7 +57,7 @@ def _first_convolution_of_bytes(graph: Graph, node: NodeProto) -> None:
     if node.op_type != "Conv":
         return
     scale, _, planes = graph.line(node.input[0], ("Mul", "Cast", "Transpose"))
-    if planes is None or graph.attribute(planes, "perm") != [0, 3, 1, 2]:
+    if scale is None or planes is None or graph.attribute(planes, "perm") != [0, 3, 1, 2]:
         return
     weight = graph.constants[node.input[1]] * graph.constants[scale.input[1]]
     outputs, channels, high, wide = weight.shape

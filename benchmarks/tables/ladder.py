@@ -1,0 +1,90 @@
+"""Tables 1 and 3 of arXiv 2508.01339 on a folder of images: the ladder of models, and distillation.
+
+`python -m benchmarks.tables.ladder --table 1 --data DIR --out FOLDER --passes 60000 [--json FILE]`
+
+Every row is trained for the same passes, at the same size, on the same images, with the same seed, and then
+validated on DIR/val; finished rows are read from their run folders, so a broken run can be started again.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+from detector.complexity import parameters
+from detector.models import build
+from detector.train import main as train
+from files.atomic import write_text
+from files.errors import InputError
+
+LADDER = {
+    "yolo11n": ["--model", "yolo11n"],
+    "+p2": ["--model", "+p2"],
+    "+ledh": ["--model", "+ledh"],
+    "+ghost": ["--model", "+ghost"],
+    "+vovgscspc": ["--model", "+vovgscspc"],
+    "+nwd": ["--model", "sbp-yolo", "--nwd-alpha", "0.5"],
+}
+DISTILLATION = {
+    "teacher": ["--model", "sbp-yolo-s"],
+    "student": ["--model", "sbp-yolo"],
+    "+bckd": ["--model", "sbp-yolo", "--distil-features", "0"],
+    "+cwd": ["--model", "sbp-yolo", "--distil-logits", "0"],
+    "+bckd+cwd": ["--model", "sbp-yolo"],
+}
+TABLES = {"1": LADDER, "3": DISTILLATION}
+
+
+def row(name: str, options: list[str], args: argparse.Namespace) -> dict:
+    """Train one row, unless its run folder is complete, and give its numbers."""
+    run = args.out / name
+    if not (run / "weights.pt").exists():
+        words = [
+            "--data",
+            args.data,
+            "--out",
+            run,
+            "--stages",
+            f"{args.size}:{args.passes}",
+            "--seed",
+            args.seed,
+        ]
+        words += ["--batch", args.batch, "--threads", args.threads, "--validate-every", args.passes, *options]
+        if name.startswith("+") and args.table == "3":
+            words += ["--teacher", args.out / "teacher" / "weights.pt"]
+        if (run / "checkpoint.pt").exists():
+            words.append("--resume")
+        if train([str(word) for word in words]):
+            raise InputError(f"{name}: training failed")
+    last = json.loads((run / "history.jsonl").read_text().splitlines()[-1])
+    kept = ("passes", "size", "map50", "map50_95", "precision", "recall")
+    return {"row": name, "parameters": parameters(build(options[1]))} | {key: last[key] for key in kept}
+
+
+def main() -> None:
+    p = argparse.ArgumentParser(description=__doc__)
+    p.add_argument("--table", choices=TABLES, required=True)
+    p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
+    p.add_argument("--out", type=Path, required=True, help="folder for the run folders of the rows")
+    p.add_argument("--passes", type=int, default=60000, help="image passes of every row")
+    p.add_argument("--size", default="640x384")
+    p.add_argument("--batch", type=int, default=16)
+    p.add_argument("--seed", type=int, default=0)
+    p.add_argument("--threads", type=int, default=2)
+    p.add_argument("--rows", help="names of rows, comma between; all by default")
+    p.add_argument("--json", type=Path)
+    args = p.parse_args()
+    table = TABLES[args.table]
+    names = args.rows.split(",") if args.rows else list(table)
+    rows = []
+    for name in names:
+        if name not in table:
+            raise SystemExit(f"--rows: must be of {', '.join(table)}, got {name!r}")
+        rows.append(row(name, table[name], args))
+        size, found = rows[-1]["parameters"] / 1e6, rows[-1]
+        print(f"{name:12} {size:.3f} M  mAP50 {found['map50']:.3f}  {found['map50_95']:.3f}")
+    if args.json:
+        write_text(args.json, json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
