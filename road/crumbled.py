@@ -58,7 +58,7 @@ def _filling(style: str, look: Appearance, rng: np.random.Generator) -> tuple[np
         return road * np.array((1.04, 1.0, 0.95), np.float32) * np.float32(rng.uniform(0.35, 0.8)), 0.5
     if style == "base":  # the lighter, sandy course under the asphalt
         warm = np.array((1.12, 1.0, 0.84), np.float32)
-        return warm * np.float32(rng.uniform(0.9, 1.5) * max(road * 1.25, 0.17)), 0.3
+        return warm * np.float32(rng.uniform(0.9, 1.5) * max(1.25 * look.brightness, 0.17)), 0.3
     if style == "gravel":
         return np.array((1.05, 1.0, 0.92), np.float32) * np.float32(rng.uniform(0.12, 0.3)), 0.75
     return (_MUD, _SOIL)[rng.integers(2)] * np.float32(rng.uniform(0.6, 1.4)), 0.35
