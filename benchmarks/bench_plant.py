@@ -1,8 +1,8 @@
 """Real-time factor of the plant by car, ticks per call and damper, and of many cars at once.
 
 `python -m benchmarks.bench_plant`. Times are the process's own (CPU) times, so that other work on the machine
-does not count; with two threads those of both add up, so that the row tells what threading costs, and the wall
-clock what it brings.
+does not count; with two threads those of both add up: that row tells what threading costs, and the wall clock
+what it brings.
 """
 
 import time

@@ -44,7 +44,8 @@ class Plant:
         self.parameters = parameters
         self._engine = build_engine(parameters)
         self._order = self._engine.order
-        self._inputs = input_size(parameters)
+        self._inputs, self._wheels = input_size(parameters), parameters.wheels
+        self._columns = self._inputs + self._wheels + (len(parameters.body_inertia) > 1)
 
     def reset(self, profiles: Sequence[Profile], x_m: float, speed: float | SpeedProfile) -> None:
         """Put the car with its centre of gravity at x_m on the road of `profiles`, one a wheel, front first.
@@ -87,11 +88,12 @@ class Plant:
         if self._used + ticks >= len(self._stretch.edges_m):
             self._prepare_road(max(ticks, _CHUNK))
         asked = self._command(command)
-        wheels, first, last = self.parameters.wheels, self._used, self._used + ticks
-        control = np.zeros((ticks, self._inputs + wheels + (len(self.parameters.body_inertia) > 1)))
+        wheels, first, last = self._wheels, self._used, self._used + ticks
+        control = np.zeros((ticks, self._columns))
         control[:, :wheels] = asked[:wheels]
         control[:, wheels : 2 * wheels] = self._road_force[first:last]
-        control[:, 2 * wheels : wheels + self._inputs] = asked[wheels:]
+        if self._inputs > wheels:
+            control[:, 2 * wheels : wheels + self._inputs] = asked[wheels:]
         if self._surge is not None:
             control[:, -1] = self._surge[first:last]
         rows = self._engine.advance(self._log[-1].rows[-1], control)
@@ -140,9 +142,11 @@ class Plant:
 
     def _command(self, command: ArrayLike) -> Array:
         """The command with all inputs; forces that are not given are zero."""
-        given = np.asarray(command, float)
-        if given.shape not in ((self.parameters.wheels,), (self._inputs,)):
-            wanted = " or ".join(str(n) for n in sorted({self.parameters.wheels, self._inputs}))
+        given = np.array(command, float)
+        if given.shape == (self._inputs,):
+            return given
+        if given.shape != (self._wheels,):
+            wanted = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
             raise InputError(f"command must hold {wanted} values, got shape {given.shape}")
         full = np.zeros(self._inputs)
         full[: len(given)] = given

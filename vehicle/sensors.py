@@ -9,12 +9,12 @@ Default values, each for a class of part rather than a part:
 * speed: toothed-ring wheel-speed sensor; 0.02 m/s noise, 0.3 % error of the rolling radius
 
 `CATALOGUE_STEPS` holds what digital outputs of such parts resolve: 16-bit inertial modules like Bosch's
-SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375 (49 mg), a
-12-bit level sensor over 200 mm.
+SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375 (49 mg),
+a 12-bit level sensor over 200 mm.
 """
 
 from collections import deque
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -86,8 +86,8 @@ class SensorNoise:
         _require_numbers(self)
 
 
-_NUMBERS = [item.name for item in fields(SensorNoise) if item.name != "interface"]
-NO_NOISE = replace(SensorNoise(), **dict.fromkeys(_NUMBERS, 0.0))
+_SILENT: dict[str, Any] = {item.name: 0.0 for item in fields(SensorNoise) if item.name != "interface"}
+NO_NOISE = SensorNoise(**_SILENT)
 
 
 @dataclass(frozen=True, eq=False)
