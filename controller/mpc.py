@@ -18,7 +18,7 @@ from controller.qp import solve_box
 from controller.road_ahead import RoadAhead
 from controller.settings import MpcSettings
 from controller.terminal import terminal_cost
-from controller.time_grid import TimeGrid, uniform
+from controller.time_grid import TimeGrid, growing
 from controller.wheelbase import WheelbasePreview
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
@@ -41,11 +41,12 @@ class PredictiveController:
         self._sight = sight
         self._wheelbase = WheelbasePreview(vehicle) if sight == "wheelbase" else None
         period = self._timing.period_s
-        grid = uniform(self._settings.horizon_s, period)
+        length = self._settings.horizon_s if sight == "preview" else self._settings.blind_horizon_s
+        grid = growing(length, self._settings.fine_s, period)
         self._model = prediction_model(vehicle, self._settings.rho)
         terminal = terminal_cost(self._model, period)
         self._condense = Condenser(self._model, terminal, grid, period, self._settings.input_weight)
-        self._intervals = len(grid.intervals_s)
+        self._shift = grid.shift(period)
         self._node_times = self._timing.delay_s + grid.nodes_s
         self._limits = Limits.of(vehicle)
         self._low, self._high = (limit[: vehicle.wheels] for limit in plan_limits(vehicle))
@@ -56,7 +57,7 @@ class PredictiveController:
 
     def reset(self) -> None:
         """Forget plan, past commands and statistics."""
-        self._plan = np.tile(self._limits.passive / KILO, (self._intervals, 1))
+        self._plan = np.tile(self._limits.passive / KILO, (len(self._shift), 1))
         self._filter.reset()
         self._pipeline.reset()
         self._road.reset()
@@ -69,7 +70,7 @@ class PredictiveController:
 
         Where `problem` says afterwards that the solver failed, it is that of the last valid plan.
         """
-        self._plan = np.vstack([self._plan[1:], self._plan[-1:]])
+        self._plan = self._shift @ self._plan
         self.problem = self._improve(estimate, preview)
         command = self._limits.clip(KILO * self._plan[0])
         self._pipeline.issue(command)

@@ -128,19 +128,25 @@ class RoadSettings:
 class MpcSettings:
     """Horizon and cost of the model predictive controllers.
 
-    horizon_s: length of the plan; its intervals are the control period.
+    horizon_s: length of the plan of a controller that sees ahead.
+    blind_horizon_s: of one that does not; the flat road that it counts on cannot be believed for longer.
+    fine_s: how much of it is planned period by period; after that an interval is two periods.
     rho: (m/s²)², weight of the relative tyre load, as in the objective J.
     input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
     road: how preview and measurement become one road.
     """
 
-    horizon_s: float = 0.2
+    horizon_s: float = 0.3
+    blind_horizon_s: float = 0.2
+    fine_s: float = 0.2
     rho: float = 3.0
     input_weight: float = 1e-3
     road: RoadSettings = field(default_factory=RoadSettings)
 
     def __post_init__(self) -> None:
         _within("horizon_s", self.horizon_s, 0.02, 1.0)
+        _within("blind_horizon_s", self.blind_horizon_s, 0.02, 1.0)
+        _within("fine_s", self.fine_s, 0.0, 1.0)
         _within("rho", self.rho, 0.0, 1e3)
         _within("input_weight", self.input_weight, 1e-9, 1e9)
 

@@ -32,12 +32,20 @@ class TimeGrid:
         """Where the steps begin, and where the last one ends, (steps + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.step_s)])
 
-    @cached_property
-    def starts_s(self) -> np.ndarray:
-        """Where the intervals begin, (intervals,)."""
-        return np.concatenate([[0.0], np.cumsum(self.intervals_s)[:-1]])
+    def shift(self, by_s: float) -> np.ndarray:
+        """The matrix (intervals, intervals) that carries a plan on by a time, holding its last entry.
+
+        An entry becomes the mean of the old plan over what its interval now stands for.
+        """
+        edges = np.concatenate([[0.0], np.cumsum(self.intervals_s)])
+        start, end = edges[:-1, None] + by_s, edges[1:, None] + by_s
+        upper = np.append(edges[1:-1], np.inf)
+        overlap = np.clip(np.minimum(end, upper) - np.maximum(start, edges[:-1]), 0.0, None)
+        return overlap / np.array(self.intervals_s)[:, None]
 
 
-def uniform(length_s: float, period_s: float) -> TimeGrid:
-    """At least two intervals of one period each."""
-    return TimeGrid((period_s,) * max(2, round(length_s / period_s)))
+def growing(length_s: float, fine_s: float, period_s: float) -> TimeGrid:
+    """Intervals of one period for the first `fine_s`, two at least, and of two periods after that."""
+    fine = max(2, round(min(fine_s, length_s) / period_s))
+    coarse = max(0, round((length_s - fine * period_s) / (2.0 * period_s)))
+    return TimeGrid((period_s,) * fine + (2.0 * period_s,) * coarse)

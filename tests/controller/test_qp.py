@@ -41,3 +41,17 @@ def test_numbers_that_are_none_are_refused(bad: float) -> None:
 
 def test_crossed_bounds_are_told_as_infeasible() -> None:
     assert solve_box(np.eye(3), np.zeros(3), np.ones(3), -np.ones(3)).problem == "infeasible"
+
+
+def test_where_the_search_begins_does_not_change_the_answer() -> None:
+    """Problems moved so that the start lies on bounds, right or wrong ones: the same point in the end."""
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        root = rng.normal(size=(12, 12))
+        hessian, gradient = root @ root.T + 0.1 * np.eye(12), rng.normal(size=12) * 5
+        low, high = -rng.uniform(0.1, 1.0, 12), rng.uniform(0.1, 1.0, 12)
+        best = solve_box(hessian, gradient, low, high).x
+        start = np.where(rng.random(12) < 0.5, low, high)
+        moved = solve_box(hessian, gradient + hessian @ start, low - start, high - start)
+        assert moved.problem is None
+        np.testing.assert_allclose(start + moved.x, best, atol=1e-9)
