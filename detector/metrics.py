@@ -1,4 +1,4 @@
-"""Detection metrics: average precision (arXiv 2508.01339, eq. 11-12), precision and recall."""
+"""Detection metrics: average precision (arXiv 2508.01339, eq. 11-12, at the recall levels of COCO), precision and recall."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from detector.detection import CLASS_NAMES, Detections
 from detector.nms import iou_matrix
 
-IOU_LEVELS = np.arange(0.5, 0.96, 0.05)
+IOU_LEVELS = np.linspace(0.5, 0.95, 10)
+RECALL_LEVELS = np.linspace(0, 1, 101)
 
 
 @dataclass(frozen=True)
@@ -45,14 +46,14 @@ def judge(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResu
 
 
 def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
-    """Area under the precision envelope over recall; nan where there is nothing to find."""
+    """Mean of the precision envelope at 101 levels of recall, as COCO has it; nan with nothing to find."""
     if truths == 0:
         return float("nan")
     right = np.cumsum(hits[np.argsort(-scores, kind="stable")])
     precision = right / np.arange(1, len(right) + 1)
-    envelope = np.maximum.accumulate(precision[::-1])[::-1]
-    steps = np.diff(right / truths, prepend=0.0)
-    return float((steps * envelope).sum())
+    envelope = np.append(np.maximum.accumulate(precision[::-1])[::-1], 0.0)
+    reached = np.searchsorted(right / truths, RECALL_LEVELS, side="left")
+    return float(envelope[reached].mean())
 
 
 def summarise(results: Sequence[ImageResult], confidence: float) -> dict:

@@ -18,7 +18,8 @@ def found(boxes: list, scores: list[float], classes: list[int]) -> Detections:
 def test_average_precision_by_hand() -> None:
     # right, wrong, right of 3: precision 1, 1/2, 2/3 at recall 1/3, 1/3, 2/3
     ap = average_precision(np.array([0.9, 0.8, 0.7]), np.array([True, False, True]), 3)
-    assert ap == pytest.approx(1 / 3 * 1 + 1 / 3 * 2 / 3)
+    # of the levels 0, 0.01 ... 1, 34 lie up to 1/3 and 33 more up to 2/3
+    assert ap == pytest.approx((34 * 1 + 33 * 2 / 3) / 101)
 
 
 def test_average_precision_of_the_perfect_the_blind_and_the_empty() -> None:
@@ -59,3 +60,41 @@ def test_a_class_that_does_not_occur_is_left_out_of_the_means() -> None:
     summary = summarise([judge(found([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25)
     assert summary["map50"] == 1
     assert summary["per_class"]["pothole"]["ap50"] is None
+
+
+def test_agrees_with_the_reference_implementation_of_coco() -> None:
+    coco = pytest.importorskip("pycocotools.coco")
+    cocoeval = pytest.importorskip("pycocotools.cocoeval")
+    rng = np.random.default_rng(0)
+    results, annotations, answers = [], [], []
+    for image in range(30):
+        start = rng.uniform(0, 500, (rng.integers(0, 6), 2))
+        truth = np.concatenate((start, start + rng.uniform(20, 120, start.shape)), 1).astype(np.float32)
+        classes = rng.integers(0, 2, len(truth))
+        guess = np.concatenate((truth + rng.normal(0, 6, truth.shape), truth[:2] + 30)).astype(np.float32)
+        kinds = np.concatenate((classes, classes[:2]))
+        scores = rng.random(len(guess)).astype(np.float32)
+        results.append(judge(Detections(guess, scores, kinds), truth, classes))
+        for box, kind in zip(truth.tolist(), classes.tolist(), strict=True):
+            row = {"id": len(annotations) + 1, "image_id": image, "category_id": kind, "iscrowd": 0}
+            size = [box[2] - box[0], box[3] - box[1]]
+            annotations.append(row | {"bbox": [*box[:2], *size], "area": size[0] * size[1]})
+        for box, kind, score in zip(guess.tolist(), kinds.tolist(), scores.tolist(), strict=True):
+            corners = [*box[:2], box[2] - box[0], box[3] - box[1]]
+            answers.append({"image_id": image, "category_id": kind, "bbox": corners, "score": score})
+    reference = coco.COCO()
+    reference.dataset = {
+        "info": {},
+        "images": [{"id": i} for i in range(30)],
+        "categories": [{"id": 0}, {"id": 1}],
+        "annotations": annotations,
+    }
+    reference.createIndex()
+    judged = cocoeval.COCOeval(reference, reference.loadRes(answers), "bbox")
+    judged.evaluate()
+    judged.accumulate()
+    judged.summarize()
+    ours = summarise(results, 0.25)
+    assert 0.2 < ours["map50_95"] < 0.9
+    assert ours["map50_95"] == pytest.approx(judged.stats[0], abs=1e-3)
+    assert ours["map50"] == pytest.approx(judged.stats[1], abs=1e-3)
