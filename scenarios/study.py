@@ -122,7 +122,8 @@ def read(path: Path) -> list[Sample]:
         _scalar(value, f"{path}: set.{field}")
     try:
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
-        for first in {sample.scenario: sample for sample in reversed(samples)}.values():
+        kinds = {(s.scenario, s.controller, s.perception): s for s in reversed(samples)}
+        for first in kinds.values():
             first.case()
     except InputError as error:
         raise InputError(f"{path}: {error}") from None

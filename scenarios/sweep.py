@@ -6,11 +6,13 @@ import json
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from files.errors import InputError
 from scenarios.closed_loop import simulate
 from scenarios.commands.tables import flat
+from scenarios.parallel import WorkerDied
 from scenarios.results import Results
 from scenarios.runfolder import row, to_json
 from scenarios.study import Sample
@@ -21,6 +23,8 @@ if TYPE_CHECKING:  # the extra `sweep`
 AHEAD = 4
 """Drives handed out for each worker thread: enough that none waits, few enough to stop quickly."""
 REACH_S = 10
+PATIENCE_S = 120
+"""How long a cluster may be without any result before it is asked whether it has workers at all."""
 
 
 _ALONE = threading.Lock()
@@ -50,31 +54,35 @@ def run(
     """Drive all samples; each row is in `results` before `advance` is called. Needs no order.
 
     A worker that dies gives its drives to others; one that kills its worker four times is recorded as failed.
+    Raises `WorkerDied` when no worker is left.
     """
-    from distributed import as_completed
+    from distributed import wait
 
     waiting = iter(samples)
     asked: dict[str, Sample] = {}
 
     def hand_out(count: int) -> list[Future]:
         futures = []
-        for sample, _ in zip(waiting, range(count), strict=False):
+        for sample in islice(waiting, count):
             future = client.submit(work, sample, key=f"foreride-{sample.key}", pure=False)
             asked[future.key] = sample
             futures.append(future)
         return futures
 
-    window = AHEAD * max(1, sum(client.nthreads().values()))
-    done = as_completed(hand_out(window), raise_errors=False)
-    for future in done:
-        sample = asked.pop(future.key)
-        problem = future.exception()
-        lost = described(sample, f"{type(problem).__name__}: {problem}")
-        results.add(future.result() if problem is None else lost)
-        future.release()
-        advance()
-        for following in hand_out(1):
-            done.add(following)
+    running = set(hand_out(AHEAD * max(1, sum(client.nthreads().values()))))
+    while running:
+        try:
+            finished, running = wait(running, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            if client.nthreads():
+                continue
+            raise WorkerDied("no worker is left; the same command goes on where this one stopped") from None
+        for future in finished:
+            sample, problem = asked.pop(future.key), future.exception()
+            lost = described(sample, f"{type(problem).__name__}: {problem}")
+            results.add(future.result() if problem is None else lost)
+            advance()
+        running |= set(hand_out(len(finished)))
 
 
 @contextmanager

@@ -25,11 +25,12 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run the cases and print their table; `--out` keeps the run folders too, each as soon as it is done."""
     wanted = cases_of(arguments, arguments.scenarios)
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    jobs = jobs_of(arguments)
     planned = [folder_name(case) for case in wanted]
     if arguments.out:
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
     rows = []
-    for run in simulated(wanted, arguments.frames, jobs_of(arguments)):
+    for run in simulated(wanted, arguments.frames, jobs):
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run.case))

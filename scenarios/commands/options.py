@@ -15,11 +15,13 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from controller.registry import load_user_controller
 from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError
 from scenarios.cases import PERCEPTIONS, Case, cases
 from scenarios.closed_loop import Run
+from scenarios.eyes import load_detector
 from scenarios.parallel import simulate_each
 from scenarios.report.table import short_name
 from scenarios.sets import load_all
@@ -130,9 +132,15 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
 
 
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
-    """All cases that the command line asks for, in order."""
+    """All cases that the command line asks for, in order; the files that they name are tried first."""
     scenarios = load_all(names, overrides_of(arguments))
-    return cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
+    wanted = cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
+    for case in wanted:
+        if case.perception == "camera":
+            load_detector(case.scenario)
+        if ":" in case.controller:
+            load_user_controller(case.controller)
+    return wanted
 
 
 def simulate_all(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:

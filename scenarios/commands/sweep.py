@@ -47,10 +47,12 @@ def execute(arguments: argparse.Namespace) -> int:
     finally:
         results.flush()
     failed = {key: error for key, error in results.done.items() if error}
-    console.print(f"{len(samples)} drives, {len(failed)} failed: {results.folder}/", highlight=False)
+    there = len(results.done.keys() & samples.keys())
+    told = f"{there} of {len(samples)} drives are there, {len(failed)} of them failed: {results.folder}/"
+    console.print(told, highlight=False)
     for error in list(dict.fromkeys(failed.values()))[:5]:
         console.print(f"failed: {error}", highlight=False, soft_wrap=True)
     if arguments.json:
-        counts = {"drives": len(samples), "failed": len(failed), "folder": str(results.folder)}
+        counts = {"drives": there, "failed": len(failed), "folder": str(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
     return 0

@@ -19,6 +19,7 @@ road:
     - {kind: half_sine_bump, start_m: 6, height_m: 0.05, length_m: 0.5}
 vehicle: {model: quarter}
 """
+NO_WEIGHTS = ["--perception", "camera", "--set", "detection.weights=no.onnx"]
 
 
 @pytest.fixture
@@ -73,6 +74,8 @@ def test_the_latex_table_compiles_where_latex_is_installed(short: str, tmp_path:
         (["--baseline", "mpc_magic"], "mpc_magic"),
         (["--baseline", "passive@camera"], "passive@none"),
         (["--jobs", "-2"], "-2"),
+        (["--controllers", "passive,nowhere.py:Mine"], "nowhere.py"),
+        (["--controllers", "passive,mpc_preview", *NO_WEIGHTS], "no.onnx"),
     ],
 )
 def test_bad_options_are_told_before_anything_runs(
