@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from scenarios.validation.check import Check, Checks, relative
 from vehicle import equations
+from vehicle.batch import Fleet
 from vehicle.clock import RATE_HZ, STEP_S
 from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from vehicle.engine import Native
@@ -206,6 +207,16 @@ def _quarters() -> Check:
     return Check("half car of decoupled inertia, tyre loads", "two quarter cars", deviation, 1e-6)
 
 
+def _fleet() -> Check:
+    """Unlike cars stepped together on two threads against each of them in the plant."""
+    cars = [replace(load_vehicle("half"), body_mass_kg=600.0 + 5.0 * i) for i in range(64)]
+    commands, deviation = np.full((64, 2), 1500.0), 0.0
+    states = Fleet(cars, threads=2).drive([HARSH] * 2, 0.0, SPEED_M_S, commands, TICKS)
+    for i in (0, 31, 63):
+        deviation = max(deviation, float(np.abs(states[i].T - drive(cars[i], HARSH, 1500.0).x).max()))
+    return Check("64 cars at once on two threads, states", "one car at a time", deviation, 0.0, "m, m/s")
+
+
 def _each(check: Callable[[str], Check]) -> Checks:
     return tuple(partial(check, name) for name in ("quarter", "half", "full"))
 
@@ -220,4 +231,5 @@ CHECKS: Checks = (
     *_each(_energy),
     _halves,
     _quarters,
+    _fleet,
 )
