@@ -19,6 +19,8 @@ from scenarios.loading import load
 from scenarios.runfolder import digest
 
 Scalar = bool | int | float | str
+TRIED = 20
+"""Samples of each kind of which one must be valid, or the study is refused as a whole."""
 _RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
 
 
@@ -122,12 +124,23 @@ def read(path: Path) -> list[Sample]:
         _scalar(value, f"{path}: set.{field}")
     try:
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
-        kinds = {(s.scenario, s.controller, s.perception): s for s in reversed(samples)}
-        for first in kinds.values():
-            first.case()
+        for kind in {(s.scenario, s.controller, s.perception) for s in samples}:
+            _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIED])
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     return samples
+
+
+def _try(samples: Sequence[Sample]) -> None:
+    """Pass when one of them can be driven; the others, if not, become rows with an error."""
+    errors = []
+    for sample in samples:
+        try:
+            sample.case()
+            return
+        except InputError as error:
+            errors.append(error)
+    raise errors[0]
 
 
 def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
