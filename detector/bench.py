@@ -159,6 +159,8 @@ def compare(args: argparse.Namespace) -> list[dict]:
         if name in BACKENDS and name not in installed():
             print(f"backend {name} is left out: it needs {BACKENDS[name].package}", file=sys.stderr)
             args.backends = [b for b in args.backends if b != name]
+    for size in args.sizes:
+        _pixels(size)
     rows_wanted = cases(args)
     with tempfile.TemporaryDirectory() as folder:
         rows = measure(prepare(rows_wanted, Path(folder), args.weights, args.data), args.runs)

@@ -1,4 +1,4 @@
-"""Detection metrics: average precision (arXiv 2508.01339, eq. 11-12, at the recall levels of COCO), precision and recall."""
+"""Detection metrics: average precision as COCO defines it (arXiv 2508.01339, eq. 11-12), and P, R."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

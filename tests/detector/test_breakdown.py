@@ -1,0 +1,63 @@
+"""Recall, edge errors and false alarms of cases that can be counted by hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from detector.breakdown import Judged, by_condition, by_object, false_alarms, objects_seen
+from detector.detection import Detections
+from detector.metrics import judge
+
+TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
+
+
+def scene() -> tuple[list[Judged], dict[str, dict]]:
+    """A bump found 2 px too low at 5 m, a pothole at 20 m cut by the image's edge, and a plain road."""
+    found = Detections(TRUTH + np.array([[0, 0, 0, 2], [0, 0, 0, 0]]), np.array([0.9, 0.8]), np.array([0, 1]))
+    plain = Detections(TRUTH[:1], np.array([0.6]), np.array([0]))
+    nothing, none = np.zeros((0, 4), np.float32), np.zeros(0, int)
+    judged = [
+        Judged("a.jpg", 100, TRUTH, judge(found, TRUTH, np.array([0, 1]))),
+        Judged("b.jpg", 100, nothing, judge(plain, nothing, none)),
+    ]
+    objects = [{"class": c, "distance_m": d, "in_ego_lane": True} for c, d in ((0, 5.0), (1, 20.0))]
+    records = {
+        "a.jpg": {"condition": {"light": "night"}, "objects": objects},
+        "b.jpg": {"condition": {"light": "noon"}, "objects": []},
+    }
+    return judged, records
+
+
+def test_recall_and_edges_by_hand() -> None:
+    judged, records = scene()
+    found = by_object(objects_seen(judged, records, 0.25, Path()))
+    assert found["ego_recall"]["all"] == {"objects": 1, "recall": 1.0}
+    assert found["ego_far_recall"]["pothole"] == {"objects": 1, "recall": 1.0}
+    edge = found["bottom_edge_4_10_m"]["all"]
+    assert edge == {
+        "objects": 1,
+        "bias_px": 2,
+        "sigma_px": 0,
+        "bias_percent": pytest.approx(10),
+        "sigma_percent": 0,
+    }
+    heights = {row["from_px"]: row["all"]["objects"] for row in found["recall_by_height"]}
+    assert heights == {0: 0, 3: 0, 5: 0, 8: 0, 12: 0, 20: 1, 40: 1}
+
+
+def test_an_edge_that_the_image_cuts_or_an_unsure_box_gives_no_error() -> None:
+    judged, records = scene()
+    sure = objects_seen(judged, records, 0.25, Path())
+    unsure = objects_seen(judged, records, 0.85, Path())
+    assert [o.bottom_error_px for o in sure] == [2, None]
+    assert [o.found for o in unsure] == [True, False]
+
+
+def test_conditions_and_false_alarms() -> None:
+    judged, records = scene()
+    found = by_condition(judged, records, 0.25)
+    assert found["light: night"]["map50"] == 1
+    assert found["light: noon"]["images"] == 1
+    assert false_alarms(judged, 0.25) == {"images": 1, "per_100_images": 100.0}
+    assert false_alarms(judged, 0.7) == {"images": 1, "per_100_images": 0.0}
