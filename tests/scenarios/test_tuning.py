@@ -93,7 +93,7 @@ def test_the_command_writes_settings_that_can_be_read_back_and_are_no_worse(tmp_
     asked = ["tune", str(road), "--controllers", "fixed", "--evaluations", "8", "--out", str(out)]
     assert main(asked) == 0
     settings = strict.read(ControllerSettings, out)
-    assert settings.fixed.front_ns_m != tuned_settings("quarter_car").fixed.front_ns_m
+    assert settings.fixed.front_ns_m != 1500.0
     assert settings.hybrid == tuned_settings("quarter_car").hybrid
     assert "# Made by: foreride tune" in out.read_text()
 
