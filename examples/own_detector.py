@@ -9,6 +9,7 @@ pixels and class scores. Out of this come `image` (1, h, w, 3) uint8 in, `boxes`
 """
 
 import argparse
+from typing import Any
 
 import onnx
 from onnx import TensorProto, compose, helper, numpy_helper
@@ -42,7 +43,11 @@ def head(height: int, width: int, opset: int, ir: int) -> onnx.ModelProto:
         helper.make_node("Div", ["floats", "white"], ["scaled"]),
         helper.make_node("Transpose", ["scaled"], ["planes"], perm=[0, 3, 1, 2]),
     ]
-    constants = {"white": np.float32(255), "grey": np.float32(GREY), "zeros": np.zeros(4, np.int64)}
+    constants: dict[str, Any] = {
+        "white": np.float32(255),
+        "grey": np.float32(GREY),
+        "zeros": np.zeros(4, np.int64),
+    }
     constants["size"] = np.array([1, 3, height, width], np.int64)
     if height and width:
         nodes += [
@@ -68,7 +73,7 @@ def tail(order: list[int], classes: int, opset: int, ir: int) -> onnx.ModelProto
         helper.make_node("MatMul", ["centred", "to_corners"], ["boxes"]),
         helper.make_node("Gather", ["all_scores", "order"], ["scores"], axis=2),
     ]
-    constants = {"parts": np.array([4, classes], np.int64), "to_corners": half.T.copy()}
+    constants: dict[str, Any] = {"parts": np.array([4, classes], np.int64), "to_corners": half.T.copy()}
     constants["order"] = np.array(order, np.int64)
     raw = helper.make_tensor_value_info("raw", TensorProto.FLOAT, [1, 4 + classes, "N"])
     found = [
@@ -83,7 +88,7 @@ def graph(
     nodes: list[onnx.NodeProto],
     entry: onnx.ValueInfoProto,
     out: list[onnx.ValueInfoProto],
-    constants: dict[str, np.ndarray],
+    constants: dict[str, Any],
     opset: int,
     ir: int,
 ) -> onnx.ModelProto:

@@ -65,7 +65,7 @@ def run(
         futures = []
         for sample in islice(waiting, count):
             future = client.submit(work, sample, key=f"foreride-{sample.key}", pure=False)
-            asked[future.key] = sample
+            asked[str(future.key)] = sample
             futures.append(future)
         return futures
 
@@ -78,7 +78,7 @@ def run(
                 continue
             raise WorkerDied("no worker is left; the same command goes on where this one stopped") from None
         for future in finished:
-            sample, problem = asked.pop(future.key), future.exception()
+            sample, problem = asked.pop(str(future.key)), future.exception()
             lost = described(sample, f"{type(problem).__name__}: {problem}")
             results.add(future.result() if problem is None else lost)
             advance()
