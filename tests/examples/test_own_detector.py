@@ -14,7 +14,7 @@ from scenarios.cli import main
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_detector.py"
 BOXES = np.array([[320, 250, 200, 20], [100, 300, 40, 16]], np.float32)  # centre x, centre y, width, height
-SCORES = np.array([[0.1, 0.9], [0.6, 0.2]], np.float32)  # pothole, speed bump
+SCORES = np.array([[0.1, 0.9], [0.6, 0.05]], np.float32)  # pothole, speed bump
 
 
 def yolo_export(path: Path, size: tuple[int | str, int | str]) -> None:
