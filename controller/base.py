@@ -60,7 +60,6 @@ class Controller(Protocol):
         """Return the requested damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
 
-
 class Stateless:
     """Shared by the controllers whose command depends on the present alone."""
 
