@@ -112,7 +112,8 @@ class Scene:
         hits, depth, pixels = self._expose(image, hits, depth, view, index)
         boxes, numbers, counts = visible_boxes(hits)
         hidden = np.array([hidden_share.get(k, 0.0) for k in numbers], np.float32)
-        kept = hidden <= MAX_HIDDEN
+        named = np.array([self.road.features[k - 1].cls is not None for k in numbers], bool)
+        kept = (hidden <= MAX_HIDDEN) & named
         boxes, numbers, counts, hidden = boxes[kept], numbers[kept], counts[kept], hidden[kept]
         classes = np.array([self.road.features[k - 1].cls for k in numbers], np.int64)
         return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)

@@ -45,12 +45,12 @@ def poses(run: Run) -> list[CameraPose]:
 
 def track_lines(run: Run) -> list[list[dict[str, Any]]]:
     """For each exposure the tracks' believed near edges: image line [u0, v0, u1, v1], class, confirmed."""
-    camera, start = run.case.scenario.camera.intrinsics, run.case.scenario.start_m
+    camera = run.case.scenario.camera.intrinsics
     told = [event["tracks"] for event in run.events if event["event"] == "boxes"]
     lines = []
     for pose, tracks in zip(poses(run), told, strict=True):
         edges = [
-            project(camera, pose, [(start + track["x_m"], y, 0.0) for y in (LANE_M, -LANE_M)]).ravel()
+            project(camera, pose, [(track["x_m"], y, 0.0) for y in (LANE_M, -LANE_M)]).ravel()
             for track in tracks
         ]
         lines.append(

@@ -20,10 +20,10 @@ def seen() -> Run:
 
 
 def test_the_camera_finds_the_hump_and_the_estimator_places_it(seen: Run) -> None:
-    start = seen.case.scenario.road.features[0].start_m - seen.case.scenario.start_m
+    start = seen.case.scenario.road.features[0].start_m
     looks = [event for event in seen.events if event["event"] == "boxes"]
     assert len(looks) == seen.perception_stats["frames"]
-    arrival_s = (start - 1.25) / seen.case.scenario.speed_m_s
+    arrival_s = (start - seen.case.scenario.start_m - 1.25) / seen.case.scenario.speed_m_s
     last = max((event for event in looks if event["time_s"] < arrival_s), key=lambda event: event["time_s"])
     confirmed = [track for track in last["tracks"] if track["confirmed"] and track["class"] == "speed_bump"]
     assert confirmed

@@ -12,6 +12,7 @@ from scenarios.closed_loop import Run
 from scenarios.course.judge import USE_M, false_tracks, passages
 from scenarios.course.summary import summarise
 from scenarios.loading import load
+from scenarios.preview_log import collect
 
 SPEED = 10.0
 BUMP = HalfSineBump(50.0, 0.08, 0.4)
@@ -40,7 +41,8 @@ def drive(errors: dict[int, float], cls: str = "speed_bump", sigma: float = 0.1)
     ]  # fmt: skip
     case = Case(scenario, "passive", "boxes", 0)
     signals = {"x_m": x, "speed_m_s": np.full(6000, SPEED), "axle": np.full(6000, axle)}
-    return Run(case, signals, {}, events, {}, {}, {}, None, -0.75, [])
+    previews = collect([])
+    return Run(case, signals, {}, events, {}, {}, {}, {}, None, -0.75, [], previews)
 
 
 def test_error_is_believed_minus_true_distance() -> None:
