@@ -6,6 +6,7 @@ import numpy as np
 
 from detector.detection import Detections
 from files.errors import InputError
+from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, edge_bias
 from road.camera import Camera, CameraPose, project
 from road.features import Feature
 from road.profile import Road
@@ -18,14 +19,15 @@ _LEAST_AHEAD_M = 0.3
 class BoxErrors:
     """How a detector falls short of the true boxes.
 
-    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows,
+    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows
+    of bumps and of potholes,
     downwards; miss_probability: of one object in one frame; false_per_frame: mean number of boxes around
     nothing; range_m: farthest near edge, along the road from the camera; min_height_px: flattest box found.
     """
 
     pixel_sigma: float = 1.0
-    bottom_bias_px: float = 0.3  # as the estimator believes by default (`settings.Settings`)
-    top_bias_px: float = -0.4
+    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX  # as the estimator believes by default
+    top_bias_px: tuple[float, float] = TOP_BIAS_PX
     miss_probability: float = 0.15
     false_per_frame: float = 0.0
     range_m: float = 30.0
@@ -88,7 +90,7 @@ def degrade(
     least, most = np.zeros(4), np.array([camera.width_px, limit, camera.width_px, limit])
     boxes = detections.boxes.astype(float)
     cut = (boxes <= 0) | (boxes >= most)
-    shift = np.array([0.0, errors.top_bias_px, 0.0, errors.bottom_bias_px])
+    shift = edge_bias(detections.classes, errors.top_bias_px, errors.bottom_bias_px)
     noisy = boxes + errors.pixel_sigma * rng.standard_normal(boxes.shape) + shift
     noisy = np.clip(np.where(cut, boxes, noisy), least, most)
     found = rng.random(len(boxes)) >= errors.miss_probability

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from files.errors import InputError
+from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX
 
 
 @dataclass(frozen=True)
@@ -17,8 +18,10 @@ class Settings:
     pixel_sigma: float = 1.0
     relative_sigma: float = 0.05  # of the box height, on top: large boxes err by more pixels than small ones
     correlation: float = 2.0  # variance inflation, because errors of successive boxes resemble each other
-    bottom_bias_px: float = 0.3  # systematic box edge minus true edge, rows counted downwards: medians of
-    top_bias_px: float = -0.4  # the shipped detector on bumps of rendered validation images
+    # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards: medians of the
+    # shipped detector on rendered images that it was not trained on.
+    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX
+    top_bias_px: tuple[float, float] = TOP_BIAS_PX
     border_px: float = 2.0  # edges this near to the image border or bonnet are cut, not seen
     bonnet_row_px: float = 1e9  # first image row that the bonnet hides
     max_boxes: int = 48  # of one track, the newest are kept

@@ -8,6 +8,7 @@ import numpy as np
 from detector.detection import Detections
 from preview.calibration import Gaussian
 from preview.distance import depression, depression_sigma, locate, row_of
+from preview.edge_bias import edge_bias
 from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
 from preview.settings import Settings
 from preview.track import Edge, Track
@@ -47,7 +48,7 @@ def view_of(
     time_s: float, camera: Camera, pose: CameraPose, detections: Detections, settings: Settings
 ) -> View:
     """Return the frame as the tracker wants it."""
-    biases = np.array([0.0, settings.top_bias_px, 0.0, settings.bottom_bias_px])
+    biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
     return View(time_s, camera, pose, detections.boxes.astype(float) - biases, settings)
 
 

@@ -52,7 +52,9 @@ def many(errors, count=4000, seed=1):
 
 
 def test_noise_bias_and_misses_are_as_asked():
-    seen = many(BoxErrors(pixel_sigma=1.5, bottom_bias_px=2.0, top_bias_px=-1.0, miss_probability=0.2))
+    seen = many(
+        BoxErrors(pixel_sigma=1.5, bottom_bias_px=(2.0, 2.0), top_bias_px=(-1.0, -1.0), miss_probability=0.2)
+    )
     boxes = np.concatenate([found.boxes for found in seen])
     assert 1 - len(boxes) / len(seen) == pytest.approx(0.2, abs=0.02)
     np.testing.assert_allclose(boxes.mean(axis=0), [200.0, 219.0, 400.0, 262.0], atol=0.15)

@@ -5,7 +5,7 @@ from preview.settings import Settings
 
 
 def test_biases_may_have_any_sign():
-    assert Settings(bottom_bias_px=-1.0, top_bias_px=0.0).bottom_bias_px == -1.0
+    assert Settings(bottom_bias_px=(-1.0, 0.0)).bottom_bias_px == (-1.0, 0.0)
 
 
 @pytest.mark.parametrize(
