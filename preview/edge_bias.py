@@ -1,9 +1,14 @@
-"""What the detector means by an edge: the systematic shift of its boxes' rows, by class."""
+"""What the detector means by an edge: the systematic shift of its boxes' rows, by class.
+
+The values are means of the shipped detector over drives toward `bump_8x40_30` and `hump_flat_30` (seed 1,
+from 15 m on) and medians over potholes of rendered validation images. Wide, thin boxes come from coarse
+levels of the network and are drawn too tall; narrow ones are exact.
+"""
 
 import numpy as np
 
-BOTTOM_BIAS_PX = (0.5, 0.1)
-TOP_BIAS_PX = (-0.6, 0.1)
+BOTTOM_BIAS_PX = (1.6, 0.1)
+TOP_BIAS_PX = (-1.4, 0.1)
 
 
 def edge_bias(classes: np.ndarray, top_px: tuple[float, float], bottom_px: tuple[float, float]) -> np.ndarray:

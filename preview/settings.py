@@ -18,8 +18,7 @@ class Settings:
     pixel_sigma: float = 1.0
     relative_sigma: float = 0.05  # of the box height, on top: large boxes err by more pixels than small ones
     correlation: float = 2.0  # variance inflation, because errors of successive boxes resemble each other
-    # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards: medians of the
-    # shipped detector on rendered images that it was not trained on.
+    # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards
     bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX
     top_bias_px: tuple[float, float] = TOP_BIAS_PX
     border_px: float = 2.0  # edges this near to the image border or bonnet are cut, not seen

@@ -18,6 +18,16 @@ AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)
 
 
+def box_errors(**more: float) -> BoxErrors:
+    """Box errors around edges that mean what they say, as `unbiased` settings believe."""
+    return BoxErrors(bottom_bias_px=(0.0, 0.0), top_bias_px=(0.0, 0.0), **more)
+
+
+def unbiased(**more: float) -> Settings:
+    """Settings for a detector whose edges are the true ones."""
+    return Settings(bottom_bias_px=(0.0, 0.0), top_bias_px=(0.0, 0.0), **more)
+
+
 class Reading(NamedTuple):
     """A `Measurement`."""
 
@@ -48,7 +58,7 @@ class Drive:
     latency_s: float = 0.05
     camera_hz: int = 20
     step_s: float = 0.005
-    errors: BoxErrors = field(default_factory=BoxErrors)
+    errors: BoxErrors = field(default_factory=lambda: box_errors())
 
 
 class Snapshot(NamedTuple):
@@ -77,7 +87,7 @@ def drive(
         height_m=mount.height_m + conditions.mount_height_error_m * rng.standard_normal(),
         pitch_deg=mount.pitch_deg + conditions.mount_pitch_error_deg * rng.standard_normal(),
     )
-    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings, x_m=start_x_m)
+    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings or unbiased(), x_m=start_x_m)
     wheels = [wheel_profile(road, y) for y in WHEEL_Y_M]
     body = _Body(conditions, rng)
     speed = conditions.speed_kmh / 3.6

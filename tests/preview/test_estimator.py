@@ -6,14 +6,13 @@ import pytest
 from detector.detection import Detections, no_detections
 from files.errors import InputError
 from preview.estimator import Estimator
-from preview.perception import BoxErrors, degrade, true_boxes
-from preview.settings import Settings
+from preview.perception import degrade, true_boxes
 from road.camera import Camera, CameraMount, pose_of
 from road.features import HalfSineBump, Pothole, WattsHump
 from road.profile import Road
-from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Drive, Reading, drive
+from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Drive, Reading, box_errors, drive, unbiased
 
-EXACT = BoxErrors(pixel_sigma=0.0, miss_probability=0.0)
+EXACT = box_errors(pixel_sigma=0.0, miss_probability=0.0)
 PERFECT = Drive(
     pitch_amplitude_deg=0.0,
     heave_amplitude_m=0.0,
@@ -41,7 +40,7 @@ def rolling(speed=10.0):
 def approach(road, *, until_x, latency_s=0.0, frames=lambda x: True, false=None, speed=10.0, rng=None):
     """A car that rolls without shaking; returns the estimator and the time when its CG is at `until_x`."""
     camera, mount = Camera(), CameraMount()
-    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M)
+    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, unbiased())
     waiting = []
     tick = 0
     while speed * tick * 0.005 < until_x:
@@ -69,7 +68,7 @@ def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     assert shots[0].existence > 0.98
 
 
-WHITE_PIXELS = Settings(relative_sigma=1e-6)
+WHITE_PIXELS = unbiased(relative_sigma=1e-6)
 """A true belief of the simulated boxes: white noise of the pixels, none that grows with the box."""
 
 
@@ -104,7 +103,7 @@ def test_near_edge_over_many_runs(feature):
 def test_the_offset_is_learned_from_object_to_object():
     """Five bumps with a mounting 0.4 degrees off: what is left of it grows small, and the edges get right."""
     road = Road(200.0, tuple(HalfSineBump(40.0 + 35.0 * i, 0.08, 0.4) for i in range(5)))
-    conditions = replace(PERFECT, errors=BoxErrors(), seed=3)
+    conditions = replace(PERFECT, errors=box_errors(), seed=3)
     camera_off = replace(conditions, mount_pitch_error_deg=0.4)
     shots, estimator = drive(road, camera_off)
     true = np.deg2rad(0.4) * np.random.default_rng(3).standard_normal(2)[1]
@@ -127,7 +126,7 @@ def test_frames_out_of_order_give_the_same_edge():
     orders = [list(range(0, 300, 10)), [n + 10 if n % 20 else n - 10 for n in range(10, 310, 10)]]
     edges = []
     for order in orders:
-        estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M)
+        estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, unbiased())
         for tick in range(320):
             estimator.update_motion(tick * 0.005, rolling(20.0))
         for tick in order:
@@ -180,7 +179,7 @@ def test_only_the_wheel_that_meets_the_hole_gets_it(y_m, felt):
 
 def test_false_boxes_seldom_become_objects():
     rng = np.random.default_rng(5)
-    false = BoxErrors(false_per_frame=0.3)
+    false = box_errors(false_per_frame=0.3)
     estimator, now = approach(Road(200.0), until_x=150.0, false=false, rng=rng)
     events = [event["event"] for event in estimator.events]
     assert events.count("born") > 20
@@ -191,7 +190,7 @@ def test_false_boxes_seldom_become_objects():
 
 def test_one_false_box_fades():
     camera, mount = Camera(), CameraMount()
-    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M)
+    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, unbiased())
     ghost = Detections([[200.0, 230.0, 420.0, 240.0]], [0.6], [0])
     for tick in range(100):
         estimator.update_motion(tick * 0.005, rolling())
@@ -202,7 +201,7 @@ def test_one_false_box_fades():
 
 
 def test_a_third_of_the_frames_missed_is_survived():
-    error, _ = errors_of(BUMP, 6, errors=BoxErrors(miss_probability=0.35))
+    error, _ = errors_of(BUMP, 6, errors=box_errors(miss_probability=0.35))
     assert np.abs(error).max() < 0.2
 
 
@@ -214,7 +213,7 @@ def test_two_bumps_stay_two():
 
 
 def test_a_quarter_car_sees_as_well():
-    estimator = Estimator(Camera(), CameraMount(), (0.0,), (0.75,))
+    estimator = Estimator(Camera(), CameraMount(), (0.0,), (0.75,), unbiased())
     road = Road(60.0, (BUMP,))
     for tick in range(700):
         still = Reading(np.zeros(1), np.zeros(1), np.zeros(1), 0.0, 10.0)
@@ -227,7 +226,7 @@ def test_a_quarter_car_sees_as_well():
 
 
 def test_before_the_first_frame_nothing_is_known():
-    estimator = Estimator(Camera(), CameraMount(), AXLES_M, WHEEL_Y_M, Settings())
+    estimator = Estimator(Camera(), CameraMount(), AXLES_M, WHEEL_Y_M, unbiased())
     estimator.update_motion(0.0, rolling())
     assert not estimator.preview(0.0).existence.any()
 
