@@ -117,17 +117,17 @@ def _row(name: str, runs: list[Run]) -> dict:
 
 
 _COLUMNS = (
-    ("events", "events", "d", 1.0),
-    ("missed", "missed", "d", 1.0),
-    ("false\ntracks", "false_tracks", "d", 1.0),
-    ("first seen\nm (median)", "first_confirmed_median_m", ".1f", 1.0),
-    ("bias\ncm", "bias_m", "+.1f", 100.0),
-    ("sigma\ncm", "sigma_m", ".1f", 100.0),
-    ("timing\nms (95 %)", "timing_ms_95", ".1f", 1.0),
-    ("error² /\nclaimed", "nees", ".2f", 1.0),
-    ("height\nerror %", "height_error_rms", ".0f", 100.0),
-    ("right\nkind %", "right_kind", ".0f", 100.0),
-    ("estimator\nms", "estimator_median_ms", ".2f", 1.0),
+    ("events", "events", "d", 1),
+    ("missed", "missed", "d", 1),
+    ("false\ntracks", "false_tracks", "d", 1),
+    ("first seen\nm (median)", "first_confirmed_median_m", ".1f", 1),
+    ("bias\ncm", "bias_m", "+.1f", 100),
+    ("sigma\ncm", "sigma_m", ".1f", 100),
+    ("timing\nms (95 %)", "timing_ms_95", ".1f", 1),
+    ("error² /\nclaimed", "nees", ".2f", 1),
+    ("height\nerror %", "height_error_rms", ".0f", 100),
+    ("right\nkind %", "right_kind", ".0f", 100),
+    ("estimator\nms", "estimator_median_ms", ".2f", 1),
 )
 
 
@@ -137,7 +137,9 @@ def _table(rows: list[dict]) -> Table:
     for title, _, _, _ in _COLUMNS:
         table.add_column(title, justify="right", no_wrap=True)
     for row in rows:
-        cells = ["-" if row[key] is None else format(row[key] * (int(f) if f == 1.0 else f), style)
-                 for _, key, style, f in _COLUMNS]  # fmt: skip
+        cells = [
+            "-" if row[key] is None else format(row[key] * factor, style)
+            for _, key, style, factor in _COLUMNS
+        ]
         table.add_row(row["name"], *cells)
     return table

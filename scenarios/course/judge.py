@@ -13,6 +13,7 @@ from scenarios.perception import Event
 USE_M = 2.5
 """Distance of the front wheel from the near edge at which a belief is judged: from there on it is used."""
 
+_FRESH_S = 0.2  # a belief that was given up earlier is of no use
 _GATE_M, _GATE_SHARE = 1.2, 0.12
 _KIND_OF = {"half_sine_bump": "bump", "watts_hump": "hump", "flat_top_hump": "table", "pothole": "pothole"}
 
@@ -47,7 +48,8 @@ class Passage:
     def used(self) -> Belief | None:
         """The last confirmed belief at least `USE_M` before the front wheel; None if it was missed."""
         ahead = [belief for belief in self.beliefs if belief.confirmed and belief.distance_m >= USE_M]
-        return ahead[-1] if ahead and ahead[-1].distance_m < USE_M + 2.0 * self.speed_m_s * 0.1 else None
+        fresh = bool(ahead) and ahead[-1].distance_m < USE_M + _FRESH_S * self.speed_m_s
+        return ahead[-1] if fresh else None
 
     @property
     def first_confirmed_m(self) -> float | None:
@@ -72,7 +74,7 @@ def passages(run: Run) -> list[Passage]:
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
     speed = run.signals["speed_m_s"]
     found = []
-    for feature in run.case.scenario.road.features:
+    for feature in _obstacles(run):
         reached = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m - USE_M))
         beliefs = tuple(_beliefs(run, feature, axle))
         found.append(Passage(feature, float(speed[min(reached, len(speed) - 1)]), beliefs))
@@ -83,10 +85,15 @@ def false_tracks(run: Run) -> int:
     """Confirmed tracks that never came near any obstacle of their class."""
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
     real: set[int] = set()
-    for feature in run.case.scenario.road.features:
+    for feature in _obstacles(run):
         real |= {belief.track for belief in _all_beliefs(run, feature, axle)}
     confirmed = {row["track"] for event in _arrivals(run) for row in event["tracks"] if row["confirmed"]}
     return len(confirmed - real)
+
+
+def _obstacles(run: Run) -> Iterator[Feature]:
+    """What the detector is asked for; joints, covers and steps are not."""
+    return (feature for feature in run.case.scenario.road.features if feature.cls is not None)
 
 
 def _arrivals(run: Run) -> Iterator[Event]:

@@ -42,7 +42,7 @@ def course(
     road = Road(
         length_m=float(starts[-1]) + 12.0,
         features=features,
-        roughness=Roughness(iso_class=iso_class, seed=int(rng.integers(2**31))),
+        roughness=Roughness(iso_class, int(rng.integers(2**31)), track_m=base.vehicle.parameters.track_m),
     )
     wear = float(rng.uniform(0.1, 0.6))
     return replace(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from road.features import HalfSineBump
+from road.features import ExpansionJoint, HalfSineBump
 from road.profile import Road
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
@@ -89,3 +89,12 @@ def test_confirmation_distance_is_that_of_the_front_wheel() -> None:
     first = passages(run)[0].first_confirmed_m
     axle = run.signals["axle"][0]
     assert first == pytest.approx(50.0 - (2.0 + SPEED * 2.05 + axle), abs=0.51)
+
+
+def test_joints_and_covers_are_no_obstacles() -> None:
+    run = drive({0: 0.0})
+    road = Road(length_m=70.0, features=(ExpansionJoint(20.0), BUMP))
+    run = replace(run, case=replace(run.case, scenario=replace(run.case.scenario, road=road)))
+    (passage,) = passages(run)
+    assert passage.feature == BUMP
+    assert false_tracks(run) == 0
