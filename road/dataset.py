@@ -26,12 +26,13 @@ from road.features import Feature
 from road.profile import Road
 from road.render import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX, Frame, Scene
 from road.roadside import moving, standing
-from road.scenes import random_positions, random_road, random_view
+from road.scenes import approach_positions, random_positions, random_road, random_view
 
 FORMAT = 1
 SPLITS = ("train", "val", "test")
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
 VIEWS_PER_ROAD = 10
+APPROACH_SHARES = (0.8, 0.2, 0.0)  # of the cameras of `road.scenes.random_view`
 LANE_HALF_WIDTH_M = 1.2
 _TELL_EVERY = 120
 _JPEG_QUALITY = (55, 96)
@@ -46,6 +47,7 @@ class Job:
     road: int
     views: int
     seed: int
+    approach: bool = False
 
 
 def write_dataset(
@@ -54,12 +56,14 @@ def write_dataset(
     seed: int,
     workers: int = 1,
     report: Callable[[int], None] = lambda done: None,
+    approach: bool = False,
 ) -> dict:
     """Render `counts[split]` images per split into `out` and return what dataset.json says.
 
     Roads are never shared between splits. Every image and label depends only on the seed and its place in the
     set, so the number of workers is immaterial; labels appear before their images, each in one step. `report`
-    is told how many images are done, after each road.
+    is told how many images are done, after each road. With `approach` the views of a road are those of a car
+    on its way to a feature, from 18 m to 3 m, mostly with the default camera.
 
     Raises InputError for negative counts or an `out` that already holds a data set.
     """
@@ -71,7 +75,7 @@ def write_dataset(
     digest, done = hashlib.sha256(), 0
     for split in _ORDER:
         lines = []
-        for rows in _run(_jobs(out, split, counts.get(split, 0), seed), workers):
+        for rows in _run(_jobs(out, split, counts.get(split, 0), seed, approach), workers):
             for row in rows:
                 digest.update(f"{split}/{row['image']} {row.pop('sha256')}\n".encode())
                 lines.append(json.dumps(row) + "\n")
@@ -85,6 +89,7 @@ def write_dataset(
         "counts": {split: counts.get(split, 0) for split in SPLITS},
         "seed": seed,
         "views_per_road": VIEWS_PER_ROAD,
+        "approach": approach,
         "label_minimum": {
             "height_px": MIN_BOX_HEIGHT_PX,
             "width_px": MIN_BOX_WIDTH_PX,
@@ -106,8 +111,10 @@ def render_road(job: Job) -> list[dict]:
     scene = Scene(road, look, int(rng.integers(1 << 31)))
     beside = standing(rng, look)
     rows = []
-    for view, x in enumerate(random_positions(rng, road, VIEWS_PER_ROAD)[: job.views]):
-        camera, pose = random_view(rng, x)
+    place = approach_positions if job.approach else random_positions
+    shares = (APPROACH_SHARES,) if job.approach else ()
+    for view, x in enumerate(place(rng, road, VIEWS_PER_ROAD)[: job.views]):
+        camera, pose = random_view(rng, x, *shares)
         frame = scene.render(camera, pose, view, [*beside, *moving(rng, look, x)])
         name = f"{SPLITS[job.split]}_{job.road:05d}_{view}.jpg"
         objects = list(_objects(road, frame, pose))
@@ -130,10 +137,10 @@ def render_road(job: Job) -> list[dict]:
     return rows
 
 
-def _jobs(out: Path, split: str, count: int, seed: int) -> Iterator[Job]:
+def _jobs(out: Path, split: str, count: int, seed: int, approach: bool) -> Iterator[Job]:
     for road, first in enumerate(range(0, count, VIEWS_PER_ROAD)):
         views = min(VIEWS_PER_ROAD, count - first)
-        yield Job(out / split, SPLITS.index(split), road, views, seed)
+        yield Job(out / split, SPLITS.index(split), road, views, seed, approach)
 
 
 def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
@@ -207,12 +214,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     for split, default in zip(SPLITS, (5250, 1125, 1125), strict=True):
         parser.add_argument(f"--{split}", type=int, default=default, help=f"images (default {default})")
+    parser.add_argument(
+        "--approach", action="store_true", help="views of a car that drives towards a bump or pothole"
+    )
     parser.add_argument("--workers", type=int, default=1, help="processes (default 1)")
     options = parser.parse_args(arguments)
     counts = {split: getattr(options, split) for split in SPLITS}
     try:
         with progress(sum(counts.values())) as report:
-            summary = write_dataset(options.out, counts, options.seed, options.workers, report)
+            summary = write_dataset(
+                options.out, counts, options.seed, options.workers, report, options.approach
+            )
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -10,6 +10,8 @@ from road.roughness import Roughness
 
 ROAD_M = 62.0
 FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # cameras stand between
+NEAREST_M, FARTHEST_M = 3.0, 18.0  # from the camera to what it approaches
+TRACK_M = 0.95  # half the car's width
 _PAINT_SHARES = {
     "bare": 0.15,
     "plain": 0.1,
@@ -112,12 +114,14 @@ def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]
     return holes
 
 
-def random_view(rng: np.random.Generator, x_m: float) -> tuple[Camera, CameraPose]:
+def random_view(
+    rng: np.random.Generator, x_m: float, shares: tuple[float, float, float] = (0.45, 0.35, 0.2)
+) -> tuple[Camera, CameraPose]:
     """A camera at about x: the default one on a moving body, one in another car, or one held or mounted high.
 
-    Their shares are 45, 35 and 20 %. The last looks down on the road, as survey vehicles' cameras do.
+    `shares` are their probabilities. The last looks down on the road, as survey vehicles' cameras do.
     """
-    kind = int(rng.choice(3, p=(0.45, 0.35, 0.2)))
+    kind = int(rng.choice(3, p=shares))
     if kind == 0:
         camera, mount = Camera(), CameraMount()
         pitch, roll, yaw = rng.normal(0, 0.008), rng.normal(0, 0.004), rng.normal(0, 0.01)
@@ -154,6 +158,19 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
             x = before if FIRST_VIEW_M < before < LAST_VIEW_M else x
         positions.append(float(x))
     return sorted(positions)
+
+
+def approach_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
+    """Camera positions on the way to a feature in the car's path, where a controller uses what is seen."""
+    ahead = [f for f in road.features if f.y_min_m < TRACK_M and f.y_max_m > -TRACK_M]
+    targets = [f for f in ahead if f.start_m - NEAREST_M > FIRST_VIEW_M]
+    if not targets:
+        return random_positions(rng, road, count)
+    bumps = [f for f in targets if f.cls == 0]
+    pool = bumps if bumps and rng.random() < 0.7 else targets
+    start = pool[int(rng.integers(len(pool)))].start_m
+    distances = np.exp(rng.uniform(np.log(NEAREST_M), np.log(FARTHEST_M), count))
+    return sorted(np.maximum(start - distances, FIRST_VIEW_M).tolist())
 
 
 def _start(rng: np.random.Generator, length: float) -> float:

@@ -115,3 +115,16 @@ def test_bad_counts_are_refused(tmp_path: Path) -> None:
         write_dataset(tmp_path / "x", {"training": 1}, seed=0)
     with pytest.raises(InputError, match="counts must map"):
         write_dataset(tmp_path / "x", {"train": -1}, seed=0)
+
+
+def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path) -> None:
+    write_dataset(tmp_path / "set", {"val": 3 * VIEWS_PER_ROAD}, seed=5, approach=True)
+    rows = rows_of(tmp_path / "set", "val")
+    near = [
+        min((o["distance_m"] for o in row["objects"] if o["distance_m"] > 0), default=np.inf) for row in rows
+    ]
+    for road in {row["road"] for row in rows}:
+        places = [row["pose"]["x"] for row in rows if row["road"] == road]
+        assert places == sorted(places)
+    assert np.median(near) < 18 * 1.1
+    assert sum(row["camera"]["focal_px"] == 457.0 for row in rows) > len(rows) / 2
