@@ -1,7 +1,11 @@
-"""The detection loss: box (CIoU, optionally with NWD), distribution focal and class terms.
+"""The detection loss: box (CIoU, optionally with NWD), class, distribution focal and edge terms.
 
 Each term is a sum over the batch divided by the sum of target scores. With C and alpha as in
 arXiv 2508.01339, eq. 10: L_box = (1 - alpha)(1 - NWD) + alpha(1 - CIoU), boxes in strides.
+
+The edge term is ours, for the range to an object, which follows from the rows of its box. Where an edge is
+uncertain, a box too tall by e of a height h has the IoU h / (h + e), one too low by e only (h - e) / h:
+CIoU asks for boxes too tall. An absolute error asks for the median, and weighs no less in a tall box.
 """
 
 from dataclasses import dataclass
@@ -17,11 +21,15 @@ from detector.overlap import ciou, nwd
 
 @dataclass(frozen=True)
 class LossWeights:
-    """Weights of the terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out)."""
+    """Weights of the terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out).
+
+    edge: of the error of top and bottom edge in strides; 5 about matches CIoU on a box of 2.5 strides height
+    """
 
     box: float = 7.5
     label: float = 0.5
     distribution: float = 1.5
+    edge: float = 0.0
     nwd_scale: float = 12.8
     nwd_alpha: float = 1.0
 
@@ -30,6 +38,8 @@ class LossWeights:
             raise ValueError(f"nwd_alpha must be in 0..1, got {self.nwd_alpha}")
         if not self.nwd_scale > 0:
             raise ValueError(f"nwd_scale must be > 0, got {self.nwd_scale}")
+        if not self.edge >= 0:
+            raise ValueError(f"edge must be >= 0, got {self.edge}")
 
 
 def detection_loss(
@@ -39,7 +49,7 @@ def detection_loss(
     stride: Tensor,
     weights: LossWeights,
 ) -> Tensor:
-    """The three weighted terms (3,): box, class, distribution. Their sum is to be minimised.
+    """The four weighted terms (4,): box, class, distribution, edge. Their sum is to be minimised.
 
     points, stride: as `anchor_points` gives them for the size of the images.
     """
@@ -48,9 +58,14 @@ def detection_loss(
     total = matched.score.sum().clamp(min=1)
     logits = predictions.class_logits.float()
     label = _label_loss(logits, matched, wanted, _ignored(truths, points, stride, logits))
-    box, distribution = _box_losses(predictions, matched, wanted, points, stride, weights)
-    terms = torch.stack((weights.box * box, weights.label * label, weights.distribution * distribution))
-    return terms / total
+    box, distribution, edge = _box_losses(predictions, matched, wanted, points, stride, weights)
+    terms = (
+        weights.box * box,
+        weights.label * label,
+        weights.distribution * distribution,
+        weights.edge * edge,
+    )
+    return torch.stack(terms) / total
 
 
 def _label_loss(logits: Tensor, matched: Assignment, truths: Truths, ignored: Tensor) -> Tensor:
@@ -77,7 +92,7 @@ def _box_losses(
     points: Tensor,
     stride: Tensor,
     weights: LossWeights,
-) -> tuple[Tensor, Tensor]:
+) -> tuple[Tensor, Tensor, Tensor]:
     logits = predictions.box_logits(matched.image, matched.anchor)
     at, scale = points[matched.anchor], stride[matched.anchor]
     target = truths.boxes[matched.truth]
@@ -87,7 +102,13 @@ def _box_losses(
         near = nwd(guess / scale[:, None], target / scale[:, None], weights.nwd_scale)
         loss = loss + (1 - weights.nwd_alpha) * (1 - near)
     spread = distribution_focal_loss(logits, encode(target, at, scale))
-    return (loss * matched.score).sum(), (spread * matched.score).sum()
+    edge = edge_loss(guess, target, scale)
+    return (loss * matched.score).sum(), (spread * matched.score).sum(), (edge * matched.score).sum()
+
+
+def edge_loss(guess: Tensor, target: Tensor, stride: Tensor) -> Tensor:
+    """(P,) distance of the top edges plus that of the bottom edges, in strides (P,), of boxes (P, 4)."""
+    return (guess[:, 1::2] - target[:, 1::2]).abs().sum(1) / stride
 
 
 def distribution_focal_loss(logits: Tensor, target: Tensor) -> Tensor:

@@ -107,6 +107,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of AdamW")
     p.add_argument("--nwd-alpha", type=float, default=1.0, help="share of CIoU in the box loss; 1 = no NWD")
     p.add_argument("--nwd-scale", type=float, default=12.8, help="the constant C of the NWD, in strides")
+    p.add_argument("--edge-weight", type=float, default=0.0, help="of top and bottom edge's error in strides")
     p.add_argument("--teacher", type=Path, help="weights file of a larger model to learn from (BCKD and CWD)")
     p.add_argument("--distil-logits", type=float, default=0.5, help="weight of BCKD; 0 = none")
     p.add_argument("--distil-features", type=float, default=0.5, help="weight of CWD; 0 = none")
@@ -134,6 +135,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _loss_weights(args: argparse.Namespace) -> LossWeights:
+    try:
+        return LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
 def run(args: argparse.Namespace) -> None:
     """Train as the command line says. Raises InputError."""
     settings = Settings(
@@ -143,7 +151,7 @@ def run(args: argparse.Namespace) -> None:
         args.rate,
         seed=args.seed,
         precision=args.precision,
-        loss=LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale),
+        loss=_loss_weights(args),
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
     )
     chosen = args.device if args.device != "auto" else "cuda" if torch.cuda.is_available() else "cpu"

@@ -20,7 +20,7 @@ from detector.models import build
 from detector.nms import OVERLAP, select
 from detector.schedule import Stage, rate_factor
 
-TERMS = ("box", "class", "distribution", "distilled logits", "distilled features")
+TERMS = ("box", "class", "distribution", "edge", "distilled logits", "distilled features")
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Trainer:
         self._grid: dict[Stage, tuple[torch.Tensor, torch.Tensor]] = {}
 
     def step(self, batch: Batch) -> torch.Tensor:
-        """One update; gives the loss terms: three, and two more with a teacher."""
+        """One update; gives the loss terms: four, and two more with a teacher."""
         settings = self.settings
         factor = rate_factor(settings.stages, self.passes, settings.warmup)
         for group in self.optimiser.param_groups:
