@@ -13,10 +13,10 @@ from controller.model import KILO
 from controller.whole_drive import Drive, WholeDrive
 from files.atomic import write_bytes
 from files.cache import cache_folder
-from road.envelope import WheelProfile, wheel_profile
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, ticks
 from scenarios.schema import Scenario
+from scenarios.tracks import wheel_profiles
 from vehicle.equations import input_size
 from vehicle.plant import Plant
 from vehicle.speed import ConstantSpeed, SpeedProfile
@@ -84,15 +84,6 @@ def drive_of(scenario: Scenario) -> Drive:
         start=np.array(plant.state.x),
         rho=scenario.tyre_load_weight,
     )
-
-
-def wheel_profiles(scenario: Scenario) -> list[WheelProfile]:
-    """The road as each wheel feels it."""
-    car = scenario.vehicle.parameters
-    tracks = {
-        y: wheel_profile(scenario.road, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m
-    }
-    return [tracks[y] for y in car.wheel_y_m]
 
 
 def _rehearsal(scenario: Scenario, controller: str) -> Case:

@@ -11,7 +11,6 @@ from comfort.metrics import ride_metrics
 from controller.clairvoyant import Replay
 from controller.registry import CLAIRVOYANT
 from preview.memory import Memory
-from road.envelope import wheel_profile
 from scenarios.bound import bound
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
@@ -21,6 +20,7 @@ from scenarios.faults import Faults
 from scenarios.observer_errors import observer_errors
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog, collect
+from scenarios.tracks import wheel_profiles
 from vehicle.audit import energy_audit
 from vehicle.parameters import prediction_car
 from vehicle.plant import Plant
@@ -74,10 +74,7 @@ def simulate(
     started = perf_counter()
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     streams = random_streams(case.seed)
-    tracks = {
-        y: wheel_profile(scenario.road, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m
-    }
-    profiles = [tracks[y] for y in car.wheel_y_m]
+    profiles = wheel_profiles(scenario)
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.motion)
     sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)

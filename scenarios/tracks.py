@@ -1,0 +1,22 @@
+"""The road as each wheel of a scenario's car feels it."""
+
+from functools import lru_cache
+
+from road.envelope import WheelProfile, wheel_profile
+from road.enveloping import Enveloping
+from road.profile import Road
+from scenarios.schema import Scenario
+
+
+def wheel_profiles(scenario: Scenario) -> list[WheelProfile]:
+    """The effective road under each wheel; drives over the same road share it, for it never changes."""
+    car = scenario.vehicle.parameters
+    return list(_profiles(scenario.road, tuple(car.wheel_y_m), car.wheel_radius_m, scenario.enveloping))
+
+
+@lru_cache(maxsize=32)
+def _profiles(
+    road: Road, wheel_y_m: tuple[float, ...], radius_m: float, enveloping: Enveloping
+) -> tuple[WheelProfile, ...]:
+    tracks = {y_m: wheel_profile(road, y_m, radius_m, enveloping) for y_m in wheel_y_m}
+    return tuple(tracks[y_m] for y_m in wheel_y_m)
