@@ -60,7 +60,7 @@ def kinematics(
     transition = block_diag(double, one, 1.0)
     transition[:, 4 * w : 6 * w] -= drive
     output = _output(vehicle)
-    process, reading = _covariances(vehicle, noise, drive, t, lost or (False,) * (3 * w + 2))
+    process, reading = _covariances(vehicle, noise, drive, t, lost or (False,) * (3 * w + 3))
     p = solve_discrete_are(transition.T, output.T, process, reading)
     gain = p @ output.T @ np.linalg.inv(output @ p @ output.T + reading)
     return Kinematics(transition, drive, output, gain)

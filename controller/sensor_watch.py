@@ -8,7 +8,14 @@ from vehicle.sensors import Measurement, SensorNoise
 
 STUCK_READINGS = 4
 """Equal readings in a row after which a sensor that has noise counts as stuck."""
-MOST = {"body_acc": 150.0, "wheel_acc": 2000.0, "rattle_m": 0.4, "pitch_rate": 10.0, "speed_m_s": 110.0}
+MOST = {
+    "body_acc": 150.0,
+    "wheel_acc": 2000.0,
+    "rattle_m": 0.4,
+    "pitch_rate": 10.0,
+    "speed_m_s": 110.0,
+    "roll_rate": 10.0,
+}
 """Largest magnitude that a working sensor reports, SI units."""
 EVERYTHING = "all sensors silent"
 
@@ -17,7 +24,7 @@ EVERYTHING = "all sensors silent"
 class Checked:
     """A reading whose unbelievable channels are held at their last believable values.
 
-    lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed.
+    lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.
     faults: what is wrong, by name, such as `rattle_m_0 stuck`; empty for a sound reading.
     """
 
@@ -32,15 +39,14 @@ class SensorWatch:
     def __init__(self, wheels: int, noise: SensorNoise):
         self._wheels = wheels
         noisy = [noise.body_density_m_s2, noise.wheel_density_m_s2, noise.rattle_m]
-        self._noisy = (
-            np.array([*np.repeat(noisy, wheels), noise.pitch_rate_density_rad_s, noise.speed_m_s]) > 0.0
-        )
+        gyros = noise.pitch_rate_density_rad_s, noise.roll_rate_density_rad_s if wheels > 2 else 0.0
+        self._noisy = np.array([*np.repeat(noisy, wheels), gyros[0], noise.speed_m_s, gyros[1]]) > 0.0
         self._names = [
             f"{name}_{wheel}" for name in ("body_acc", "wheel_acc", "rattle_m") for wheel in range(wheels)
         ]
-        self._names += ["pitch_rate", "speed_m_s"]
+        self._names += ["pitch_rate", "speed_m_s", "roll_rate"]
         most = np.repeat([MOST["body_acc"], MOST["wheel_acc"], MOST["rattle_m"]], wheels)
-        self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"]])
+        self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"], MOST["roll_rate"]])
         self._sound = (False,) * len(self._names)
         self.reset()
 
@@ -53,7 +59,7 @@ class SensorWatch:
     def check(self, measurement: Measurement) -> Checked:
         """Return what can be believed of a reading."""
         m = measurement
-        values = np.array([*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s])
+        values = np.array([*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s, m.roll_rate])
         silent = ~np.isfinite(values)
         impossible = np.abs(values) > self._most  # false for NaN
         self._equal = np.where(values == self._before, self._equal + 1, 0)
@@ -77,6 +83,7 @@ class SensorWatch:
             body_acc=held[:w],
             wheel_acc=held[w : 2 * w],
             rattle_m=held[2 * w : 3 * w],
-            pitch_rate=float(held[-2]),
-            speed_m_s=float(held[-1]),
+            pitch_rate=float(held[-3]),
+            speed_m_s=float(held[-2]),
+            roll_rate=float(held[-1]),
         )

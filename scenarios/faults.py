@@ -19,7 +19,7 @@ class SensorFault:
     """A sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one."""
 
     kind: ClassVar[str] = "sensor"
-    channel: Literal["body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "all"]
+    channel: Literal["body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate", "all"]
     mode: Literal["stuck", "silent"]
     start_s: float
     duration_s: float
@@ -102,7 +102,7 @@ def _active(fault: Fault, time_s: float) -> bool:
 
 
 def _spoil(measurement: Measurement, fault: SensorFault, before: Measurement | None) -> Measurement:
-    channels = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
+    channels = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate")
     changed: dict[str, Any] = {}
     for name in channels if fault.channel == "all" else (fault.channel,):
         value, last = getattr(measurement, name), getattr(before or measurement, name)

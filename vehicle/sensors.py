@@ -2,8 +2,8 @@
 
 Default values, each for a class of part rather than a part:
 
-* body accelerometer and gyro: automotive six-axis MEMS module (±8 g, ±125 °/s); noise densities of 60 µg/√Hz
-  and 5 m°/s/√Hz; what standstill calibration leaves of the offsets, 3 mg and 0.05 °/s
+* body accelerometer and gyros of pitch and roll: automotive six-axis MEMS module (±8 g, ±125 °/s); noise
+  densities of 60 µg/√Hz and 5 m°/s/√Hz; what standstill calibration leaves of the offsets, 3 mg and 0.05 °/s
 * wheel accelerometer: automotive high-g MEMS (±120 g); 1 mg/√Hz, offset 50 mg
 * rattle: Hall-effect level sensor on a linkage, ±100 mm; 0.2 mm noise, 1 mm of zero error
 * speed: toothed-ring wheel-speed sensor; 0.02 m/s noise, 0.3 % error of the rolling radius
@@ -46,6 +46,7 @@ class SensorInterface:
     wheel_acc_step_m_s2: float = 0.0
     rattle_step_m: float = 0.0
     pitch_rate_step_rad_s: float = 0.0
+    roll_rate_step_rad_s: float = 0.0
     speed_step_m_s: float = 0.0
     delay_readings: int = 0
     dropout: float = 0.0
@@ -61,6 +62,7 @@ CATALOGUE_STEPS = SensorInterface(
     wheel_acc_step_m_s2=49e-3 * GRAVITY_M_S2,
     rattle_step_m=0.2 / 4096,
     pitch_rate_step_rad_s=float(np.radians(0.0038)),
+    roll_rate_step_rad_s=float(np.radians(0.0038)),
     speed_step_m_s=0.01,
 )
 
@@ -75,6 +77,8 @@ class SensorNoise:
     wheel_offset_m_s2: float = 50e-3 * GRAVITY_M_S2
     pitch_rate_density_rad_s: float = float(np.radians(5e-3))  # per √Hz
     pitch_rate_offset_rad_s: float = float(np.radians(0.05))
+    roll_rate_density_rad_s: float = float(np.radians(5e-3))  # per √Hz
+    roll_rate_offset_rad_s: float = float(np.radians(0.05))
     rattle_m: float = 2e-4
     rattle_offset_m: float = 1e-3
     speed_m_s: float = 0.02
@@ -100,6 +104,7 @@ class Measurement:
     rattle_m: Array  # (w,) body minus wheel
     pitch_rate: float  # rad/s, positive nose-down
     speed_m_s: float
+    roll_rate: float = 0.0  # rad/s, positive left side up; 0 in a car that cannot roll
 
 
 class Sensors:
@@ -107,18 +112,20 @@ class Sensors:
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
         self._rng, self._wheels = rng, wheels
+        self._roll_rng = rng.spawn(1)[0]  # its own, so that the roll gyro shifts no other channel's chance
         n = self._noise = noise or SensorNoise()
         width = np.sqrt(n.bandwidth_hz)
         noises = np.repeat([n.body_density_m_s2 * width, n.wheel_density_m_s2 * width, n.rattle_m], wheels)
         offsets = np.repeat([n.body_offset_m_s2, n.wheel_offset_m_s2, n.rattle_offset_m], wheels)
-        self._sigma = np.array([*noises, n.pitch_rate_density_rad_s * width, n.speed_m_s])
-        self._offset = np.array([*offsets, n.pitch_rate_offset_rad_s, 0.0]) * rng.standard_normal(
-            offsets.size + 2
-        )
+        rolls = wheels > 2
+        gyros = n.pitch_rate_density_rad_s * width, rolls * n.roll_rate_density_rad_s * width
+        self._sigma = np.array([*noises, gyros[0], n.speed_m_s, gyros[1]])
+        spread = np.array([*offsets, n.pitch_rate_offset_rad_s, 0.0, rolls * n.roll_rate_offset_rad_s])
+        self._offset = spread * self._normal()
         self._scale = 1.0 + n.speed_scale * rng.standard_normal()
         i = n.interface
         sizes = np.repeat([i.body_acc_step_m_s2, i.wheel_acc_step_m_s2, i.rattle_step_m], wheels)
-        self._step = np.array([*sizes, i.pitch_rate_step_rad_s, i.speed_step_m_s])
+        self._step = np.array([*sizes, i.pitch_rate_step_rad_s, i.speed_step_m_s, i.roll_rate_step_rad_s])
         self._on_way: deque[Array] = deque(maxlen=i.delay_readings + 1)
         self._received: Array | None = None
         self._plain = i == SensorInterface()
@@ -126,8 +133,8 @@ class Sensors:
     def measure(self, state: VehicleState) -> Measurement:
         """The reading at one moment."""
         w = self._wheels
-        error = self._offset + self._sigma * self._rng.standard_normal(3 * w + 2)
-        moved = [state.pitch_rate, state.speed_m_s * self._scale]
+        error = self._offset + self._sigma * self._normal()
+        moved = [state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate]
         reading = np.concatenate([state.body_acc, state.wheel_acc, state.rattle_m, moved]) + error
         if not self._plain:
             reading = self._transmit(reading)
@@ -136,15 +143,21 @@ class Sensors:
             body_acc=reading[:w],
             wheel_acc=reading[w : 2 * w],
             rattle_m=reading[2 * w : 3 * w],
-            pitch_rate=float(reading[-2]),
-            speed_m_s=float(reading[-1]),
+            pitch_rate=float(reading[-3]),
+            speed_m_s=float(reading[-2]),
+            roll_rate=float(reading[-1]),
         )
+
+    def _normal(self) -> Array:
+        """A standard normal number for each channel."""
+        return np.append(self._rng.standard_normal(3 * self._wheels + 2), self._roll_rng.standard_normal())
 
     def _transmit(self, reading: Array) -> Array:
         """Round to steps, hold back, and keep the last value of channels that are lost."""
         stepped = np.where(self._step > 0.0, self._step, 1.0)
         self._on_way.append(np.where(self._step > 0.0, np.round(reading / stepped) * stepped, reading))
         arriving = self._on_way[0]
-        lost = self._rng.random(len(reading)) < self._noise.interface.dropout
+        chance = np.append(self._rng.random(len(reading) - 1), self._roll_rng.random())
+        lost = chance < self._noise.interface.dropout
         self._received = arriving if self._received is None else np.where(lost, self._received, arriving)
         return self._received

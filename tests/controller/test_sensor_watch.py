@@ -12,9 +12,8 @@ from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
 def reading(k: int, **changed: object) -> Measurement:
     """Reading number k of a half car in motion; no two are equal."""
     rng = np.random.default_rng(k)
-    sound = Measurement(
-        0.005 * k, rng.normal(size=2), rng.normal(size=2), 0.01 * rng.normal(size=2), 0.1 * k, 10.0 + k
-    )
+    wheels = rng.normal(size=2), rng.normal(size=2), 0.01 * rng.normal(size=2)
+    sound = Measurement(0.005 * k, *wheels, 0.1 * k, 10.0 + k, 0.2 * k)
     return replace(sound, **changed)  # type: ignore[arg-type]
 
 
@@ -35,6 +34,7 @@ def test_sound_readings_pass_unchanged() -> None:
         ("rattle_m", np.array([0.7, 0.01]), "rattle_m_0 out of range", 4),
         ("pitch_rate", float("nan"), "pitch_rate silent", 6),
         ("speed_m_s", 400.0, "speed_m_s out of range", 7),
+        ("roll_rate", float("nan"), "roll_rate silent", 8),
     ],
 )
 def test_a_bad_reading_is_named_and_held_at_the_last_good_one_until_the_sensor_is_back(
@@ -63,6 +63,11 @@ def test_a_sensor_is_stuck_after_some_equal_readings_and_back_with_the_first_oth
     assert faults[8:] == [(), ()]
 
 
+def test_a_car_that_cannot_roll_has_no_gyro_to_get_stuck() -> None:
+    watch = SensorWatch(2, SensorNoise())
+    assert all(watch.check(reading(k, roll_rate=0.0)).faults == () for k in range(10))
+
+
 def test_sensors_without_noise_may_repeat_themselves() -> None:
     watch, still = SensorWatch(2, NO_NOISE), reading(0)
     assert all(watch.check(still).faults == () for _ in range(10))
@@ -71,6 +76,6 @@ def test_sensors_without_noise_may_repeat_themselves() -> None:
 def test_a_silent_bus_has_a_name_of_its_own() -> None:
     watch = SensorWatch(1, SensorNoise())
     nothing = np.array([np.nan])
-    checked = watch.check(Measurement(0.0, nothing, nothing, nothing, float("nan"), float("nan")))
+    checked = watch.check(Measurement(0.0, nothing, nothing, nothing, *[float("nan")] * 3))
     assert checked.faults == (EVERYTHING,)
     assert np.isfinite(checked.measurement.rattle_m).all()

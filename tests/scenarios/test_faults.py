@@ -10,9 +10,8 @@ from vehicle.sensors import Measurement
 
 
 def reading(time_s: float) -> Measurement:
-    return Measurement(
-        time_s, np.full(2, time_s), np.full(2, 2 * time_s), np.full(2, 3 * time_s), 4 * time_s, 10 + time_s
-    )
+    wheels = (np.full(2, share * time_s) for share in (1, 2, 3))
+    return Measurement(time_s, *wheels, 4 * time_s, 10 + time_s, 5 * time_s)
 
 
 def faults(*all_of_them: object, seed: int = 0) -> Faults:
@@ -30,7 +29,8 @@ def test_a_silent_sensor_gives_no_number_and_a_silent_bus_none_at_all() -> None:
     assert np.isnan(one.body_acc).tolist() == [True, False]
     assert np.isfinite(one.wheel_acc).all()
     bus = faults(SensorFault("all", "silent", 0.0, 1.0)).reading(reading(0.5))
-    assert np.isnan([*bus.body_acc, *bus.wheel_acc, *bus.rattle_m, bus.pitch_rate, bus.speed_m_s]).all()
+    assert np.isnan([*bus.body_acc, *bus.wheel_acc, *bus.rattle_m]).all()
+    assert np.isnan([bus.pitch_rate, bus.speed_m_s, bus.roll_rate]).all()
 
 
 def test_a_frozen_preview_is_the_last_one_and_an_absurd_one_claims_cliffs() -> None:

@@ -13,27 +13,30 @@ from vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
 from vehicle.state import VehicleState, observe
 
 
-def moving_car() -> VehicleState:
-    plant = Plant(load_vehicle("half"))
-    bump = wheel_profile(Road(length_m=10.0, features=(HalfSineBump(1.0, 0.05, 0.5),)), 0.75)
-    plant.reset([bump, bump], 0.0, 10.0)
-    plant.step([1500.0, 1500.0], 60)
+def moving_car(name: str = "half", y_max_m: float = 3.5) -> VehicleState:
+    """A car with its front wheels just behind a bump that reaches from its right side to `y_max_m`."""
+    car = load_vehicle(name)
+    plant, bump = Plant(car), HalfSineBump(1.0, 0.05, 0.5, y_max_m=y_max_m)
+    road = Road(length_m=10.0, features=(bump,))
+    plant.reset([wheel_profile(road, y) for y in car.wheel_y_m], 0.0, 10.0)
+    plant.step([1500.0] * car.wheels, 60)
     return plant.state
 
 
 def readings(state: VehicleState, noise: SensorNoise, seed: int, n: int) -> np.ndarray:
-    """n readings as rows: body and wheel accelerations, rattle, pitch rate, speed."""
-    sensors = Sensors(2, np.random.default_rng(seed), noise)
+    """n readings as rows: body and wheel accelerations, rattle, pitch rate, speed, roll rate."""
+    sensors = Sensors(len(state.rattle_m), np.random.default_rng(seed), noise)
     return np.array(
         [
-            [*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s]
+            [*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s, m.roll_rate]
             for m in (sensors.measure(state) for _ in range(n))
         ]
     )
 
 
 def truth(state: VehicleState) -> np.ndarray:
-    return np.array([*state.body_acc, *state.wheel_acc, *state.rattle_m, state.pitch_rate, state.speed_m_s])
+    body = [state.pitch_rate, state.speed_m_s, state.roll_rate]
+    return np.array([*state.body_acc, *state.wheel_acc, *state.rattle_m, *body])
 
 
 def test_without_noise_the_sensors_tell_the_truth() -> None:
@@ -43,19 +46,19 @@ def test_without_noise_the_sensors_tell_the_truth() -> None:
 
 def test_noise_has_the_stated_spread() -> None:
     noise, root = SensorNoise(), np.sqrt(200.0)
-    spread = readings(moving_car(), noise, 1, 20000).std(axis=0)
-    body, wheel = 60e-6 * 9.80665 * root, 1e-3 * 9.80665 * root
-    expected = [body, body, wheel, wheel, 2e-4, 2e-4, np.radians(5e-3) * root, 0.02]
+    spread = readings(moving_car("full"), noise, 1, 20000).std(axis=0)
+    body, wheel, gyro = 60e-6 * 9.80665 * root, 1e-3 * 9.80665 * root, np.radians(5e-3) * root
+    expected = [*[body] * 4, *[wheel] * 4, *[2e-4] * 4, gyro, 0.02, gyro]
     np.testing.assert_allclose(spread, expected, rtol=0.03)
 
 
 def test_offsets_stay_with_a_car_and_spread_over_cars_as_stated() -> None:
-    state = moving_car()
-    quiet = SensorNoise(0, 0.1, 0, 0.5, 0, 0.01, 0, 0.001, 0, 0.02)
+    state = moving_car("full")
+    quiet = SensorNoise(0, 0.1, 0, 0.5, 0, 0.01, 0, 0.03, 0, 0.001, 0, 0.02)
     cars = np.array([readings(state, quiet, seed, 2) for seed in range(3000)])
     np.testing.assert_array_equal(cars[:, 0], cars[:, 1])
     errors = cars[:, 0] - truth(state)
-    expected = [0.1, 0.1, 0.5, 0.5, 0.001, 0.001, 0.01, 0.02 * state.speed_m_s]
+    expected = [*[0.1] * 4, *[0.5] * 4, *[0.001] * 4, 0.01, 0.02 * state.speed_m_s, 0.03]
     np.testing.assert_allclose(errors.std(axis=0), expected, rtol=0.06)
     assert (np.abs(errors.mean(axis=0)) < 4 * np.array(expected) / np.sqrt(3000)).all()
 
@@ -64,12 +67,34 @@ def test_the_seed_decides() -> None:
     state = moving_car()
     one, same, other = (readings(state, SensorNoise(), seed, 3) for seed in (4, 4, 5))
     np.testing.assert_array_equal(one, same)
-    assert (one != other).all()
+    assert (one != other)[:, :-1].all()
+    assert (one[:, -1] == 0.0).all()  # a half car has no roll gyro
 
 
 def test_negative_noise_is_refused() -> None:
     with pytest.raises(InputError, match="rattle_m must be >= 0 and finite, got -1"):
         SensorNoise(rattle_m=-1.0)
+
+
+def test_the_roll_gyro_follows_a_car_whose_right_side_goes_over_a_bump() -> None:
+    state = moving_car("full", y_max_m=0.0)
+    assert abs(state.roll_rate) > 0.05
+    assert readings(state, NO_NOISE, 0, 1)[0, -1] == state.roll_rate
+    found = readings(state, quiet(roll_rate_step_rad_s=0.04), 0, 1)[0, -1]
+    assert found == pytest.approx(0.04 * round(state.roll_rate / 0.04))
+
+
+def test_the_roll_gyro_leaves_the_chance_of_the_other_channels_alone() -> None:
+    """They are drawn as from a generator that knows of no roll gyro."""
+    state, rng = moving_car("full"), np.random.default_rng(7)
+    offsets, scale, noise = rng.standard_normal(14), rng.standard_normal(), rng.standard_normal(14)
+    steady = replace(NO_NOISE, bandwidth_hz=1.0, body_density_m_s2=1.0, rattle_offset_m=1.0, speed_scale=1.0)
+    found = readings(state, replace(steady, roll_rate_density_rad_s=1.0), 7, 1)[0, :14]
+    expected = truth(state)[:14]
+    expected[:4] += noise[:4]
+    expected[8:12] += offsets[8:12]
+    expected[13] *= 1.0 + scale
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 def still(rattle_m: float) -> VehicleState:
