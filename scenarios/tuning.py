@@ -28,6 +28,13 @@ class Span(NamedTuple):
         value = low + float(np.clip(share, 0.0, 1.0)) * (high - low)
         return float(f"{np.exp(value) if self.ratio else value:.4g}")
 
+    def share(self, value: float) -> float:
+        """The share of the span at which a value lies, 0 or 1 for one beyond it."""
+        low, high, value = (
+            np.log([self.low, self.high, value]) if self.ratio else (self.low, self.high, value)
+        )
+        return float(np.clip((value - low) / (high - low), 0.0, 1.0))
+
 
 _LEVELS = {"hard_ns_m": Span(1000.0, 4500.0), "soft_ns_m": Span(300.0, 1000.0)}
 _SHAPE = {"floor_ns_m": Span(300.0, 1200.0), "smoothing_m_s": Span(0.01, 0.4, ratio=True)}
@@ -87,37 +94,45 @@ def spans_of(controller: str, wheels: int) -> dict[str, Span]:
     return {name: span for name, span in SPANS[controller].items() if wheels > 1 or name != "rear_ns_m"}
 
 
-def tune(judge: Judge, controller: str, spans: dict[str, Span], evaluations: int, seed: int) -> Tuned:
+def tune(
+    judge: Judge,
+    controller: str,
+    spans: dict[str, Span],
+    there: dict[str, float],
+    evaluations: int,
+    seed: int,
+) -> Tuned:
     """Look over the whole span with up to half of the evaluations, then climb from the best with the rest.
 
     A scrambled Sobol sequence looks, a trust-region method on quadratic models climbs (COBYQA: Ragonneau &
-    Zhang, as in scipy). The settings of the scenarios themselves are among those tried, so that the result
-    is never worse.
+    Zhang, as in scipy). The settings `there` before are among those tried and may be where the climb begins,
+    so that the result is never worse.
     """
-    tried: list[tuple[float, tuple[float, ...]]] = []
+    before = judge.score(controller, {})
+    tried = {tuple(span.share(there[name]) for name, span in spans.items()): before}
 
     def ask(shares: np.ndarray) -> float:
-        values = [span.at(share) for span, share in zip(spans.values(), shares, strict=True)]
-        score = judge.score(controller, dict(zip(spans, values, strict=True)))
-        tried.append((score, tuple(shares)))
-        return score
+        place = tuple(shares.tolist())
+        if place not in tried:
+            values = [span.at(share) for span, share in zip(spans.values(), place, strict=True)]
+            tried[place] = judge.score(controller, dict(zip(spans, values, strict=True)))
+        return tried[place]
 
-    before = judge.score(controller, {})
     looks = int(np.log2(evaluations / 2))  # a Sobol sequence is even after powers of two
     for point in qmc.Sobol(len(spans), rng=seed).random_base2(looks):
         ask(point)
     minimize(
         ask,
-        min(tried)[1],
+        min(tried, key=lambda place: tried[place]),
         method="COBYQA",
         bounds=[(0.0, 1.0)] * len(spans),
-        options={"maxfev": max(1, evaluations - len(tried) - 1), "initial_tr_radius": 0.1},
+        options={"maxfev": max(1, evaluations - len(tried) + 1), "initial_tr_radius": 0.1},
     )
-    score, shares = min(tried)
-    if before <= score:
+    shares = min(tried, key=lambda place: tried[place])
+    if before <= tried[shares]:
         return Tuned(controller, {}, before, before)
     settings = {name: span.at(share) for (name, span), share in zip(spans.items(), shares, strict=True)}
-    return Tuned(controller, settings, score, before)
+    return Tuned(controller, settings, tried[shares], before)
 
 
 def with_settings(scenario: Scenario, controller: str, settings: dict[str, float]) -> Scenario:

@@ -34,9 +34,9 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "--evaluations",
         type=int,
-        default=8,
+        default=24,
         metavar="N",
-        help="drives of the set for each number tuned (default 8)",
+        help="drives of the set for each controller (default 24)",
     )
     command.add_argument("--seed", type=int, default=1, help="of the search (default 1)")
     add_field_options(command)
@@ -46,21 +46,21 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Tune one controller after the other; write their settings to `--out` (default runs/tuned/KIND.yaml)."""
-    if arguments.evaluations < 4:
-        raise InputError(f"--evaluations must be >= 4, got {arguments.evaluations}")
+    if arguments.evaluations < 8:
+        raise InputError(f"--evaluations must be >= 8, got {arguments.evaluations}")
     scenarios = load_all(arguments.events, overrides_of(arguments))
     car = scenarios[0].vehicle.parameters
     if any(scenario.vehicle.parameters != car for scenario in scenarios):
         raise InputError("scenarios to tune on must have one and the same car; --vehicle gives them one")
     searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
-    drives = {name: arguments.evaluations * len(spans) for name, spans in searches.items()}
     found = []
     with progress_bar() as progress:
-        bar = progress.add_task("passive", total=sum(drives.values()))
+        bar = progress.add_task("passive", total=len(searches) * arguments.evaluations)
         judge = Judge(scenarios, lambda: progress.advance(bar))
         for name, spans in searches.items():
             progress.update(bar, description=name)
-            tuned = tune(judge, name, spans, drives[name], arguments.seed)
+            there = strict.to_mapping(getattr(scenarios[0].control.settings, name))
+            tuned = tune(judge, name, spans, there, arguments.evaluations, arguments.seed)
             progress.console.print(
                 f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}"
             )

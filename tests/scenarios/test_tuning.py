@@ -21,6 +21,9 @@ road: {length_m: 25, features: [{kind: half_sine_bump, start_m: 6, length_m: 0.5
 """
 
 
+THERE = {"hard_ns_m": 4500.0, "soft_ns_m": 300.0}
+
+
 class Bowl:
     """Stands in for a judge: least at hard 2000, soft 500; the settings there before score `before`."""
 
@@ -36,7 +39,7 @@ class Bowl:
 
 def test_the_bottom_is_found_within_the_evaluations() -> None:
     bowl: Any = Bowl(before=1.0)
-    found = tune(bowl, "add", SPANS["add"], evaluations=40, seed=1)
+    found = tune(bowl, "add", SPANS["add"], THERE, evaluations=40, seed=1)
     assert found.settings["hard_ns_m"] == pytest.approx(2000.0, rel=0.02)
     assert found.settings["soft_ns_m"] == pytest.approx(500.0, rel=0.02)
     assert found.score == pytest.approx(0.5, abs=1e-3)
@@ -45,14 +48,22 @@ def test_the_bottom_is_found_within_the_evaluations() -> None:
 
 def test_what_was_there_before_stays_where_nothing_better_is_found() -> None:
     bowl: Any = Bowl(before=0.4)
-    found = tune(bowl, "add", SPANS["add"], evaluations=16, seed=1)
+    found = tune(bowl, "add", SPANS["add"], THERE, evaluations=16, seed=1)
     assert (found.settings, found.score) == ({}, 0.4)
+
+
+def test_the_climb_begins_where_the_settings_before_were_if_nothing_seen_is_better() -> None:
+    near = {"hard_ns_m": 2100.0, "soft_ns_m": 510.0}
+    start: Any = Bowl(Bowl(0.0).score("add", near))
+    found = tune(start, "add", SPANS["add"], near, evaluations=24, seed=1)
+    assert found.score < 0.5005
+    assert start.asked <= 25
 
 
 def test_the_same_seed_searches_the_same_places() -> None:
     bowls: list[Any] = [Bowl(1.0), Bowl(1.0), Bowl(1.0)]
     first, again, other = (
-        tune(bowl, "add", SPANS["add"], 12, seed) for bowl, seed in zip(bowls, (1, 1, 2), strict=True)
+        tune(bowl, "add", SPANS["add"], THERE, 12, seed) for bowl, seed in zip(bowls, (1, 1, 2), strict=True)
     )
     assert first == again != other
 
@@ -61,6 +72,8 @@ def test_a_span_of_orders_of_magnitude_is_halved_by_its_geometric_mean() -> None
     assert Span(0.01, 1.0, ratio=True).at(0.5) == 0.1
     assert Span(10.0, 20.0).at(0.5) == 15.0
     assert Span(10.0, 20.0).at(-1e-9) == 10.0
+    for span in (Span(0.01, 1.0, ratio=True), Span(10.0, 20.0)):
+        assert span.share(span.at(0.3)) == pytest.approx(0.3, abs=1e-4)
 
 
 def test_each_controller_that_is_tuned_has_settings_of_these_names_that_fit_any_span() -> None:
@@ -99,8 +112,8 @@ def test_the_command_writes_settings_that_can_be_read_back_and_are_no_worse(tmp_
 
 
 def test_too_few_evaluations_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["tune", "--evaluations", "3"]) == 2
-    assert "--evaluations must be >= 4, got 3" in capsys.readouterr().err
+    assert main(["tune", "--evaluations", "7"]) == 2
+    assert "--evaluations must be >= 8, got 7" in capsys.readouterr().err
 
 
 def test_one_cars_settings_are_not_tuned_on_another(
