@@ -1,6 +1,6 @@
-"""Where a detector is right and wrong: by distance, box height, condition; how true its edges are.
+"""Where a detector is right and wrong: by distance and box height; how true its edges are.
 
-Works on the records of `objects.jsonl`: class, distance and lane of every object, condition of every image.
+Works on the records of `objects.jsonl`: class, distance and lane of every object.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from detector.detection import CLASS_NAMES
-from detector.metrics import ImageResult, summarise
+from detector.metrics import ImageResult
 from files.errors import InputError
 
 BIN_M = 2.5
@@ -95,17 +95,6 @@ def by_object(seen: Sequence[Seen]) -> dict:
         ],
         "bottom_edge_4_10_m": _per_class(_within(ego, EDGE_RANGE_M), _edge),
     }
-
-
-def by_condition(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
-    """Metrics of the images of each light, each weather and so on, as the records tell them."""
-    groups: dict[str, list[ImageResult]] = {}
-    for image in judged:
-        for key, value in records.get(image.name, {}).get("condition", {}).items():
-            groups.setdefault(f"{key}: {value}", []).append(image.result)
-    kept = ("map50", "map50_95", "precision", "recall", "images")
-    summaries = {name: summarise(group, confidence) for name, group in sorted(groups.items())}
-    return {name: {key: summary[key] for key in kept} for name, summary in summaries.items()}
 
 
 def false_alarms(judged: Sequence[Judged], confidence: float) -> dict:

@@ -1,19 +1,27 @@
-"""Curves of a training: losses and validation over the image passes, as one PNG."""
+"""Curves: of a training over its image passes, and of precision and recall, as PNG files."""
 
+import io
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from detector.detection import CLASS_NAMES
+from detector.metrics import IOU_LEVELS, ImageResult, average_precision, pooled, precision_recall
+from files.atomic import write_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def write_curves(run: Path) -> None:
     """Draw `history.jsonl` of a run folder into `curves.png`; nothing where there is no history."""
-    from matplotlib.figure import Figure  # only here, so that training starts without it
-
     history = run / "history.jsonl"
     if not history.exists():
         return
     rows = [json.loads(line) for line in history.read_text().splitlines()]
     passes = [row["passes"] for row in rows]
-    figure = Figure(figsize=(9, 3.5), layout="constrained")
+    figure = _figure()
     losses, scores = figure.subplots(1, 2)
     for name in rows[-1]["loss"]:
         losses.plot(passes, [row["loss"].get(name) for row in rows], ".-", label=name)
@@ -23,4 +31,47 @@ def write_curves(run: Path) -> None:
         axes.set(xlabel="image passes", title=title)
         axes.legend()
         axes.grid(alpha=0.3)
-    figure.savefig(run / "curves.png", dpi=110)
+    _write(figure, run / "curves.png")
+
+
+def write_precision_recall(results: Sequence[ImageResult], confidence: float, path: Path) -> None:
+    """Draw precision over recall at IoU 0.5 and 0.75 for each class, and both over the threshold at 0.5.
+
+    A dot, and a line on the right, mark `confidence`. Classes without objects are left out.
+    """
+    figure = _figure()
+    curve, threshold = figure.subplots(1, 2)
+    for cls, name in enumerate(CLASS_NAMES):
+        scores, hits, truths = pooled(results, cls)
+        if not truths:
+            continue
+        for level, style in ((0, "-"), (5, ":")):
+            sorted_scores, precision, recall = precision_recall(scores, hits[level], truths)
+            found = average_precision(scores, hits[level], truths)
+            label = f"{name}, IoU {IOU_LEVELS[level]:.2f}: AP {found:.3f}"
+            curve.plot(recall, precision, style, color=f"C{cls}", label=label)
+            if level == 0:
+                sure = int((sorted_scores >= confidence).sum())
+                curve.plot(recall[:sure][-1:], precision[:sure][-1:], "o", color=f"C{cls}")
+                threshold.plot(sorted_scores, precision, "-", color=f"C{cls}", label=f"precision, {name}")
+                threshold.plot(sorted_scores, recall, "--", color=f"C{cls}", label=f"recall, {name}")
+    threshold.axvline(confidence, color="0.5", linewidth=0.8, label=f"threshold {confidence:g}")
+    curve.set(xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1.01))
+    threshold.set(xlabel="confidence threshold", xlim=(0, 1), ylim=(0, 1.01))
+    for axes in (curve, threshold):
+        if axes.lines:
+            axes.legend(fontsize=8)
+        axes.grid(alpha=0.3)
+    _write(figure, path)
+
+
+def _figure() -> "Figure":
+    from matplotlib.figure import Figure  # only here, so that training starts without it
+
+    return Figure(figsize=(9, 3.5), layout="constrained")
+
+
+def _write(figure: "Figure", path: Path) -> None:
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=110)
+    write_bytes(path, stream.getvalue())

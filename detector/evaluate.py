@@ -1,7 +1,9 @@
 """Score an exported detector on a labelled folder: `foreride detector eval --data DIR --json FILE`.
 
 DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred where the mask is black
-are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance).
+are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance, and the
+condition of every image). With `--out FOLDER` this writes there metrics.json, report.txt, the curves
+precision_recall.png, and two sheets of images with true and found boxes: hardest.png and typical.png.
 """
 
 import argparse
@@ -14,9 +16,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.breakdown import Judged, by_condition, by_object, false_alarms, objects_seen
+from detector.breakdown import Judged, by_object, false_alarms, objects_seen
+from detector.conditions import by_condition, figure_9
+from detector.curves import write_precision_recall
 from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
 from detector.detection import Detections
+from detector.gallery import write_sheets
 from detector.metrics import judge, summarise
 from detector.progress import Progress
 from detector.runtime import Detector
@@ -38,13 +43,18 @@ def evaluate(
     Gives what `metrics.summarise` does, `false_alarms` on images without objects and, where objects.jsonl is
     there, what `breakdown` tells of objects and conditions. masks: mind lane/. Raises InputError.
     """
-    judged = judge_folder(folder, detect, skip_bad, masks)
+    return summary_of(folder, judge_folder(folder, detect, skip_bad, masks), confidence)
+
+
+def summary_of(folder: Path, judged: Sequence[Judged], confidence: float) -> dict:
+    """The metrics that `evaluate` gives, of a folder's images judged before. Raises InputError."""
     summary = {"dataset": dataset_hash(folder)} | summarise([j.result for j in judged], confidence)
     summary["false_alarms"] = false_alarms(judged, confidence)
     records = read_records(folder)
     if records is not None:
         summary |= by_object(objects_seen(judged, records, confidence, folder))
         summary["by_condition"] = by_condition(judged, records, confidence)
+        summary["figure_9"] = figure_9(judged, records, confidence)
     return summary
 
 
@@ -87,6 +97,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--data", type=Path, required=True, help="folder with images/ and labels/")
     p.add_argument("--weights", type=Path, help="ONNX file; the shipped one by default")
     p.add_argument("--json", type=Path, help="write the numbers here")
+    p.add_argument("--out", type=Path, help="write numbers, curves and sheets of images into this folder")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
     p.add_argument("--threads", type=int, default=1)
     p.add_argument("--ignore-masks", action="store_true", help="count detections outside lane/ masks, too")
@@ -97,11 +108,16 @@ def parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
+        if not 0 < args.confidence <= 1:
+            raise InputError(f"--confidence must be in 0..1, got {args.confidence:g}")
         detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
-        summary = evaluate(args.data, detect, args.confidence, args.skip_bad, not args.ignore_masks)
+        judged = judge_folder(args.data, detect, args.skip_bad, not args.ignore_masks)
+        summary = summary_of(args.data, judged, args.confidence)
         summary |= {"weights": str(detect.path), "data": str(args.data), "metadata": detect.metadata}
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")
+        if args.out:
+            write_folder(args.data, judged, summary, args.out)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -109,29 +125,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def write_folder(data: Path, judged: Sequence[Judged], summary: dict, out: Path) -> None:
+    """What `--out` asks for."""
+    confidence = summary["confidence"]
+    write_text(out / "metrics.json", json.dumps(summary, indent=1) + "\n")
+    write_text(out / "report.txt", report(summary) + "\n")
+    write_precision_recall([image.result for image in judged], confidence, out / "precision_recall.png")
+    write_sheets(data, judged, confidence, out)
+
+
 def report(summary: dict) -> str:
     """The chief numbers as a few lines of text."""
-
-    def shown(value: float | None) -> str:
-        return "  -  " if value is None else f"{value:.3f}"
-
     lines = [f"{summary['images']} images, threshold {summary['confidence']:g}"]
     lines.append(f"{'':12}  AP50  AP50-95  P      R")
     keys = ("ap50", "ap50_95", "precision", "recall")
     for name, row in summary["per_class"].items():
-        lines.append(f"{name:12}  " + "  ".join(shown(row[k]) for k in keys))
+        lines.append(f"{name:12}  " + "  ".join(_shown(row[k]) for k in keys))
     keys = ("map50", "map50_95", "precision", "recall")
-    lines.append(f"{'mean':12}  " + "  ".join(shown(summary[k]) for k in keys))
+    lines.append(f"{'mean':12}  " + "  ".join(_shown(summary[k]) for k in keys))
     if "ego_recall" in summary:
         ego = summary["ego_recall"]
-        parts = (f"{name} {shown(row['recall'])} of {row['objects']}" for name, row in ego.items())
+        parts = (f"{name} {_shown(row['recall'])} of {row['objects']}" for name, row in ego.items())
         lines.append("own lane, 4-15 m ahead: " + ", ".join(parts))
         edge = summary["bottom_edge_4_10_m"]["all"]
-        bias, sigma = shown(edge["bias_px"]), shown(edge["sigma_px"])
+        bias, sigma = _shown(edge["bias_px"]), _shown(edge["sigma_px"])
         lines.append(f"bottom edge, 4-10 m: bias {bias} px, sigma {sigma} px of {edge['objects']}")
     false = summary["false_alarms"]
-    lines.append(f"plain road: {shown(false['per_100_images'])} false per 100 of {false['images']} images")
-    return "\n".join(lines)
+    lines.append(f"plain road: {_shown(false['per_100_images'])} false per 100 of {false['images']} images")
+    return "\n".join(lines + _condition_lines(summary.get("figure_9", {})))
+
+
+def _condition_lines(rows: dict) -> list[str]:
+    """The conditions of the paper's Fig. 9 as a table."""
+    if not rows:
+        return []
+    lines = [f"{'':12}  mAP50  AP50-95  P      R      images"]
+    keys = ("map50", "map50_95", "precision", "recall")
+    return lines + [
+        f"{name:12}  " + "  ".join(_shown(row[key]) for key in keys) + f"  {row['images']}"
+        for name, row in rows.items()
+    ]
+
+
+def _shown(value: float | None) -> str:
+    return "  -  " if value is None else f"{value:.3f}"
 
 
 if __name__ == "__main__":

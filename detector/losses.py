@@ -5,7 +5,7 @@ arXiv 2508.01339, eq. 10: L_box = (1 - alpha)(1 - NWD) + alpha(1 - CIoU), boxes 
 
 The edge term is ours, for the range to an object, which follows from the rows of its box. Where an edge is
 uncertain, a box too tall by e of a height h has the IoU h / (h + e), one too low by e only (h - e) / h:
-CIoU asks for boxes too tall. An absolute error asks for the median, and weighs no less in a tall box.
+CIoU leans to boxes too tall. An absolute error asks for the median, and weighs no less in a tall box.
 """
 
 from dataclasses import dataclass

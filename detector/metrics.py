@@ -49,11 +49,24 @@ def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
     """Mean of the precision envelope at 101 levels of recall, as COCO has it; nan with nothing to find."""
     if truths == 0:
         return float("nan")
-    right = np.cumsum(hits[np.argsort(-scores, kind="stable")])
-    precision = right / np.arange(1, len(right) + 1)
+    _, precision, recall = precision_recall(scores, hits, truths)
     envelope = np.append(np.maximum.accumulate(precision[::-1])[::-1], 0.0)
-    reached = np.searchsorted(right / truths, RECALL_LEVELS, side="left")
+    reached = np.searchsorted(recall, RECALL_LEVELS, side="left")
     return float(envelope[reached].mean())
+
+
+def precision_recall(scores: NDArray, hits: NDArray, truths: int) -> tuple[NDArray, NDArray, NDArray]:
+    """Scores (n,), best first, and precision and recall (n,) of the detections down to each."""
+    order = np.argsort(-scores, kind="stable")
+    right = np.cumsum(hits[order])
+    return scores[order], right / np.arange(1, len(right) + 1), right / truths
+
+
+def pooled(results: Sequence[ImageResult], cls: int) -> tuple[NDArray, NDArray, int]:
+    """All detections of a class: scores (n,), hits (levels, n), and how many objects there are to find."""
+    scores = np.concatenate([r.detections.scores[r.detections.classes == cls] for r in results])
+    hits = np.concatenate([r.hits[:, r.detections.classes == cls] for r in results], 1)
+    return scores, hits, sum(int((r.truth_classes == cls).sum()) for r in results)
 
 
 def summarise(results: Sequence[ImageResult], confidence: float) -> dict:
@@ -61,16 +74,7 @@ def summarise(results: Sequence[ImageResult], confidence: float) -> dict:
 
     Means are over the classes that occur; a number without anything to count is None.
     """
-    scores = np.concatenate([r.detections.scores for r in results])
-    classes = np.concatenate([r.detections.classes for r in results])
-    hits = np.concatenate([r.hits for r in results], 1)
-    truths = np.concatenate([r.truth_classes for r in results])
-    per_class = {
-        name: _class_summary(
-            scores[classes == i], hits[:, classes == i], int((truths == i).sum()), confidence
-        )
-        for i, name in enumerate(CLASS_NAMES)
-    }
+    per_class = {name: _class_summary(*pooled(results, i), confidence) for i, name in enumerate(CLASS_NAMES)}
     keys = {"map50": "ap50", "map50_95": "ap50_95", "precision": "precision", "recall": "recall"}
     present = [row for row in per_class.values() if row["objects"]]
     summary = {key: _mean([row[of] for row in present]) for key, of in keys.items()}

@@ -9,7 +9,7 @@ import pytest
 
 from detector.dataset import read_samples
 from detector.detection import Detections, no_detections
-from detector.evaluate import evaluate, main, report
+from detector.evaluate import evaluate, judge_folder, main, report, summary_of, write_folder
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -108,3 +108,26 @@ def test_command_writes_the_numbers(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert {"map50", "map50_95", "precision", "recall", "per_class", "weights"} <= numbers.keys()
     assert main(["--data", str(tmp_path / "nowhere")]) == 2
     assert "nowhere: no folder images/" in capsys.readouterr().err
+    assert main(["--data", str(folder), "--confidence", "1.5"]) == 2
+    assert "--confidence must be in 0..1, got 1.5" in capsys.readouterr().err
+
+
+def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 3), [(5, 8), (10, 30), (3, 14)])
+    judged = judge_folder(folder, oracle(folder))
+    summary = summary_of(folder, judged, 0.25)
+    write_folder(folder, judged, summary, tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == summary
+    assert (tmp_path / "out" / "report.txt").read_text() == report(summary) + "\n"
+    sizes = {p.name: cv2.imread(str(p)).shape[1] for p in (tmp_path / "out").glob("*.png")}
+    assert sizes.keys() == {"precision_recall.png", "hardest.png", "typical.png"}
+    assert sizes["hardest.png"] == sizes["typical.png"] > 3 * 480
+
+
+def test_report_tells_of_the_conditions(tmp_path: Path) -> None:
+    folder = with_objects(write(tmp_path / "data", 2), [(5, 8), (10, 30)])
+    rows = [json.loads(line) for line in (folder / "objects.jsonl").read_text().splitlines()]
+    lines = [json.dumps(row | {"condition": {"light": "night"}}) for row in rows]
+    (folder / "objects.jsonl").write_text("\n".join(lines))
+    told = report(evaluate(folder, oracle(folder), 0.25)).splitlines()[-1].split()
+    assert told == ["night", "1.000", "1.000", "1.000", "1.000", "2"]

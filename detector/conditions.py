@@ -1,0 +1,74 @@
+"""How well a detector does in each light, weather and so on, and in those of the paper's Fig. 9.
+
+Works on the `condition` that `objects.jsonl` tells of every image (arXiv 2508.01339, section 3.7).
+"""
+
+from collections.abc import Callable, Sequence
+
+from detector.breakdown import Judged
+from detector.metrics import ImageResult, summarise
+
+BLURRED_PX = 2.0
+"""Motion blur, in pixels that a point travels during the exposure, from which an image counts as blurred."""
+KEPT = ("map50", "map50_95", "precision", "recall", "images")
+
+Condition = dict[str, object]
+
+
+def _blurred(condition: Condition) -> bool:
+    blur = condition.get("motion_blur_px", 0.0)
+    return isinstance(blur, int | float) and blur >= BLURRED_PX
+
+
+def _fair(condition: Condition) -> bool:
+    """A dry day without glare or blur: what the rest is to be held against."""
+    bright = condition.get("light") in ("noon", "overcast") and condition.get("weather") == "dry"
+    return bright and not condition.get("low_sun") and not _blurred(condition)
+
+
+FIGURE_9: dict[str, Callable[[Condition], bool]] = {
+    "fair": _fair,
+    "night": lambda c: c.get("light") == "night",
+    "sunset": lambda c: c.get("light") == "sunset",
+    "low sun": lambda c: bool(c.get("low_sun")),
+    "rain": lambda c: c.get("weather") == "rain",
+    "snow": lambda c: c.get("weather") == "snow",
+    "fog": lambda c: c.get("weather") == "fog",
+    "motion blur": _blurred,
+}
+"""Rows of the paper's Fig. 9, b and c, and two more: fair to compare with, and fog."""
+
+
+def by_condition(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
+    """Metrics of the images of each light, each weather and so on, as the records tell them."""
+    groups: dict[str, list[ImageResult]] = {}
+    for image in judged:
+        condition = _of(image, records)
+        told = condition | (
+            {"motion_blur_px": _blur_group(condition)} if "motion_blur_px" in condition else {}
+        )
+        for key, value in told.items():
+            groups.setdefault(f"{key}: {value}", []).append(image.result)
+    summaries = {name: summarise(group, confidence) for name, group in sorted(groups.items())}
+    return {name: {key: summary[key] for key in KEPT} for name, summary in summaries.items()}
+
+
+def figure_9(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
+    """Metrics of the images in each condition of `FIGURE_9`, AP50 by class too; only those that occur."""
+    rows = {}
+    for name, holds in FIGURE_9.items():
+        group = [image.result for image in judged if holds(_of(image, records))]
+        if group:
+            summary = summarise(group, confidence)
+            ap50 = {cls: row["ap50"] for cls, row in summary["per_class"].items()}
+            objects = sum(row["objects"] for row in summary["per_class"].values())
+            rows[name] = {key: summary[key] for key in KEPT} | {"objects": objects, "ap50": ap50}
+    return rows
+
+
+def _of(image: Judged, records: dict[str, dict]) -> Condition:
+    return records.get(image.name, {}).get("condition", {})
+
+
+def _blur_group(condition: Condition) -> str:
+    return f"from {BLURRED_PX:g}" if _blurred(condition) else f"under {BLURRED_PX:g}"

@@ -1,0 +1,37 @@
+"""Contact sheets of a judged data set: its hardest images, and some as they come."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from detector.breakdown import Judged
+from detector.imagefile import read_image
+from detector.pictures import misses, png, sheet, tile
+from files.atomic import write_bytes
+
+COLUMNS, TILES = 4, 24
+
+
+def write_sheets(folder: Path, judged: Sequence[Judged], confidence: float, out: Path) -> None:
+    """Write `hardest.png`, by `mistakes`, and `typical.png`, spread over the images with objects."""
+    ranked = sorted(judged, key=lambda image: -mistakes(image, confidence))  # stable: equals by name
+    with_objects = [image for image in judged if len(image.boxes)] or list(judged)
+    spread = np.linspace(0, len(with_objects) - 1, min(TILES, len(with_objects))).round().astype(int)
+    typical = [with_objects[i] for i in spread]
+    for name, chosen in (("hardest", ranked[:TILES]), ("typical", typical)):
+        tiles = [_tile(folder, image, confidence) for image in chosen]
+        title = f"{folder.name}: {name} images at confidence {confidence:g}"
+        write_bytes(out / f"{name}.png", png(sheet(tiles, COLUMNS, title)))
+
+
+def mistakes(image: Judged, confidence: float) -> float:
+    """How wrong an image went: objects missed, and the scores of what is not there."""
+    found, right = image.result.detections, image.result.hits[0]
+    false = found.scores[(found.scores >= confidence) & ~right]
+    return float(misses(image.result, confidence).sum() + false.sum())
+
+
+def _tile(folder: Path, image: Judged, confidence: float) -> np.ndarray:
+    picture = read_image(folder / "images" / image.name)
+    return tile(picture, image.boxes, image.result, confidence, image.name)
