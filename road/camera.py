@@ -1,40 +1,91 @@
-"""The pinhole camera: intrinsics, mounting on the sprung mass, projection and its inverse onto a plane.
+"""The camera: intrinsics, mounting on the sprung mass, projection and its inverse onto a plane.
 
 Pixels (u, v) run right and down with edges at 0..width and 0..height, so pixel (column, row) has its centre
 at (column + 0.5, row + 0.5). The camera looks along its own x axis; y is left, z up (ISO 8855), as for the
 car.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from files.errors import InputError
 from road.checks import check_integer, check_number
+from road.lens import NO_DISTORTION, Distortion, distort, folds, undistort
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Square pixels, principal point in the centre of the image, no distortion."""
+    """Intrinsics of a camera with square pixels.
+
+    centre_px: principal point (u, v), None for the centre of the image; distortion: `road.lens`. Values out
+    of range, or a distortion that folds the image, raise InputError.
+    """
 
     width_px: int = 640
     height_px: int = 384
     focal_px: float = 457.0
+    centre_px: tuple[float, float] | None = None
+    distortion: Distortion = NO_DISTORTION
 
     def __post_init__(self) -> None:
         check_integer("width_px", self.width_px, 1)
         check_integer("height_px", self.height_px, 1)
         check_number("focal_px", self.focal_px, 0.0, 1e5, open_low=True)
+        for value, size in zip(self.centre_px or (), (self.width_px, self.height_px), strict=False):
+            check_number("centre_px", value, 0.0, size)
+        for value in self.distortion:
+            check_number("distortion", value, -100.0, 100.0)
+        if not self.is_pinhole and folds(self._normalised(self.border()), self.distortion):
+            raise InputError(
+                "distortion must let one ray reach each place of the image and not fold it, got "
+                f"{list(self.distortion)} with focal_px {self.focal_px:g}"
+            )
 
     @property
     def cx(self) -> float:
-        return self.width_px / 2
+        return self.width_px / 2 if self.centre_px is None else self.centre_px[0]
 
     @property
     def cy(self) -> float:
-        return self.height_px / 2
+        return self.height_px / 2 if self.centre_px is None else self.centre_px[1]
+
+    @property
+    def is_pinhole(self) -> bool:
+        """Whether straight lines are straight in the picture."""
+        return not any(self.distortion)
+
+    @property
+    def pinhole(self) -> "Camera":
+        """The same camera with an ideal lens."""
+        return self if self.is_pinhole else replace(self, distortion=NO_DISTORTION)
+
+    def border(self, samples: int = 33) -> Array:
+        """Pixels (4 samples, 2) all around the image's edge."""
+        across, down = np.linspace(0, self.width_px, samples), np.linspace(0, self.height_px, samples)
+        sides = [(across, 0 * down), (across, 0 * down + self.height_px)]
+        sides += [(0 * across, down), (0 * across + self.width_px, down)]
+        return np.concatenate([np.column_stack(side) for side in sides])
+
+    def straightened(self, pixels: ArrayLike) -> Array:
+        """Where `pixels` (N, 2) would lie behind an ideal lens."""
+        pixels = np.asarray(pixels, float).reshape(-1, 2)
+        if self.is_pinhole:
+            return pixels
+        return self.focal_px * undistort(self._normalised(pixels), self.distortion) + (self.cx, self.cy)
+
+    def bent(self, pixels: ArrayLike) -> Array:
+        """Where this lens shows what an ideal one shows at `pixels` (N, 2): inverse of `straightened`."""
+        pixels = np.asarray(pixels, float).reshape(-1, 2)
+        if self.is_pinhole:
+            return pixels
+        return self.focal_px * distort(self._normalised(pixels), self.distortion) + (self.cx, self.cy)
+
+    def _normalised(self, pixels: Array) -> Array:
+        return np.asarray((pixels - (self.cx, self.cy)) / self.focal_px)
 
 
 @dataclass(frozen=True)
@@ -130,12 +181,12 @@ def project(camera: Camera, pose: CameraPose, points: ArrayLike) -> Array:
     depth = np.where(forward > 1e-9, forward, np.nan)
     u = camera.cx - camera.focal_px * left / depth
     v = camera.cy - camera.focal_px * up / depth
-    return np.stack([u, v], axis=1)
+    return camera.bent(np.stack([u, v], axis=1))
 
 
 def rays(camera: Camera, pose: CameraPose, pixels: ArrayLike) -> Array:
     """Directions (N, 3) in the world through pixels (N, 2), of length such that the forward part is 1."""
-    u, v = np.asarray(pixels, float).reshape(-1, 2).T
+    u, v = camera.straightened(pixels).T
     left, up = (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px
     return np.stack([np.ones_like(u), left, up], axis=1) @ pose.rotation.T
 
@@ -150,7 +201,10 @@ def ground_point(camera: Camera, pose: CameraPose, pixels: ArrayLike, z: float =
 
 
 def horizon_row(camera: Camera, pose: CameraPose, column: float | None = None) -> float:
-    """Row v of the horizon of the plane z = const in an image column (its centre unless given)."""
+    """Row v of the horizon of the plane z = const in an image column (its centre unless given).
+
+    Behind a lens that distorts the horizon is no straight line; the row is that of an ideal lens.
+    """
     u = camera.cx if column is None else column
     forward, left, up = pose.rotation[2]
     side = (camera.cx - u) / camera.focal_px

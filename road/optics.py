@@ -1,17 +1,53 @@
 """What lens and exposure time do to a picture: distortion, motion blur, a low sun's glare, falling snow."""
 
+from functools import lru_cache
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 
+from road.camera import Camera
 from road.raycast import View
 
 _BLUR_STEPS = 5
 
 
+class Lens(NamedTuple):
+    """How a lens gathers its picture from that of an ideal one.
+
+    source: an ideal camera that sees at least as much; across, down: (H, W) float32, where in its picture
+    each pixel is found (px, centres of pixels at whole numbers).
+    """
+
+    source: Camera
+    across: np.ndarray
+    down: np.ndarray
+
+
+@lru_cache(maxsize=4)
+def lens_of(camera: Camera) -> Lens:
+    """The lens of a camera whose distortion is not nil."""
+    columns, rows = np.meshgrid(np.arange(camera.width_px) + 0.5, np.arange(camera.height_px) + 0.5)
+    straight = camera.straightened(np.column_stack([columns.ravel(), rows.ravel()]))
+    low, high = np.floor(straight.min(axis=0)) - 1, np.ceil(straight.max(axis=0)) + 1
+    width, height = (high - low).astype(int).tolist()
+    centre = float(camera.cx - low[0]), float(camera.cy - low[1])
+    across, down = (straight - low - 0.5).astype(np.float32).T.reshape(2, *columns.shape)
+    return Lens(Camera(width, height, camera.focal_px, centre), across, down)
+
+
+def through(lens: Lens, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
+    """See a source's `image` (H, W, 3) and `maps` (H, W), whose values must not be mixed, by the lens."""
+    seen = cv2.remap(image, lens.across, lens.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    rows, cols = np.rint(lens.down).astype(int), np.rint(lens.across).astype(int)
+    return [seen, *(values[rows, cols] for values in maps)]
+
+
 def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float) -> list[np.ndarray]:
     """See `image` (H, W, 3) and `maps` (H, W), whose values must not be mixed, through a lens.
 
-    It has one radial coefficient (Brown 1966) and is scaled so that the picture stays filled.
+    One radial coefficient (Brown 1966), scaled so that the picture stays filled: variety for training,
+    where nobody needs to know the lens. A camera that knows its distortion has a `Lens`.
     A point at radius r (1 is half of the image's width) of the result shows what a pinhole sees at
     s r (1 - coefficient r^2); negative coefficients give a barrel.
     """

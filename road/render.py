@@ -97,6 +97,8 @@ class Scene:
 
     def render(self, camera: Camera, pose: CameraPose, index: int = 0, props: Sequence[Prop] = ()) -> Frame:
         """Photograph the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
+        lens = None if camera.is_pinhole else optics.lens_of(camera)
+        camera = camera if lens is None else lens.source
         view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
         drop, slope, hits, depth = self._trace(camera, view)
         image = np.empty((*drop.shape, 3), np.float32)
@@ -109,7 +111,7 @@ class Scene:
             view, camera.height_px,
         )  # fmt: skip
         hidden_share = staging.draw(image, hits, view, props, self._air) if props else {}
-        hits, depth, pixels = self._expose(image, hits, depth, view, index)
+        hits, depth, pixels = self._expose(image, hits, depth, view, lens, index)
         boxes, numbers, counts = visible_boxes(hits)
         hidden = np.array([hidden_share.get(k, 0.0) for k in numbers], np.float32)
         named = np.array([self.road.features[k - 1].cls is not None for k in numbers], bool)
@@ -119,7 +121,13 @@ class Scene:
         return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)
 
     def _expose(
-        self, image: np.ndarray, hits: np.ndarray, depth: np.ndarray, view: View, index: int
+        self,
+        image: np.ndarray,
+        hits: np.ndarray,
+        depth: np.ndarray,
+        view: View,
+        lens: optics.Lens | None,
+        index: int,
     ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
         """Air, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
         look, haze = self.appearance, self._panorama.haze
@@ -128,6 +136,8 @@ class Scene:
             image = optics.motion_blur(image, view, look.motion_blur_px, rng)
         if look.glare and look.weather not in lighting.OVERCAST_WEATHER:
             optics.glare(image, view, self._air.light.direction, look.glare)
+        if lens is not None:
+            image, hits, depth = optics.through(lens, image, (hits, depth))
         if look.weather == "rain":
             sensor.rain_streaks(image, rng, haze)
         if look.weather == "snow":

@@ -1,0 +1,62 @@
+"""What a lens does to a straight ray: Brown's distortion in OpenCV's form.
+
+Points are normalised image coordinates, x right and y down in units of the focal length, (n, 2). A ray at
+radius r leaves the lens at r (1 + k1 r² + k2 r⁴ + k3 r⁶) plus the tangential terms of p1 and p2 (OpenCV
+documentation, "Camera Calibration and 3D Reconstruction"; Brown, Photogrammetric Engineering 32(3), 1966).
+"""
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Distortion = tuple[float, float, float, float, float]
+"""k1, k2, p1, p2, k3: OpenCV's order."""
+
+NO_DISTORTION: Distortion = (0.0, 0.0, 0.0, 0.0, 0.0)
+_EXACT = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-13)
+
+
+def distort(points: Array, distortion: Distortion) -> Array:
+    """Where rays through `points` leave the lens.
+
+    Beyond the radius where the polynomial turns back (`reach`) it goes on straight, so that what lies far
+    outside the picture stays outside.
+    """
+    radius = np.hypot(points[:, 0], points[:, 1])
+    known = points * np.minimum(1.0, reach(distortion) / np.maximum(radius, 1e-12))[:, None]
+    seen, _ = cv2.projectPoints(
+        np.column_stack([known, np.ones(len(known))]),
+        np.zeros(3),
+        np.zeros(3),
+        np.eye(3),
+        np.array(distortion),
+    )
+    return np.asarray(seen.reshape(-1, 2) + (points - known))
+
+
+def undistort(points: Array, distortion: Distortion) -> Array:
+    """The rays that leave the lens at `points`; inverse of `distort` up to its reach."""
+    straight = cv2.undistortPoints(
+        np.ascontiguousarray(points).reshape(-1, 1, 2), np.eye(3), np.array(distortion), criteria=_EXACT
+    )
+    return np.asarray(straight.reshape(-1, 2))
+
+
+@lru_cache(maxsize=64)
+def reach(distortion: Distortion) -> float:
+    """Radius up to which rays farther from the axis leave the lens farther from it; may be infinite."""
+    k1, k2, _, _, k3 = distortion
+    # Where 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶ = 0, in 1 / r², which stays well posed for k2, k3 near 0.
+    inverse = np.roots(np.array([1.0, 3 * k1, 5 * k2, 7 * k3]))
+    turning = inverse[(np.abs(inverse.imag) < 1e-12) & (inverse.real > 1e-9)].real
+    return float(turning.max() ** -0.5) if len(turning) else float("inf")
+
+
+def folds(corners: Array, distortion: Distortion) -> bool:
+    """Whether no ray, or more than one, leaves the lens at one of `corners`."""
+    straight = undistort(corners, distortion)
+    inside = np.hypot(straight[:, 0], straight[:, 1]) < reach(distortion)
+    return not (inside.all() and np.allclose(distort(straight, distortion), corners, atol=1e-6))
