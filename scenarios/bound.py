@@ -54,11 +54,6 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
     return optimum
 
 
-def captured(objective: float, passive: float, clairvoyant: float) -> float:
-    """Share of the benefit that exists which a controller's J gets: 0 for passive, 1 for the bound."""
-    return (passive - objective) / (passive - clairvoyant)
-
-
 def drive_of(scenario: Scenario) -> Drive:
     """The scenario's drive as `controller.whole_drive` takes it."""
     car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks

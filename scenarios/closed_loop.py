@@ -39,7 +39,8 @@ class Run:
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
     track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
     previews: what the controller was told of the road ahead.
-    memory: what the estimator learned, if there is one.
+    memory: what the estimator learned, if there is one. bound: what there was to win (see `scenarios.room`),
+        where that was asked for.
     """
 
     case: Case
@@ -55,6 +56,7 @@ class Run:
     looks: list[Look]
     previews: PreviewLog
     memory: Memory | None = None
+    bound: dict[str, float] | None = None
 
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:

@@ -52,6 +52,7 @@ def read(folder: Path) -> Run:
             track_y_m=manifest["track_y_m"],
             looks=[_look(event, folder) for event in events if event["event"] == "boxes"],
             previews=_previews(_table(folder / "previews.parquet")),
+            bound=manifest.get("bound"),
         )
     except KeyError as error:
         raise InputError(f"{folder}: its files lack {error}; a run of another version of foreride") from None

@@ -83,6 +83,7 @@ def manifest(run: Run) -> dict[str, Any]:
         "timing": run.timing,
         "solver": run.solver,
         "perception_stats": run.perception_stats,
+        **_bound(run),
         **environment(),
     }
 
@@ -100,7 +101,12 @@ def row(run: Run) -> dict[str, Any]:
         "solver": run.solver,
         "observer_error": run.observer,
         "perception_stats": run.perception_stats,
+        **_bound(run),
     }
+
+
+def _bound(run: Run) -> dict[str, Any]:
+    return {} if run.bound is None else {"bound": run.bound}
 
 
 def folder_name(case: Case) -> str:

@@ -12,6 +12,7 @@ from files.errors import InputError
 Row = Mapping[str, Any]
 """One run as `scenarios.runfolder.row` describes it."""
 
+PASSIVE = "passive"
 BOUND = "clairvoyant"
 """The controller whose objective is the least that any controller could reach."""
 LEAST_SEEDS = 3
@@ -35,7 +36,7 @@ class Variant:
 
     metrics: of the runs themselves. difference, ratio: of each run to the baseline's run of the same seed,
     metric by metric (no ratio where a baseline is zero). captured: the share of what there was to win over
-    the baseline, objective of the clairvoyant bound against it; None where the bound is not known.
+    the passive car, whatever the baseline; None where the bound is not known.
     """
 
     scenario: str
@@ -63,8 +64,8 @@ def summarise(rows: Sequence[Row], baseline: str | None = None) -> list[Variant]
     for row in rows:
         groups.setdefault((*_event(row), row["controller"], row["perception"]), []).append(row)
     beside = {} if baseline is None else paired(rows, *pick(baseline, variants_of(rows)))
-    bound = {(*_event(row), row["seed"]): row for row in rows if row["controller"] == BOUND}
-    return [_variant(key, members, beside, bound) for key, members in groups.items()]
+    rooms = _rooms(rows)
+    return [_variant(key, members, beside, rooms) for key, members in groups.items()]
 
 
 def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
@@ -119,43 +120,57 @@ def _variant(
     key: tuple[str, str, str, str],
     members: Sequence[Row],
     beside: Mapping[tuple[str, str, int], Row],
-    bound: Mapping[tuple[str, str, int], Row],
+    rooms: Mapping[tuple[str, str, int], tuple[float, float]],
 ) -> Variant:
     names = list(members[0]["metrics"])
     own = _matrix(members, names)
     partners = [beside.get((*_event(row), row["seed"])) for row in members]
     difference: dict[str, Interval] = {}
     ratio: dict[str, Interval] = {}
-    captured = None
     if partners and all(partner is not None for partner in partners):
         other = _matrix([partner for partner in partners if partner], names)
         difference = dict(zip(names, intervals(own - other), strict=True))
         whole = (other > 0).all(axis=1)
         parts = intervals(own[whole] / other[whole]) if whole.any() else []
         ratio = dict(zip(np.array(names)[whole].tolist(), parts, strict=True))
-        captured = _captured(members, [partner for partner in partners if partner], bound)
     return Variant(
         *key,
         seeds=tuple(row["seed"] for row in members),
         metrics=dict(zip(names, intervals(own), strict=True)),
         difference=difference,
         ratio=ratio,
-        captured=captured,
+        captured=_captured(members, rooms),
         fallbacks=sum(int(row["solver"].get("fallbacks", 0)) for row in members),
     )
 
 
+def captured(objective: float, passive: float, bound: float) -> float:
+    """Share of the benefit that exists which a controller's J gets: 0 for passive, 1 for the bound."""
+    return (passive - objective) / (passive - bound)
+
+
+def _rooms(rows: Sequence[Row]) -> dict[tuple[str, str, int], tuple[float, float]]:
+    """J of the passive car and of the bound, for each drive where a row tells it or both ran."""
+    passive, bound = (paired(rows, controller, "none") for controller in (PASSIVE, BOUND))
+    known = {
+        drive: (passive[drive]["metrics"]["objective"], best["metrics"]["objective"])
+        for drive, best in bound.items()
+        if drive in passive
+    }
+    told = {(*_event(row), row["seed"]): row["bound"] for row in rows if "bound" in row}
+    return known | {drive: (room["passive_objective"], room["objective"]) for drive, room in told.items()}
+
+
 def _captured(
-    members: Sequence[Row], partners: Sequence[Row], bound: Mapping[tuple[str, str, int], Row]
+    members: Sequence[Row], rooms: Mapping[tuple[str, str, int], tuple[float, float]]
 ) -> Interval | None:
-    """(J_baseline - J) / (J_baseline - J_bound), where there was something to win in every run."""
+    """The share captured, where there was something to win in every run."""
     shares = []
-    for row, partner in zip(members, partners, strict=True):
-        best = bound.get((*_event(row), row["seed"]))
-        room = partner["metrics"]["objective"] - best["metrics"]["objective"] if best else 0.0
-        if room <= 0.0:
+    for row in members:
+        passive, bound = rooms.get((*_event(row), row["seed"]), (0.0, 0.0))
+        if passive <= bound:
             return None
-        shares.append((partner["metrics"]["objective"] - row["metrics"]["objective"]) / room)
+        shares.append(captured(row["metrics"]["objective"], passive, bound))
     return intervals(np.array([shares]))[0]
 
 

@@ -1,12 +1,24 @@
 """`foreride compare`: controllers x perceptions x scenarios x seeds, in one table."""
 
 import argparse
+from collections.abc import Sequence
+from dataclasses import replace
 
 from files.atomic import write_text
-from scenarios.commands.options import add_case_options, add_frames_option, cases_of, jobs_of, simulated
+from scenarios.cases import Case
+from scenarios.commands.options import (
+    add_case_options,
+    add_frames_option,
+    cases_of,
+    console,
+    jobs_of,
+    progress_bar,
+    simulated,
+)
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.gather import COMPARISON
-from scenarios.runfolder import folder_name, row, to_json, write
+from scenarios.room import room
+from scenarios.runfolder import digest, folder_name, row, to_json, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -17,6 +29,10 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
     add_frames_option(command)
+    told = (
+        "search the best that any controller could do, too (or take it from the cache), and show `captured`"
+    )
+    command.add_argument("--bound", action="store_true", help=told)
     add_table_options(command)
     command.set_defaults(execute=execute)
 
@@ -29,12 +45,30 @@ def execute(arguments: argparse.Namespace) -> int:
     planned = [folder_name(case) for case in wanted]
     if arguments.out:
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
+    rooms = rooms_of(wanted) if arguments.bound else {}
     rows = []
-    for run in simulated(wanted, arguments.frames, jobs):
+    for done in simulated(wanted, arguments.frames, jobs):
+        run = replace(done, bound=rooms.get(digest(done.case.scenario.mapping)))
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run.case))
     document = publish(arguments, rows)
+    for scenario, known in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
+        gap = f"starts end within {100 * known['gap_between_starts']:.2f} %"
+        console.print(f"bound of {scenario}: J {known['objective']:.4f} (m/s²)², {gap}", highlight=False)
     if arguments.out:
         write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
     return 0
+
+
+def rooms_of(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
+    """What there is to win on each scenario of the cases, by the hash of its fields."""
+    scenarios = {digest(case.scenario.mapping): case.scenario for case in wanted}
+    found = {}
+    with progress_bar() as progress:
+        bar = progress.add_task("", total=len(scenarios))
+        for key, scenario in scenarios.items():
+            progress.update(bar, description=f"bound of {scenario.name}, a minute or a few")
+            found[key] = room(scenario)
+            progress.advance(bar)
+    return found

@@ -29,7 +29,7 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
         for v in members:
             bar = f'<span class="bar" style="width:{90 * _effect(v).mean / most:.0f}px"></span>'
             row = [escape(short_name(v.controller)), escape(v.perception), bar, _cell(_effect(v), ".3f")]
-            row += [_cell(v.captured, ".0%")] if captured else []
+            row += [_cell(v.captured, ".1%")] if captured else []
             row += [_metric(v, c) for c in COLUMNS]
             rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
         tables.append(f"<h2>{escape(scenario)} · {escape(vehicle)}</h2>{_table(heads, rows, left=2)}")

@@ -127,7 +127,7 @@ def _shown(value: Interval, column: Column, spread: bool = False) -> str:
 
 
 def _percent(value: Interval | None) -> str:
-    return "-" if value is None else f"{100 * value.mean:.0f} %"
+    return "-" if value is None else f"{100 * value.mean:.1f} %"
 
 
 _TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "²": "$^2$", "^": r"\^{}"}

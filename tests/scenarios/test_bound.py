@@ -9,11 +9,12 @@ import pytest
 
 from road.features import HalfSineBump
 from road.profile import Road
-from scenarios.bound import bound, captured
+from scenarios.bound import bound
 from scenarios.cases import Case
 from scenarios.cli import main
 from scenarios.closed_loop import commands, simulate
 from scenarios.loading import load
+from scenarios.report.gather import gather
 from scenarios.schema import Scenario
 
 
@@ -59,12 +60,6 @@ def test_it_is_kept_and_believed_only_while_it_is_true(cache: Path) -> None:
         bound(replace(scenario, speed_kmh=31.0), never)
 
 
-def test_captured_is_the_share_of_what_there_is_to_win() -> None:
-    assert captured(1.0, 1.0, 0.6) == 0.0
-    assert captured(0.6, 1.0, 0.6) == 1.0
-    assert captured(0.7, 1.0, 0.6) == pytest.approx(0.75)
-
-
 def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("scenarios.commands.bound.load", lambda name, overrides: short())
     file = tmp_path / "bound.json"
@@ -74,3 +69,21 @@ def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: p
     assert numbers["wk_rms"] > 0.0
     assert 0.0 <= numbers["gap_between_starts"] < 0.05
     assert set(numbers["starts"]) == {"passive", "skyhook", "mpc_preview"}
+
+
+def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.commands.options.load_all", lambda names, overrides: [short()])
+    file, out = tmp_path / "table.json", tmp_path / "out"
+    asked = ["compare", "short", "--controllers", "mpc_preview,skyhook", "--perception", "oracle", "--bound"]
+    assert main([*asked, "--json", str(file), "--out", str(out)]) == 0
+    document = json.loads(file.read_text())
+    room = document["rows"][0]["bound"]
+    assert 0.0 <= room["gap_between_starts"] < 0.05
+    for row, line in zip(document["rows"], document["summary"], strict=True):
+        won = room["passive_objective"] - row["metrics"]["objective"]
+        share = won / (room["passive_objective"] - room["objective"])
+        assert line["captured"]["mean"] == pytest.approx(share)
+    assert document["summary"][0]["captured"]["mean"] > 0.9
+    assert gather(out).rows[0]["bound"] == room

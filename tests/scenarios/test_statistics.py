@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import norm
 
 from files.errors import InputError
-from scenarios.statistics import Interval, intervals, pick, summarise
+from scenarios.statistics import Interval, captured, intervals, pick, summarise
 
 
 def row(controller: str, seed: int, objective: float, perception: str = "none", lift: float = 0.0) -> dict:
@@ -60,6 +60,17 @@ def test_captured_is_the_share_of_what_the_bound_wins() -> None:
     assert bound.captured.mean == 1.0
     assert preview.captured.mean == pytest.approx(np.mean([0.40, 0.38, 0.36, 0.34]))
     assert summarise([r for r in rows() if r["controller"] != "clairvoyant"], "passive")[1].captured is None
+
+
+def test_captured_needs_no_run_of_the_bound_where_the_rows_tell_it_and_no_certain_baseline() -> None:
+    told = [
+        one | {"bound": {"objective": 0.5, "passive_objective": 1.0, "gap_between_starts": 0.0}}
+        for one in (row("skyhook", 0, 0.9), row("mpc_preview", 0, 0.6, "oracle"))
+    ]
+    for baseline in (None, "skyhook"):
+        assert [line.captured.mean for line in summarise(told, baseline)] == pytest.approx([0.2, 0.8])
+    assert captured(1.0, 1.0, 0.6) == 0.0
+    assert captured(0.7, 1.0, 0.6) == pytest.approx(0.75)
 
 
 def test_the_same_rows_give_the_same_intervals() -> None:
