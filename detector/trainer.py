@@ -7,18 +7,20 @@ from pathlib import Path
 import torch
 from torch import nn
 
-from detector.augment import whole_view
-from detector.checkpoint import Average, load, load_network, load_weights, save
+from detector.augment import Augmentation
+from detector.checkpoint import DEFAULT_MODEL, Average, load, load_network, load_weights, save
+from detector.crops import View, whole_view
 from detector.dataset import Sample
 from detector.deploy import Deployed
 from detector.distillation import Distillation, DistillationWeights
 from detector.heads import anchor_points
 from detector.loader import Batch
 from detector.losses import LossWeights, detection_loss
-from detector.metrics import judge, summarise
+from detector.metrics import ImageResult, judge, summarise
 from detector.models import build
 from detector.nms import OVERLAP, select
 from detector.schedule import Stage, rate_factor
+from files.errors import InputError
 
 TERMS = ("box", "class", "distribution", "edge", "distilled logits", "distilled features")
 
@@ -38,6 +40,7 @@ class Settings:
     precision: str = "bf16"
     loss: LossWeights = field(default_factory=LossWeights)
     distillation: DistillationWeights = field(default_factory=DistillationWeights)
+    augmentation: Augmentation = field(default_factory=Augmentation)
 
 
 class Trainer:
@@ -110,11 +113,17 @@ class Trainer:
     def restore(self, path: Path) -> None:
         keys = ("model", "average", "optimiser", "passes")
         content = load(path, (*keys, "aligned") if self.distillation else keys)
-        if self.distillation:
-            self.distillation.aligned.load_state_dict(content["aligned"])
-        self.model.load_state_dict(content["model"])
-        self.average.model.load_state_dict(content["average"])
-        self.optimiser.load_state_dict(content["optimiser"])
+        try:
+            self.model.load_state_dict(content["model"])
+            self.average.model.load_state_dict(content["average"])
+            if self.distillation:
+                self.distillation.aligned.load_state_dict(content["aligned"])
+            self.optimiser.load_state_dict(content["optimiser"])
+        except (RuntimeError, ValueError):
+            made = content.get("model_name", DEFAULT_MODEL)
+            raise InputError(
+                f"{path}: that run trains a {made}, with a teacher or without; asked for is another kind"
+            ) from None
         self.passes = content["passes"]
 
 
@@ -128,15 +137,14 @@ def _groups(model: nn.Module, weight_decay: float) -> list[dict]:
 def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confidence: float = 0.25) -> dict:
     """Metrics of the averaged model on whole images at a stage's size."""
     deployed = Deployed(trainer.average.model)
-    results = []
-    for start in range(0, len(samples), trainer.settings.batch):
-        views = [
-            whole_view(s, stage.width, stage.height) for s in samples[start : start + trainer.settings.batch]
-        ]
-        for image, classes, truth in views:
-            with torch.inference_mode(), trainer.autocast():
-                boxes, scores = deployed(torch.from_numpy(image).to(trainer.device)[None])
-            asked = classes >= 0
-            found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), 0.001, OVERLAP)
-            results.append(judge(found, truth[asked], classes[asked]))
-    return summarise(results, confidence)
+    return summarise([look(trainer, deployed, sample, stage)[1] for sample in samples], confidence)
+
+
+def look(trainer: Trainer, deployed: Deployed, sample: Sample, stage: Stage) -> tuple[View, ImageResult]:
+    """The whole image at a stage's size, and what is found of the objects in it that are asked for."""
+    view = whole_view(sample, stage.width, stage.height)
+    with torch.inference_mode(), trainer.autocast():
+        boxes, scores = deployed(torch.from_numpy(view.image).to(trainer.device)[None])
+    asked = view.classes >= 0
+    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), 0.001, OVERLAP)
+    return view, judge(found, view.boxes[asked], view.classes[asked])

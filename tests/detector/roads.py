@@ -5,6 +5,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from detector.dataset import Sample
+
 
 def draw(rng: np.random.Generator, width: int = 128, height: int = 96) -> tuple[np.ndarray, np.ndarray]:
     """An image and its labels (n, 5): class, then the box x0 y0 x1 y1 in pixels."""
@@ -16,6 +18,17 @@ def draw(rng: np.random.Generator, width: int = 128, height: int = 96) -> tuple[
     image[y : y + 14, x : x + 26] = 20
     rows.append((1, x, y, x + 26, y + 14))
     return image, np.array(rows, float)
+
+
+def made(seed: int) -> Sample:
+    """Such a picture at 256 x 192 in plain colours, labelled, in memory."""
+    image, rows = draw(np.random.default_rng(seed), 256, 192)
+    image[:] = 110
+    for cls, x0, y0, x1, y1 in rows.astype(int):
+        image[y0:y1, x0:x1] = 250 if cls == 0 else 0
+    return Sample(
+        "a.png", image, rows[:, 0].astype(int), (rows[:, 1:] / [256, 192, 256, 192]).astype(np.float32)
+    )
 
 
 def write(folder: Path, count: int, seed: int = 0) -> Path:

@@ -95,8 +95,8 @@ def test_a_teacher_is_learnt_from_and_stays_as_it_is(tmp_path: Path) -> None:
     before = {k: v.clone() for k, v in trainer.distillation.teacher.state_dict().items()}
     batch = make_batch(samples, stages[0], 2, 0, 0)
     terms = [trainer.step(batch) for _ in range(8)]
-    assert len(terms[0]) == 5
-    assert terms[-1][4] < terms[0][4]  # the features come closer
+    assert len(terms[0]) == 6
+    assert terms[-1][5] < terms[0][5]  # the features come closer
     assert all(torch.equal(v, before[k]) for k, v in trainer.distillation.teacher.state_dict().items())
     trainer.save(tmp_path / "checkpoint.pt")
     again = Trainer(settings, torch.device("cpu"), teacher=tmp_path / "teacher.pt")

@@ -48,7 +48,7 @@ def test_an_epoch_shows_every_image_once(tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         from detector.loader import training_view
 
-        patch.setattr(original, lambda s, *a: (shown.append(s.name), training_view(s, *a))[1])
+        patch.setattr(original, lambda s, i, *a: (shown.append(s[i].name), training_view(s, i, *a))[1])
         for start in (0, 3):
             make_batch(samples, parse_stages("96x64:12")[0], 3, start, 0)
     assert sorted(shown) == [s.name for s in samples]
@@ -93,6 +93,43 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
     assert load_weights(run / "weights.pt", Network())["passes"] == 6
     start = ["--stages", "96x64:2", "--init", str(run / "weights.pt")]
     assert main([*words[:3], str(tmp_path / "other"), *words[4:], *start]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--nwd-alpha", "2"], "nwd_alpha must be in 0..1, got 2.0"),
+        (["--edge-weight", "-1"], "edge must be >= 0, got -1.0"),
+        (["--mosaic", "1.1"], "mosaic must be in 0..1, got 1.1"),
+        (["--weather", "nan"], "weather must be in 0..1, got nan"),
+        (["--stages", "100x64:4"], "multiples of 32"),
+        (["--data", "nowhere"], "nowhere/train: no folder images/"),
+        (["--init", "nowhere.pt"], "nowhere.pt: no such file"),
+        (["--batch", "0"], "--batch must be >= 1, got 0"),
+        (["--rate", "0"], "--rate must be > 0, got 0"),
+        (["--validate-every", "0"], "--validate-every must be >= 1, got 0"),
+        (["--resume"], "run/checkpoint.pt: no such file"),
+        (["--device", "tpu"], "--device must be auto, cpu or cuda"),
+    ],
+)
+def test_bad_options_are_told_in_one_line_and_leave_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture, options: list[str], said: str
+) -> None:
+    write(tmp_path / "data" / "train", 2)
+    write(tmp_path / "data" / "val", 1)
+    words = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "run"), "--stages", "96x64:4"]
+    assert main([*words, "--threads", "1", *options]) == 2
+    told = capsys.readouterr().out
+    assert said in told
+    assert told.count("\n") == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_of_another_model_is_not_resumed(tmp_path: Path) -> None:
+    Trainer(settings("96x64:4"), CPU).save(tmp_path / "checkpoint.pt")
+    other = Trainer(Settings(parse_stages("96x64:4"), "yolo11n"), CPU)
+    with pytest.raises(InputError, match=r"trains a sbp-yolo,.* another kind"):
+        other.restore(tmp_path / "checkpoint.pt")
 
 
 @pytest.mark.parametrize("content", [None, b"", b"junk"])

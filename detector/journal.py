@@ -1,0 +1,104 @@
+"""What a training tells on its way: history.jsonl, TensorBoard events, and pictures of what it finds."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import torch
+
+from detector.dataset import Sample
+from detector.deploy import Deployed
+from detector.pictures import png, sheet, tile
+from detector.schedule import Stage
+from detector.trainer import TERMS, Trainer, look, validate
+from files.atomic import write_bytes
+
+EVERY_STEPS = 20  # between two points of the loss curves
+TILES, COLUMNS = 12, 4
+SURE = 0.25
+
+
+class Journal:
+    """The record of a training in its run folder, gone on with at `passes` image passes.
+
+    history.jsonl holds one line a validation, predictions/ one picture of the same few images each;
+    tensorboard/ events with the loss terms, the learning rate, and what is in the history.
+    """
+
+    def __init__(self, out: Path, passes: int):
+        self.out, self.steps = out, 0
+        self.history = out / "history.jsonl"
+        self.events = _events(out / "tensorboard", passes)
+
+    def __enter__(self) -> "Journal":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self.events:
+            self.events.close()
+
+    def step(self, trainer: Trainer, terms: torch.Tensor) -> None:
+        """Note the loss terms of a step, every few steps."""
+        self.steps += 1
+        if self.events and self.steps % EVERY_STEPS == 1:
+            for name, value in zip(TERMS, terms.tolist(), strict=False):
+                self.events.add_scalar(f"loss/{name}", value, trainer.passes)
+            rate = trainer.optimiser.param_groups[0]["lr"]
+            self.events.add_scalar("learning rate", rate, trainer.passes)
+
+    def validation(self, trainer: Trainer, samples: Sequence[Sample], loss: torch.Tensor) -> None:
+        """Append how the model does at the size of the last stage; loss: the running mean of the terms."""
+        stage, passes = trainer.settings.stages[-1], trainer.passes
+        summary = validate(trainer, samples, stage)
+        losses = dict(zip(TERMS, loss.tolist(), strict=False))
+        row = {"passes": passes, "size": f"{stage.width}x{stage.height}", "loss": losses, **summary}
+        with self.history.open("a") as history:
+            history.write(json.dumps(row) + "\n")
+        picture = predictions(trainer, samples, stage)
+        write_bytes(self.out / "predictions" / f"{passes:08}.png", png(picture))
+        if self.events:
+            self._to_events(summary, picture, passes)
+        text = f"mAP50 {summary['map50'] or 0:.3f}, mAP50-95 {summary['map50_95'] or 0:.3f}"
+        print(f"{passes} passes: {text}", flush=True)
+
+    def _to_events(self, summary: dict, picture: np.ndarray, passes: int) -> None:
+        rows = {"mean": summary, **summary["per_class"]}
+        for name, row in rows.items():
+            for key in ("map50", "map50_95", "ap50", "ap50_95", "precision", "recall"):
+                if row.get(key) is not None:
+                    self.events.add_scalar(f"validation {name}/{key}", row[key], passes)
+        self.events.add_image("predictions", picture, passes, dataformats="HWC")
+        self.events.flush()
+
+    def stalled(self, patience: int) -> bool:
+        """Whether the best mAP50-95 of the history is older than its last `patience` lines."""
+        rows = [json.loads(line) for line in self.history.read_text().splitlines()]
+        found = [row["map50_95"] or 0.0 for row in rows]
+        return len(found) > patience and max(found[:-patience]) >= max(found[-patience:])
+
+
+def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np.ndarray:
+    """A sheet of a few validation images, always the same, with true and found boxes."""
+    deployed = Deployed(trainer.average.model)
+    chosen = np.linspace(0, len(samples) - 1, min(TILES, len(samples))).round().astype(int)
+    tiles = []
+    for sample in (samples[i] for i in chosen):
+        view, result = look(trainer, deployed, sample, stage)
+        asked = view.classes >= 0
+        tiles.append(tile(view.image, view.boxes[asked], result, SURE, sample.name, 360))
+    return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SURE:g}")
+
+
+def _events(folder: Path, passes: int) -> Any:
+    """A TensorBoard writer, without what an earlier run wrote after `passes`; None where it is missing."""
+    try:
+        from torch.utils.tensorboard import SummaryWriter
+    except ImportError:
+        print("no TensorBoard log: it needs the package tensorboard (extra training)", flush=True)
+        return None
+    return SummaryWriter(str(folder), purge_step=passes + 1)

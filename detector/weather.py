@@ -1,0 +1,116 @@
+"""Rain, snow, fog and motion blur laid over an image: for training, and for the paper's Fig. 9 c.
+
+Every function takes an image (H, W, 3) uint8, a strength 0..1 and a generator, and gives a new image. Own
+ones, since nothing maintained serves: libraries with a permissive licence that know these effects are
+archived, or draw from one generator for the whole process, and a batch would depend on its neighbours.
+"""
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+Image = NDArray[np.uint8]
+DEGREES = np.pi / 180
+FARTHEST = 7.0
+
+
+def fog(image: Image, strength: float, rng: Generator) -> Image:
+    """Contrast lost with distance after Koschmieder: I·t + A·(1 - t), t = exp(-extinction · distance).
+
+    The distance is that of a plane road with its horizon somewhere above the middle, in units of that at the
+    image's bottom, and no more than `FARTHEST`: what is labelled must stay in sight.
+    """
+    rows = image.shape[0]
+    horizon = rng.uniform(-0.1, 0.45)
+    below = (np.arange(rows) + 0.5) / rows - horizon
+    distance = np.minimum((1 - horizon) / np.maximum(below, 1e-3), FARTHEST)
+    extinction = (0.05 + 0.25 * strength) * rng.uniform(0.7, 1.3)
+    through = np.exp(-extinction * distance)[:, None, None]
+    light = rng.uniform(0.75, 1.1) * np.quantile(image, 0.8) + rng.uniform(-4, 4, 3)
+    return _bytes(image * through + light.clip(0, 245) * (1 - through))
+
+
+def rain(image: Image, strength: float, rng: Generator) -> Image:
+    """Streaks of drops, all nearly along one direction, in light dulled by the drops too far to be seen."""
+    rows, columns = image.shape[:2]
+    slant = rng.normal(0, 12) * DEGREES
+    count = int((100 + 500 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
+    near = rng.random(count) ** 3  # most drops are far: short and faint
+    length = (0.01 + 0.09 * near) * rows
+    angle = slant + rng.normal(0, 2, count) * DEGREES
+    start = rng.random((count, 2)) * (columns, rows)
+    end = start + length[:, None] * np.stack((np.sin(angle), np.cos(angle)), 1)
+    veil = np.zeros((rows, columns), np.uint8)
+    for part in np.array_split(np.argsort(near), 4):  # four brightnesses, the nearest on top
+        if len(part):
+            shade = 60 + 150 * float(near[part].mean())
+            lines = np.stack((start[part], end[part]), 1) * 16
+            cv2.polylines(veil, list(lines.astype(np.int32)), False, shade, 1, cv2.LINE_AA, 4)
+    veil = cv2.GaussianBlur(veil, (0, 0), 0.6)
+    dull = fog(_bytes(image * (1 - 0.25 * strength)), 0.4 * strength, rng)
+    return _over(dull, veil, 0.35 + 0.35 * strength, _lit(image, 215.0))
+
+
+def snow(image: Image, strength: float, rng: Generator) -> Image:
+    """Falling flakes, those near blurred and drawn out, over a road that turns white where it is light."""
+    rows, columns = image.shape[:2]
+    count = int((150 + 750 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
+    near = rng.random(count) ** 4
+    radius = (0.6 + 5.0 * near) * rows / 384
+    centre = rng.random((count, 2)) * (columns, rows)
+    veil = np.zeros((rows, columns), np.uint8)
+    for (x, y), r, depth in zip((centre * 16).astype(int), radius, near, strict=True):
+        cv2.circle(veil, (int(x), int(y)), int(r * 16), 235 - 110 * float(depth), -1, cv2.LINE_AA, 4)
+    length, angle = rng.uniform(1.5, 4.0) * rows / 384, rng.uniform(50, 130)
+    veil = cv2.filter2D(veil, -1, _line(length, angle))
+    level = cv2.GaussianBlur(image.mean(2).astype(np.float32), (0, 0), 0.01 * rows)
+    cover = 0.5 * strength / (1 + np.exp((np.quantile(level, 0.7) - level) / 12))
+    lying = _bytes(image + (_lit(image, 235.0) - image) * cover[..., None])
+    return _over(fog(lying, 0.4 * strength, rng), veil, 0.85, _lit(image, 245.0))
+
+
+def motion_blur(image: Image, strength: float, rng: Generator) -> Image:
+    """The mean along a line of 3 to 15 pixels (at 640 columns): what a car's motion and shaking draw out.
+
+    Mostly upright, since the road flows down through the image.
+    """
+    length = (3 + 12 * strength) * image.shape[1] / 640
+    angle = 90 + rng.normal(0, 30)
+    return cv2.filter2D(image, -1, _line(length, angle), borderType=cv2.BORDER_REPLICATE).astype(np.uint8)
+
+
+EFFECTS: dict[str, Callable[[Image, float, Generator], Image]] = {
+    "rain": rain,
+    "snow": snow,
+    "fog": fog,
+    "motion_blur": motion_blur,
+}
+
+
+def _line(length: float, angle_deg: float) -> NDArray[np.float32]:
+    """A filter that averages along a line of so many pixels."""
+    reach = int(np.ceil(length / 2))
+    size, scale = 2 * reach + 1, 16
+    half = length / 2 * np.array([np.cos(angle_deg * DEGREES), np.sin(angle_deg * DEGREES)])
+    ends = [tuple(((reach + sign * half) * scale).round().astype(int).tolist()) for sign in (-1, 1)]
+    kernel = np.zeros((size, size), np.uint8)
+    cv2.line(kernel, ends[0], ends[1], 255, 1, cv2.LINE_AA, 4)
+    return (kernel / kernel.sum()).astype(np.float32)
+
+
+def _lit(image: Image, white: float) -> float:
+    """How light something white is in an image: less at night."""
+    return min(white, 60.0 + 1.5 * float(np.quantile(image, 0.9)))
+
+
+def _over(image: Image, veil: NDArray[np.uint8], opacity: float, shade: float) -> Image:
+    """A layer of one grey shade over the image, as dense as the veil (0..255) says, times the opacity."""
+    share = veil[..., None] * np.float32(opacity / 255)
+    return _bytes(image + (shade - image) * share)
+
+
+def _bytes(values: NDArray) -> Image:
+    return values.clip(0, 255).astype(np.uint8)
