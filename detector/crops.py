@@ -31,9 +31,11 @@ class View(NamedTuple):
     boxes: NDArray[np.float32]
 
 
-def part_view(sample: Sample, width: int, height: int, rng: Generator, min_height_px: float) -> View:
-    """A random part of an image at a random scale."""
-    window = _window(sample, width, height, rng)
+def part_view(
+    sample: Sample, width: int, height: int, rng: Generator, min_height_px: float, fill: bool = False
+) -> View:
+    """A random part of an image at a random scale; with `fill` (nearly) without grey bars."""
+    window = _window(sample, width, height, rng, fill)
     image = cut(sample.image, window, width, height)
     return View(image, *_boxes_in(sample, window, width, height, min_height_px))
 
@@ -47,10 +49,10 @@ def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0
     return View(image, *_boxes_in(sample, window, width, height, min_height_px))
 
 
-def _window(sample: Sample, width: int, height: int, rng: Generator) -> tuple[int, int, int, int]:
+def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool) -> tuple[int, int, int, int]:
     """x, y, w, h of the part to show, in source pixels; may reach beyond the image."""
     rows, columns = sample.image.shape[:2]
-    fit = min(width / columns, height / rows)
+    fit = (max if fill else min)(width / columns, height / rows)
     kind = rng.random()
     if kind < 0.25:
         scale = fit

@@ -22,7 +22,7 @@ def mosaic_view(
     boxes: list[NDArray[np.float32]] = []
     corners = ((0, 0, x, y), (x, 0, width, y), (0, y, x, height), (x, y, width, height))
     for sample, (x0, y0, x1, y1) in zip(samples, corners, strict=True):
-        part = part_view(sample, x1 - x0, y1 - y0, rng, min_height_px)
+        part = part_view(sample, x1 - x0, y1 - y0, rng, min_height_px, fill=True)
         image[y0:y1, x0:x1] = part.image
         classes.append(part.classes)
         boxes.append(part.boxes + np.array([x0, y0, x0, y0], np.float32))

@@ -1,6 +1,6 @@
-"""Tables 1 and 3 of arXiv 2508.01339 on a folder of images: the ladder of models, and distillation.
+"""Tables 1 and 3 of arXiv 2508.01339 on a folder of images: the ladder of models, and distillation; and NWD.
 
-`python -m benchmarks.tables.ladder --table 1 --data DIR --out FOLDER --passes 60000 [--json FILE]`
+`python -m benchmarks.tables.ladder --table 1|3|nwd --data DIR --out FOLDER --passes 60000 [--json FILE]`
 
 Every row is trained for the same passes, at the same size, on the same images, with the same seed, and then
 validated on DIR/val; finished rows are read from their run folders, so a broken run can be started again.
@@ -31,7 +31,17 @@ DISTILLATION = {
     "+cwd": ["--model", "sbp-yolo", "--distil-logits", "0"],
     "+bckd+cwd": ["--model", "sbp-yolo"],
 }
-TABLES = {"1": LADDER, "3": DISTILLATION}
+NWD = {  # the two constants of eq. 9 and 10: share of CIoU alpha, and C in strides
+    "ciou": ["--model", "sbp-yolo"],
+    "alpha 0.75": ["--model", "sbp-yolo", "--nwd-alpha", "0.75"],
+    "alpha 0.5": ["--model", "sbp-yolo", "--nwd-alpha", "0.5"],
+    "alpha 0.25": ["--model", "sbp-yolo", "--nwd-alpha", "0.25"],
+    "nwd": ["--model", "sbp-yolo", "--nwd-alpha", "0"],
+    "C 3.2": ["--model", "sbp-yolo", "--nwd-alpha", "0.5", "--nwd-scale", "3.2"],
+    "C 6.4": ["--model", "sbp-yolo", "--nwd-alpha", "0.5", "--nwd-scale", "6.4"],
+    "C 25.6": ["--model", "sbp-yolo", "--nwd-alpha", "0.5", "--nwd-scale", "25.6"],
+}
+TABLES = {"1": LADDER, "3": DISTILLATION, "nwd": NWD}
 
 
 def row(name: str, options: list[str], args: argparse.Namespace) -> dict:
