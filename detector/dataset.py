@@ -42,7 +42,7 @@ def image_paths(folder: Path) -> list[Path]:
     images = folder / "images"
     if not images.is_dir():
         raise InputError(f"{folder}: no folder images/ in it; a dataset holds images/ and labels/")
-    paths = sorted(p for p in images.iterdir() if p.suffix.lower() in SUFFIXES)
+    paths = sorted(p for p in images.iterdir() if p.suffix.lower() in SUFFIXES and p.is_file())
     if not paths:
         raise InputError(f"{images}: no image in it; allowed are {', '.join(SUFFIXES)}")
     return paths
@@ -51,13 +51,20 @@ def image_paths(folder: Path) -> list[Path]:
 def read_labels(path: Path, classes: int = len(CLASS_NAMES)) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Classes (n,), below `classes`, and fractional boxes (n, 4) of a label file; no file means no object."""
     rows = []
-    for number, line in enumerate(path.read_text().splitlines() if path.exists() else (), 1):
+    for number, line in enumerate(_lines(path) if path.exists() else (), 1):
         if line.strip():
             rows.append(_label_row(line, f"{path}:{number}", classes))
     table = np.array(rows, np.float64).reshape(-1, 5)
     centre, half = table[:, 1:3], table[:, 3:5] / 2
     boxes = np.concatenate((centre - half, centre + half), 1)
     return table[:, 0].astype(np.int64), boxes.astype(np.float32)
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        return path.read_text(encoding="utf-8").splitlines()
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file (UTF-8)") from None
 
 
 def _label_row(line: str, where: str, classes: int) -> list[float]:
@@ -108,13 +115,17 @@ def read_records(folder: Path) -> dict[str, dict] | None:
     if not path.exists():
         return None
     records = {}
-    for number, line in enumerate(path.read_text().splitlines(), 1):
+    for number, line in enumerate(_lines(path), 1):
         try:
             record = json.loads(line)
-            records[record["image"]] = record | {"objects": list(record["objects"])}
-        except (json.JSONDecodeError, KeyError, TypeError) as error:
+            objects, condition = list(record["objects"]), dict(record.get("condition", {}))
+            for one in objects:
+                int(one["class"]), float(one["distance_m"]), bool(one["in_ego_lane"])
+            records[str(record["image"])] = record | {"objects": objects, "condition": condition}
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InputError(
-                f"{path}:{number}: expected an object with image and objects ({error})"
+                f"{path}:{number}: expected image, condition, and objects with class, distance_m and "
+                f"in_ego_lane ({error})"
             ) from None
     return records
 

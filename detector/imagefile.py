@@ -1,15 +1,15 @@
 """Reading one image file, refusing what would silently be something else than its labels describe."""
 
-import struct
+import io
 from pathlib import Path
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from PIL import ExifTags, Image
 
 from files.errors import InputError
 
-_ORIENTATION = 0x0112  # EXIF 2.32, table 4
 _UPRIGHT = 1
 
 
@@ -29,7 +29,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         raise InputError(f"{path}: cannot be decoded as an image")
     if image.dtype != np.uint8:
         raise InputError(f"{path}: {image.dtype.itemsize * 8} bits per channel; must be 8")
-    if image.ndim != 3:
+    if image.ndim != 3 or _is_grey_png(data):
         raise InputError(f"{path}: a grey image; must have three colours")
     turned = exif_orientation(data)
     if turned != _UPRIGHT:
@@ -41,21 +41,18 @@ def read_image(path: Path) -> NDArray[np.uint8]:
 
 
 def exif_orientation(data: bytes) -> int:
-    """Orientation 1..8 that a JPEG file's EXIF block asks for; 1 where it says nothing (EXIF 2.32, 4.6)."""
-    start = data.find(b"Exif\0\0", 0, 1 << 16) + 6
-    if data[:2] != b"\xff\xd8" or start < 6:
-        return _UPRIGHT
-    order = "<" if data[start : start + 2] == b"II" else ">"
+    """Orientation 1..8 that an image file's EXIF block asks for; 1 where it says nothing (EXIF 2.32, 4.6)."""
     try:
-        (offset,) = struct.unpack_from(f"{order}I", data, start + 4)
-        (count,) = struct.unpack_from(f"{order}H", data, start + offset)
-        for entry in range(count):
-            tag, _, _, value = struct.unpack_from(f"{order}HHIH", data, start + offset + 2 + 12 * entry)
-            if tag == _ORIENTATION:
-                return int(value)
-    except struct.error:
+        with Image.open(io.BytesIO(data)) as image:
+            asked = int(image.getexif().get(ExifTags.Base.Orientation, _UPRIGHT))
+    except Exception:  # a broken block says nothing; whether the image itself is sound was seen before
         return _UPRIGHT
-    return _UPRIGHT
+    return asked if asked in range(1, 9) else _UPRIGHT
+
+
+def _is_grey_png(data: bytes) -> bool:
+    """Whether a PNG is grey, or grey with alpha, which OpenCV reads as colour (ISO 15948, 11.2.2)."""
+    return data[:4] == b"\x89PNG" and data[25:26] in (b"\0", b"\4")
 
 
 def _is_cut_short(data: bytes) -> bool:

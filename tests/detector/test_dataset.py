@@ -68,12 +68,44 @@ def test_names_what_is_missing_or_broken(tmp_path: Path) -> None:
 
 def test_reads_object_records(tmp_path: Path) -> None:
     assert read_records(tmp_path) is None
-    record = {"image": "a.jpg", "objects": [{"class": 0, "distance_m": 5.0}]}
+    objects = [{"class": 0, "distance_m": 5.0, "in_ego_lane": True}]
+    record = {"image": "a.jpg", "condition": {"light": "noon"}, "objects": objects}
     (tmp_path / "objects.jsonl").write_text(json.dumps(record) + "\n")
     assert read_records(tmp_path) == {"a.jpg": record}
-    (tmp_path / "objects.jsonl").write_text("{}\n")
-    with pytest.raises(InputError, match=r"objects\.jsonl:1"):
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "{}",
+        "[]",
+        "no json",
+        '{"image": "a.jpg"}',
+        '{"image": "a.jpg", "objects": 3}',
+        '{"image": "a.jpg", "objects": [{"class": 0}]}',
+        '{"image": "a.jpg", "objects": [{"class": 0, "distance_m": "near", "in_ego_lane": true}]}',
+        '{"image": "a.jpg", "objects": [], "condition": "night"}',
+        "\xff",
+    ],
+)
+def test_names_line_of_a_bad_object_record(tmp_path: Path, line: str) -> None:
+    good = json.dumps({"image": "b.jpg", "objects": []})
+    (tmp_path / "objects.jsonl").write_text(f"{good}\n{line}\n", encoding="latin-1")
+    with pytest.raises(InputError, match=r"objects\.jsonl(:2: expected|: not a text file)") as error:
         read_records(tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_names_a_label_file_that_is_no_text(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"\xff\xfe0 0.5")
+    with pytest.raises(InputError, match=r"a\.txt: not a text file"):
+        read_labels(tmp_path / "a.txt")
+
+
+def test_a_folder_named_like_an_image_is_none(tmp_path: Path) -> None:
+    folder = write(tmp_path / "data", 1)
+    (folder / "images" / "copies.jpg").mkdir()
+    assert [s.name for s in read_samples(folder)] == ["000.png"]
 
 
 def test_hash_follows_the_content(tmp_path: Path) -> None:

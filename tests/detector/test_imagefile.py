@@ -1,11 +1,14 @@
 """Image files that a reader would take for something else."""
 
+import io
 import struct
+import zlib
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from PIL import ExifTags, Image
 
 from detector.dataset import read_samples
 from detector.imagefile import exif_orientation, read_image
@@ -24,6 +27,25 @@ def jpeg(orientation: int | None = None, order: str = "<") -> bytes:
     entry = struct.pack(f"{order}HHIHH", 0x0112, 3, 1, orientation, 0)
     block = b"Exif\0\0" + mark + struct.pack(f"{order}I", 8) + struct.pack(f"{order}H", 1) + entry + b"\0" * 4
     return data[:2] + b"\xff\xe1" + struct.pack(">H", len(block) + 2) + block + data[2:]
+
+
+def written(mode: str) -> bytes:
+    """A PNG file in one of Pillow's modes."""
+    stream = io.BytesIO()
+    Image.fromarray(PICTURE).convert(mode).save(stream, "PNG")
+    return stream.getvalue()
+
+
+def damaged(data: bytes) -> bytes:
+    """Some bytes in the middle of a file lost."""
+    return data[: len(data) // 2] + bytes(40) + data[len(data) // 2 + 40 :]
+
+
+def zero_wide() -> bytes:
+    """A PNG file whose header says that the image has no columns (ISO 15948, 5.3 and 11.2.2)."""
+    data = written("RGB")
+    head = b"IHDR" + struct.pack(">I", 0) + data[20:29]
+    return data[:12] + head + struct.pack(">I", zlib.crc32(head)) + data[33:]
 
 
 @pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg"])
@@ -49,6 +71,19 @@ def test_orientation_is_read_in_either_byte_order(tmp_path: Path, orientation: i
             read_image(path)
 
 
+@pytest.mark.parametrize(("suffix", "turned"), [("png", 6), ("webp", 8), ("png", 1), ("jpeg", 0)])
+def test_orientation_is_read_from_other_kinds_of_files_too(tmp_path: Path, suffix: str, turned: int) -> None:
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = turned
+    path = tmp_path / f"a.{suffix}"
+    Image.fromarray(PICTURE).save(path, exif=exif)
+    if turned <= 1:  # 0 is none of the orientations
+        assert read_image(path).shape == PICTURE.shape
+    else:
+        with pytest.raises(InputError, match=f"EXIF orientation {turned}"):
+            read_image(path)
+
+
 @pytest.mark.parametrize("length", range(0, 26, 3))
 def test_a_broken_exif_block_says_nothing(length: int) -> None:
     data = jpeg(6)
@@ -65,6 +100,12 @@ def test_a_broken_exif_block_says_nothing(length: int) -> None:
         ("a.png", cv2.imencode(".png", PICTURE)[1].tobytes()[:-300], "cut short"),
         ("a.png", cv2.imencode(".png", PICTURE.astype(np.uint16) * 256)[1].tobytes(), "16 bits"),
         ("a.png", cv2.imencode(".png", PICTURE[..., 0])[1].tobytes(), "grey"),
+        ("a.png", written("LA"), "grey"),
+        ("a.jpg", cv2.imencode(".jpg", PICTURE[..., 0])[1].tobytes(), "grey"),
+        ("a.png", damaged(cv2.imencode(".png", PICTURE)[1].tobytes()), "cannot be decoded"),
+        ("a.png", zero_wide(), "cannot be decoded"),
+        ("a.bmp", cv2.imencode(".bmp", PICTURE)[1].tobytes()[:-300], "cannot be decoded"),
+        ("a.webp", cv2.imencode(".webp", PICTURE)[1].tobytes()[:-30], "cannot be decoded"),
     ],
 )
 def test_bad_files_are_named_with_their_fault(tmp_path: Path, name: str, data: bytes, said: str) -> None:

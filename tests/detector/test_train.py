@@ -148,6 +148,13 @@ def test_weights_of_another_width_are_named(tmp_path: Path) -> None:
         load_weights(path, Network())
 
 
+def test_weights_for_other_classes_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "w.pt"
+    save_weights(path, build("sbp-yolo"), {"names": ["pothole", "speed_bump"]})
+    with pytest.raises(InputError, match=r"w\.pt: classes must be speed_bump, pothole, got pothole, speed_bump"):
+        load_weights(path, Network())
+
+
 @pytest.mark.slow
 def test_learns_a_few_images_by_heart(tmp_path: Path) -> None:
     samples = list(read_samples(write(tmp_path / "data", 8)))
