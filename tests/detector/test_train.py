@@ -151,7 +151,9 @@ def test_weights_of_another_width_are_named(tmp_path: Path) -> None:
 def test_weights_for_other_classes_are_named(tmp_path: Path) -> None:
     path = tmp_path / "w.pt"
     save_weights(path, build("sbp-yolo"), {"names": ["pothole", "speed_bump"]})
-    with pytest.raises(InputError, match=r"w\.pt: classes must be speed_bump, pothole, got pothole, speed_bump"):
+    with pytest.raises(
+        InputError, match=r"w\.pt: classes must be speed_bump, pothole, got pothole, speed_bump"
+    ):
         load_weights(path, Network())
 
 
