@@ -96,17 +96,22 @@ def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = Fals
         except InputError as error:
             faults.append(str(error))
             continue
-        shrink = min(1.0, (longest or max(image.shape)) / max(image.shape))
-        if shrink < 1:
-            size = (round(image.shape[1] * shrink), round(image.shape[0] * shrink))
-            image = cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
-        yield Sample(path.name, image, *labels)
+        yield Sample(path.name, shrunk(image, longest or max(image.shape)), *labels)
     if faults and not skip_bad:
         raise InputError(
             f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
         )
     for fault in faults:
         print(f"left out: {fault}", file=sys.stderr)
+
+
+def shrunk(image: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
+    """The image, made smaller if its longer side has more than `longest` pixels."""
+    shrink = longest / max(image.shape)
+    if shrink >= 1:
+        return image
+    size = (round(image.shape[1] * shrink), round(image.shape[0] * shrink))
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
 
 
 def read_records(folder: Path) -> dict[str, dict] | None:

@@ -17,13 +17,14 @@ import torch
 from detector.augment import Augmentation
 from detector.checkpoint import save_weights
 from detector.curves import write_curves
-from detector.dataset import dataset_hash, read_samples
+from detector.dataset import dataset_hash
 from detector.detection import CLASS_NAMES
 from detector.distillation import DistillationWeights
 from detector.loop import Routine, train
 from detector.losses import LossWeights
 from detector.models import MODELS
 from detector.schedule import parse_stages
+from detector.store import load_store
 from detector.trainer import Settings, Trainer
 from files.atomic import write_text
 from files.errors import InputError
@@ -55,6 +56,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--device", default="auto", help="auto, cpu or cuda")
     p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")
     p.add_argument("--threads", type=int, default=2, help="threads of torch on a CPU")
+    p.add_argument("--memory-mib", type=float, default=4096, help="of decoded images; others are read again")
     p.add_argument("--workers", type=int, default=1, help="threads that prepare batches")
     p.add_argument(
         "--patience", type=int, default=0, help="stop after so many validations that are no better"
@@ -114,8 +116,8 @@ def run(args: argparse.Namespace) -> None:
         raise InputError(f"{checkpoint}: already there; add --resume to go on or choose another --out")
     torch.set_num_threads(args.threads)
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
-    training = list(read_samples(args.data / "train", max(longest, 640), args.skip_bad))
-    validation = list(read_samples(args.data / "val", max(longest, 640), args.skip_bad))
+    training = load_store(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
+    validation = load_store(args.data / "val", max(longest, 640), 0, args.skip_bad)
     trainer = Trainer(settings, torch.device(chosen), args.init, args.teacher)
     if args.resume:
         trainer.restore(checkpoint)

@@ -28,9 +28,9 @@ def fog(image: Image, strength: float, rng: Generator) -> Image:
     below = (np.arange(rows) + 0.5) / rows - horizon
     distance = np.minimum((1 - horizon) / np.maximum(below, 1e-3), FARTHEST)
     extinction = (0.05 + 0.25 * strength) * rng.uniform(0.7, 1.3)
-    through = np.exp(-extinction * distance)[:, None, None]
-    light = rng.uniform(0.75, 1.1) * np.quantile(image, 0.8) + rng.uniform(-4, 4, 3)
-    return _bytes(image * through + light.clip(0, 245) * (1 - through))
+    through = np.exp(-extinction * distance)[:, None, None].astype(np.float32)
+    light = rng.uniform(0.75, 1.1) * _shade(image, 0.8) + rng.uniform(-4, 4, 3)
+    return _bytes(image * through + light.clip(0, 245).astype(np.float32) * (1 - through))
 
 
 def rain(image: Image, strength: float, rng: Generator) -> Image:
@@ -50,7 +50,7 @@ def rain(image: Image, strength: float, rng: Generator) -> Image:
             lines = np.stack((start[part], end[part]), 1) * 16
             cv2.polylines(veil, list(lines.astype(np.int32)), False, shade, 1, cv2.LINE_AA, 4)
     veil = cv2.GaussianBlur(veil, (0, 0), 0.6)
-    dull = fog(_bytes(image * (1 - 0.25 * strength)), 0.4 * strength, rng)
+    dull = fog(cv2.convertScaleAbs(image, alpha=1 - 0.25 * strength), 0.4 * strength, rng)
     return _over(dull, veil, 0.35 + 0.35 * strength, _lit(image, 215.0))
 
 
@@ -66,9 +66,9 @@ def snow(image: Image, strength: float, rng: Generator) -> Image:
         cv2.circle(veil, (int(x), int(y)), int(r * 16), 235 - 110 * float(depth), -1, cv2.LINE_AA, 4)
     length, angle = rng.uniform(1.5, 4.0) * rows / 384, rng.uniform(50, 130)
     veil = cv2.filter2D(veil, -1, _line(length, angle))
-    level = cv2.GaussianBlur(image.mean(2).astype(np.float32), (0, 0), 0.01 * rows)
-    cover = 0.5 * strength / (1 + np.exp((np.quantile(level, 0.7) - level) / 12))
-    lying = _bytes(image + (_lit(image, 235.0) - image) * cover[..., None])
+    level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (rows // 40 + 1, rows // 40 + 1))
+    cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # of each grey level
+    lying = _over(image, cv2.LUT(level, cover.astype(np.uint8)), 0.5 * strength, _lit(image, 235.0))
     return _over(fog(lying, 0.4 * strength, rng), veil, 0.85, _lit(image, 245.0))
 
 
@@ -103,13 +103,18 @@ def _line(length: float, angle_deg: float) -> NDArray[np.float32]:
 
 def _lit(image: Image, white: float) -> float:
     """How light something white is in an image: less at night."""
-    return min(white, 60.0 + 1.5 * float(np.quantile(image, 0.9)))
+    return min(white, 60.0 + 1.5 * _shade(image, 0.9))
+
+
+def _shade(image: NDArray[np.uint8], share: float) -> float:
+    """The grey level below which that share of an image lies."""
+    return float(np.quantile(image[::4, ::4], share))
 
 
 def _over(image: Image, veil: NDArray[np.uint8], opacity: float, shade: float) -> Image:
     """A layer of one grey shade over the image, as dense as the veil (0..255) says, times the opacity."""
     share = veil[..., None] * np.float32(opacity / 255)
-    return _bytes(image + (shade - image) * share)
+    return _bytes(image + (np.float32(shade) - image) * share)
 
 
 def _bytes(values: NDArray) -> Image:

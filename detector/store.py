@@ -1,0 +1,55 @@
+"""A data set for training: checked as a whole, kept in memory as far as allowed, read again beyond that."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detector.dataset import Sample, read_samples, shrunk
+from detector.imagefile import read_image
+
+
+class Entry(NamedTuple):
+    """A sample whose image may have been left on the disk (image None)."""
+
+    path: Path
+    image: NDArray[np.uint8] | None
+    classes: NDArray[np.int64]
+    boxes: NDArray[np.float32]
+
+
+class Store(Sequence[Sample]):
+    """Samples by their number, images no longer than `longest` pixels on their longer side."""
+
+    def __init__(self, entries: Sequence[Entry], longest: int):
+        self.entries, self.longest = entries, longest
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    @overload
+    def __getitem__(self, index: int) -> Sample: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Store": ...
+    def __getitem__(self, index: int | slice) -> "Sample | Store":
+        if isinstance(index, slice):
+            return Store(self.entries[index], self.longest)
+        path, image, classes, boxes = self.entries[index]
+        if image is None:
+            image = shrunk(read_image(path), self.longest)
+        return Sample(path.name, image, classes, boxes)
+
+
+def load_store(folder: Path, longest: int, memory_mib: float, skip_bad: bool = False) -> Store:
+    """Read and check a whole folder, keeping the first images, up to `memory_mib` of them, decoded.
+
+    A decoded 640 x 384 image takes 0.7 MiB, and reading one again 2 ms. Raises InputError as `read_samples`.
+    """
+    entries, left = [], memory_mib * 2**20
+    for sample in read_samples(folder, longest, skip_bad):
+        left -= sample.image.nbytes
+        image = sample.image if left >= 0 else None
+        entries.append(Entry(folder / "images" / sample.name, image, sample.classes, sample.boxes))
+    return Store(entries, longest)
