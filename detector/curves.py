@@ -60,7 +60,7 @@ def write_precision_recall(results: Sequence[ImageResult], confidence: float, pa
     threshold.set(xlabel="confidence threshold", xlim=(0, 1), ylim=(0, 1.01))
     for axes in (curve, threshold):
         if axes.lines:
-            axes.legend(fontsize=8)
+            axes.legend(fontsize=7, loc="lower left" if axes is curve else "lower right", framealpha=0.7)
         axes.grid(alpha=0.3)
     _write(figure, path)
 

@@ -81,4 +81,5 @@ def _rectangle(image: NDArray, box: NDArray, colour: tuple[int, int, int]) -> No
 
 def _text(image: NDArray, text: str, at: Sequence[float], colour: tuple[int, int, int]) -> None:
     where = (max(int(at[0]), 0), max(int(at[1]), 10))
-    cv2.putText(image, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)
+    for shade, thickness in (((0, 0, 0), 3), (colour, 1)):  # dark around the letters
+        cv2.putText(image, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.4, shade, thickness, cv2.LINE_AA)
