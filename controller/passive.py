@@ -11,18 +11,18 @@ from vehicle.parameters import Car
 
 
 class Constant(Stateless):
-    """Constant damping (wheels,), N·s/m. Raises InputError for a coefficient that the dampers cannot have."""
+    """Constant damping `command` (wheels,), N·s/m; InputError for a coefficient that a damper cannot have."""
 
     def __init__(self, vehicle: Car, damping_ns_m: np.ndarray, name: str):
         limits = Limits.of(vehicle)
         refused = damping_ns_m[(damping_ns_m < limits.low) | (damping_ns_m > limits.high)]
         if len(refused):
             raise InputError(f"{name} must lie in {limits}, got {refused[0]:g}")
-        self._command = damping_ns_m
+        self.command = damping_ns_m
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the same coefficients whatever happens, (wheels,) N·s/m."""
-        return self._command.copy()
+        return self.command.copy()
 
 
 def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None) -> Constant:

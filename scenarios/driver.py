@@ -8,13 +8,14 @@ import numpy as np
 
 from controller.base import Controller, Estimate, Timing
 from controller.observer import Observer, truth_estimate
+from controller.passive import Constant
 from controller.registry import build
 from controller.sensor_watch import SensorWatch
 from scenarios import preview_log
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from scenarios.faults import LATE, Faults
-from scenarios.perception import Event, Perception
+from scenarios.perception import Blind, Event, Perception
 from vehicle.equations import state_size
 from vehicle.parameters import prediction_car
 from vehicle.plant import Plant
@@ -25,8 +26,10 @@ from vehicle.state import VehicleState
 class Driver:
     """Leads plant, perception and controller through the ticks of one case; `drive` once, then read the rest.
 
-    events: detections and fallbacks in order of time; solver: the controller's counts, without its run times;
-    timing: those run times; estimates: those of an observer, one a decision; seen: the previews, 20 Hz.
+    events: detections, fallbacks and changes of the constraints that bind, in order of time; solver: the
+    controller's counts, without its run times; timing: those run times; estimates: those of an observer, one
+    a decision; seen: the previews, 20 Hz.
+    A car whose dampers never change and that looks at nothing is neither sensed nor asked: no estimates.
     """
 
     def __init__(
@@ -52,9 +55,14 @@ class Driver:
         self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
+        self._unasked = False
+        if isinstance(self._controller, Constant) and isinstance(perception, Blind):
+            self._unasked = True
+            self._waiting.append((self._delay, self._controller.command))
         self.estimates: list[Estimate] = []
         self._wheel = int(np.argmin(car.wheel_y_m))  # the right front one
         self.seen: list[tuple[float, np.ndarray, np.ndarray]] = []
+        self._active: tuple[str, ...] = ()
         self.events: list[Event] = []
         self.solver: dict[str, object] = {}
         self.timing: dict[str, float] = {}
@@ -64,7 +72,8 @@ class Driver:
         tick = 0
         while tick < self._total:
             self._perception.expose(tick, self._state)
-            estimate = self._sense() if due(tick, self._rate_hz) else None
+            asked = not self._unasked and due(tick, self._rate_hz)
+            estimate = self._sense() if asked else None
             self.events += self._perception.receive(tick)
             if estimate is not None:
                 self._waiting.append((tick + self._delay, self._decide(tick, estimate)))
@@ -104,10 +113,15 @@ class Driver:
         command = self._controller.step(estimate, preview)
         if problem := getattr(self._controller, "problem", None):
             self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
+        active = getattr(self._controller, "active", ())
+        if active != self._active:
+            self.events.append({"time_s": time_s, "event": "constraints", "active": list(active)})
+            self._active = active
         return np.asarray(command, dtype=float)
 
     def _next_event(self, tick: int) -> int:
-        candidates = [self._total, next_due(tick, self._rate_hz)]
+        asking = tick + TICKS_PER_SECOND if self._unasked else next_due(tick, self._rate_hz)
+        candidates = [self._total, asking]
         candidates += [when for when, _ in self._waiting]
         looked = self._perception.next_tick(tick)
         return min(candidates if looked is None else [*candidates, looked])

@@ -67,8 +67,21 @@ def test_a_common_shift_of_all_heights_is_no_error() -> None:
 
 
 def test_each_run_tells_it_in_its_manifest_and_row() -> None:
-    run = simulate(Case(load("bump_8x40_30", SHORT), "passive", "none", 0))
+    run = simulate(Case(load("bump_8x40_30", SHORT), "skyhook", "none", 0))
     assert 0.0 < run.observer["heave_velocity"] < 0.1
     assert manifest(run)["observer_error"] == row(run)["observer_error"] == run.observer
-    truth = simulate(Case(load("bump_8x40_30", [*SHORT, "observer=truth"]), "passive", "none", 0))
+    truth = simulate(Case(load("bump_8x40_30", [*SHORT, "observer=truth"]), "skyhook", "none", 0))
     assert truth.observer == {}
+
+
+def test_dampers_that_never_change_ask_no_observer() -> None:
+    """And go as they go under a controller that is asked each time."""
+    case = Case(load("bump_8x40_30", [*SHORT, "control.delay_s=0.012"]), "passive", "none", 0)
+    run, car = simulate(case), case.scenario.vehicle.parameters
+    assert run.observer == {}
+    scenario, plant = case.scenario, Plant(car)
+    tracks = [wheel_profile(scenario.road, y, car.wheel_radius_m) for y in car.wheel_y_m]
+    plant.reset(tracks, scenario.start_m, scenario.motion)
+    for _ in range(scenario.ticks // 5):
+        plant.step([corner.damping_passive_ns_m for corner in car.corners], 5)
+    np.testing.assert_array_equal(run.signals["cg_acc"][: scenario.ticks // 5 * 5 + 1], plant.signals.cg_acc)
