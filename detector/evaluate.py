@@ -4,12 +4,14 @@ DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred w
 are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance, and the
 condition of every image). With `--out FOLDER` this writes there metrics.json, report.txt, the curves
 precision_recall.png, and two sheets of images with true and found boxes: hardest.png and typical.png.
+`--degrade rain` (snow, fog, motion_blur) lays bad weather over the images, as the paper's Fig. 9 c.
 """
 
 import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -22,13 +24,21 @@ from detector.curves import write_precision_recall
 from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
 from detector.detection import Detections
 from detector.gallery import write_sheets
+from detector.imagefile import read_image
 from detector.metrics import judge, summarise
 from detector.progress import Progress
+from detector.report import report
 from detector.runtime import Detector
+from detector.weather import EFFECTS, degraded
 from files.atomic import write_text
 from files.errors import InputError
 
 LEAST_CONFIDENCE = 0.001
+Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
+
+
+def unchanged(name: str, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return image
 
 
 def evaluate(
@@ -63,13 +73,17 @@ def judge_folder(
     detect: Callable[[NDArray[np.uint8]], Detections],
     skip_bad: bool = False,
     masks: bool = True,
+    change: Change = unchanged,
 ) -> list[Judged]:
-    """Every image of a folder, detected and held against its labels. Raises InputError."""
+    """Every image of a folder, detected and held against its labels. Raises InputError.
+
+    change: what is done to an image, given with its name, before the detector sees it
+    """
     judged = []
     with Progress(len(image_paths(folder))) as progress:
         for sample in read_samples(folder, skip_bad=skip_bad):
             rows, columns = sample.image.shape[:2]
-            found = detect(sample.image)
+            found = detect(change(sample.name, sample.image))
             if masks:
                 found = _in_lane(found, sample, folder / "lane")
             boxes = sample.boxes * np.array([columns, rows, columns, rows], np.float32)
@@ -99,6 +113,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--json", type=Path, help="write the numbers here")
     p.add_argument("--out", type=Path, help="write numbers, curves and sheets of images into this folder")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
+    p.add_argument("--degrade", choices=EFFECTS, help="lay this over every image")
+    p.add_argument("--strength", type=float, default=0.5, help="of --degrade, 0..1")
     p.add_argument("--threads", type=int, default=1)
     p.add_argument("--ignore-masks", action="store_true", help="count detections outside lane/ masks, too")
     p.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
@@ -110,14 +126,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if not 0 < args.confidence <= 1:
             raise InputError(f"--confidence must be in 0..1, got {args.confidence:g}")
+        if not 0 <= args.strength <= 1:
+            raise InputError(f"--strength must be in 0..1, got {args.strength:g}")
+        change = unchanged
+        if args.degrade:
+            change = partial(degraded, effect=args.degrade, strength=args.strength)
         detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
-        judged = judge_folder(args.data, detect, args.skip_bad, not args.ignore_masks)
+        judged = judge_folder(args.data, detect, args.skip_bad, not args.ignore_masks, change)
         summary = summary_of(args.data, judged, args.confidence)
         summary |= {"weights": str(detect.path), "data": str(args.data), "metadata": detect.metadata}
+        summary |= {"degrade": args.degrade, "strength": args.strength} if args.degrade else {}
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")
         if args.out:
-            write_folder(args.data, judged, summary, args.out)
+            write_folder(args.data, judged, summary, args.out, change)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -125,50 +147,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def write_folder(data: Path, judged: Sequence[Judged], summary: dict, out: Path) -> None:
+def write_folder(
+    data: Path, judged: Sequence[Judged], summary: dict, out: Path, change: Change = unchanged
+) -> None:
     """What `--out` asks for."""
+
+    def seen(name: str) -> NDArray[np.uint8]:
+        return change(name, read_image(data / "images" / name))
+
     confidence = summary["confidence"]
     write_text(out / "metrics.json", json.dumps(summary, indent=1) + "\n")
     write_text(out / "report.txt", report(summary) + "\n")
     write_precision_recall([image.result for image in judged], confidence, out / "precision_recall.png")
-    write_sheets(data, judged, confidence, out)
-
-
-def report(summary: dict) -> str:
-    """The chief numbers as a few lines of text."""
-    lines = [f"{summary['images']} images, threshold {summary['confidence']:g}"]
-    lines.append(f"{'':12}  AP50  AP50-95  P      R")
-    keys = ("ap50", "ap50_95", "precision", "recall")
-    for name, row in summary["per_class"].items():
-        lines.append(f"{name:12}  " + "  ".join(_shown(row[k]) for k in keys))
-    keys = ("map50", "map50_95", "precision", "recall")
-    lines.append(f"{'mean':12}  " + "  ".join(_shown(summary[k]) for k in keys))
-    if "ego_recall" in summary:
-        ego = summary["ego_recall"]
-        parts = (f"{name} {_shown(row['recall'])} of {row['objects']}" for name, row in ego.items())
-        lines.append("own lane, 4-15 m ahead: " + ", ".join(parts))
-        edge = summary["bottom_edge_4_10_m"]["all"]
-        bias, sigma = _shown(edge["bias_px"]), _shown(edge["sigma_px"])
-        lines.append(f"bottom edge, 4-10 m: bias {bias} px, sigma {sigma} px of {edge['objects']}")
-    false = summary["false_alarms"]
-    lines.append(f"plain road: {_shown(false['per_100_images'])} false per 100 of {false['images']} images")
-    return "\n".join(lines + _condition_lines(summary.get("figure_9", {})))
-
-
-def _condition_lines(rows: dict) -> list[str]:
-    """The conditions of the paper's Fig. 9 as a table."""
-    if not rows:
-        return []
-    lines = [f"{'':12}  mAP50  AP50-95  P      R      images"]
-    keys = ("map50", "map50_95", "precision", "recall")
-    return lines + [
-        f"{name:12}  " + "  ".join(_shown(row[key]) for key in keys) + f"  {row['images']}"
-        for name, row in rows.items()
-    ]
-
-
-def _shown(value: float | None) -> str:
-    return "  -  " if value is None else f"{value:.3f}"
+    write_sheets(judged, seen, confidence, out)
 
 
 if __name__ == "__main__":

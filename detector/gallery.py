@@ -1,27 +1,32 @@
 """Contact sheets of a judged data set: its hardest images, and some as they come."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from detector.breakdown import Judged
-from detector.imagefile import read_image
 from detector.pictures import misses, png, sheet, tile
 from files.atomic import write_bytes
 
 COLUMNS, TILES = 4, 24
 
 
-def write_sheets(folder: Path, judged: Sequence[Judged], confidence: float, out: Path) -> None:
-    """Write `hardest.png`, by `mistakes`, and `typical.png`, spread over the images with objects."""
+def write_sheets(
+    judged: Sequence[Judged], read: Callable[[str], NDArray[np.uint8]], confidence: float, out: Path
+) -> None:
+    """Write `hardest.png`, by `mistakes`, and `typical.png`, spread over the images with objects.
+
+    read: gives the image of a name as the detector saw it
+    """
     ranked = sorted(judged, key=lambda image: -mistakes(image, confidence))  # stable: equals by name
     with_objects = [image for image in judged if len(image.boxes)] or list(judged)
     spread = np.linspace(0, len(with_objects) - 1, min(TILES, len(with_objects))).round().astype(int)
     typical = [with_objects[i] for i in spread]
     for name, chosen in (("hardest", ranked[:TILES]), ("typical", typical)):
-        tiles = [_tile(folder, image, confidence) for image in chosen]
-        title = f"{folder.name}: {name} images at confidence {confidence:g}"
+        tiles = [tile(read(one.name), one.boxes, one.result, confidence, one.name) for one in chosen]
+        title = f"{name} images at confidence {confidence:g}"
         write_bytes(out / f"{name}.png", png(sheet(tiles, COLUMNS, title)))
 
 
@@ -30,8 +35,3 @@ def mistakes(image: Judged, confidence: float) -> float:
     found, right = image.result.detections, image.result.hits[0]
     false = found.scores[(found.scores >= confidence) & ~right]
     return float(misses(image.result, confidence).sum() + false.sum())
-
-
-def _tile(folder: Path, image: Judged, confidence: float) -> np.ndarray:
-    picture = read_image(folder / "images" / image.name)
-    return tile(picture, image.boxes, image.result, confidence, image.name)

@@ -1,5 +1,6 @@
 """How long to train at which image size, and the learning rate over the passes."""
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -58,7 +59,13 @@ def work_done(stages: tuple[Stage, ...], passes: int) -> float:
     return seen / total
 
 
-def rate_factor(stages: tuple[Stage, ...], passes: int, warmup: int, floor: float = 0.01) -> float:
-    """Learning rate over its peak: linear warm-up over `warmup` passes, linear decay with the pixels seen."""
+DECAYS = {"linear": lambda done: 1 - done, "cosine": lambda done: (1 + math.cos(math.pi * done)) / 2}
+"""What is left of the learning rate when a share 0..1 of the work is done."""
+
+
+def rate_factor(
+    stages: tuple[Stage, ...], passes: int, warmup: int, decay: str = "linear", floor: float = 0.01
+) -> float:
+    """Learning rate over its peak: linear warm-up over `warmup` passes, decay with the pixels seen."""
     rise = min(1.0, (passes + 1) / max(warmup, 1))
-    return rise * (1 - (1 - floor) * work_done(stages, passes))
+    return rise * (floor + (1 - floor) * DECAYS[decay](work_done(stages, passes)))

@@ -23,7 +23,7 @@ from detector.distillation import DistillationWeights
 from detector.loop import Routine, train
 from detector.losses import LossWeights
 from detector.models import MODELS
-from detector.schedule import parse_stages
+from detector.schedule import DECAYS, parse_stages
 from detector.store import load_store
 from detector.trainer import Settings, Trainer
 from files.atomic import write_text
@@ -39,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--model", choices=MODELS, default="sbp-yolo", help="what to train")
     p.add_argument("--batch", type=int, default=16)
     p.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of AdamW")
+    p.add_argument("--decay", choices=DECAYS, default="linear", help="of the learning rate after its warm-up")
     p.add_argument("--nwd-alpha", type=float, default=1.0, help="share of CIoU in the box loss; 1 = no NWD")
     p.add_argument("--nwd-scale", type=float, default=12.8, help="the constant C of the NWD, in strides")
     p.add_argument("--edge-weight", type=float, default=0.0, help="of top and bottom edge's error in strides")
@@ -90,6 +91,7 @@ def _settings(args: argparse.Namespace) -> Settings:
         args.model,
         args.batch,
         args.rate,
+        decay=args.decay,
         seed=args.seed,
         precision=args.precision,
         loss=loss,

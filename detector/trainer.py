@@ -35,6 +35,7 @@ class Settings:
     rate: float = 2e-3
     weight_decay: float = 0.01
     warmup: int = 2000
+    decay: str = "linear"
     clip: float = 10.0
     seed: int = 0
     precision: str = "bf16"
@@ -68,7 +69,7 @@ class Trainer:
     def step(self, batch: Batch) -> torch.Tensor:
         """One update; gives the loss terms: four, and two more with a teacher."""
         settings = self.settings
-        factor = rate_factor(settings.stages, self.passes, settings.warmup)
+        factor = rate_factor(settings.stages, self.passes, settings.warmup, settings.decay)
         for group in self.optimiser.param_groups:
             group["lr"] = settings.rate * factor
         images = batch.images.to(self.device, non_blocking=True).float() / 255

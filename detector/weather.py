@@ -5,6 +5,7 @@ ones, since nothing maintained serves: libraries with a permissive licence that 
 archived, or draw from one generator for the whole process, and a batch would depend on its neighbours.
 """
 
+import zlib
 from collections.abc import Callable
 
 import cv2
@@ -88,6 +89,11 @@ EFFECTS: dict[str, Callable[[Image, float, Generator], Image]] = {
     "fog": fog,
     "motion_blur": motion_blur,
 }
+
+
+def degraded(name: str, image: Image, effect: str, strength: float) -> Image:
+    """An image under the effect of that name, always the same for the same file name of the image."""
+    return EFFECTS[effect](image, strength, np.random.default_rng(zlib.crc32(name.encode())))
 
 
 def _line(length: float, angle_deg: float) -> NDArray[np.float32]:

@@ -1,6 +1,7 @@
 """Scoring a folder: metrics, lane masks and recall by distance, with made-up detectors."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,7 @@ import pytest
 from detector.dataset import read_samples
 from detector.detection import Detections, no_detections
 from detector.evaluate import evaluate, judge_folder, main, report, summary_of, write_folder
+from detector.weather import degraded
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -122,6 +124,24 @@ def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:
     sizes = {p.name: cv2.imread(str(p)).shape[1] for p in (tmp_path / "out").glob("*.png")}
     assert sizes.keys() == {"precision_recall.png", "hardest.png", "typical.png"}
     assert sizes["hardest.png"] == sizes["typical.png"] > 3 * 480
+
+
+def test_bad_weather_is_what_the_detector_sees(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    folder, seen = write(tmp_path / "data", 2), []
+    for _ in range(2):
+        judge_folder(
+            folder,
+            lambda image: (seen.append(image), no_detections())[1],
+            change=partial(degraded, effect="snow", strength=0.7),
+        )
+    originals = [s.image for s in read_samples(folder)]
+    assert not np.array_equal(seen[0], originals[0])
+    assert all(np.array_equal(a, b) for a, b in zip(seen[:2], seen[2:], strict=True))  # the same every time
+    words = ["--data", str(folder), "--degrade", "fog", "--json", str(tmp_path / "out.json")]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    assert json.loads((tmp_path / "out.json").read_text())["degrade"] == "fog"
+    assert main([*words, "--strength", "2"]) == 2
+    assert "--strength must be in 0..1, got 2" in capsys.readouterr().err
 
 
 def test_report_tells_of_the_conditions(tmp_path: Path) -> None:

@@ -35,3 +35,13 @@ def test_rate_warms_up_and_decays_to_its_floor() -> None:
     assert rate_factor(STAGES, 150, warmup=10) == pytest.approx(0.01)
     rates = [rate_factor(STAGES, n, warmup=10) for n in range(10, 151)]
     assert rates == sorted(rates, reverse=True)
+
+
+def test_cosine_decay_is_level_at_both_ends() -> None:
+    steps = parse_stages("96x64:1000")
+    rates = [rate_factor(steps, n, warmup=1, decay="cosine") for n in (0, 10, 500, 990, 1000)]
+    assert rates[0] == 1
+    assert rates[2] == pytest.approx(0.505)  # half way between the peak and the floor of 0.01
+    assert rates[4] == pytest.approx(0.01)
+    assert rates[0] - rates[1] < 3e-4
+    assert rates[3] - rates[4] < 3e-4
