@@ -13,10 +13,11 @@ import numpy as np
 from controller.model import PredictionModel
 from controller.terminal import TerminalCost
 from controller.time_grid import TimeGrid
+from vehicle.equations import input_size
 
 
 class Condensed(NamedTuple):
-    """½ dᵀHd + gᵀd for a correction d (intervals · wheels,) of the plan, interval by interval, kN·s/m."""
+    """½ dᵀHd + gᵀd for a correction d (intervals · inputs,) of the plan, interval by interval."""
 
     hessian: np.ndarray
     gradient: np.ndarray
@@ -26,7 +27,8 @@ class Condenser:
     """Linearises the model along a plan and eliminates the states; buffers are allocated once.
 
     The cost is the integral over the horizon, in units of `period_s`, of the residuals' squares and of
-    `input_weight` times (command − 1)². Results are views that the next call overwrites.
+    `input_weights` (inputs,) times the squares of forces and of settings less 1 kN·s/m. Results are views
+    that the next call overwrites.
     """
 
     def __init__(
@@ -35,13 +37,15 @@ class Condenser:
         terminal: TerminalCost,
         grid: TimeGrid,
         period_s: float,
-        input_weight: float,
+        input_weights: np.ndarray,
     ):
-        steps, intervals, wheels = len(grid.step_s), len(grid.intervals_s), model.vehicle.wheels
+        steps, intervals, inputs = len(grid.step_s), len(grid.intervals_s), input_size(model.vehicle)
         self._model, self._terminal, self._steps = model, terminal, steps
         self._interval = grid.interval
         self._weights = grid.step_s / period_s
-        self._input_weights = np.repeat(input_weight * np.array(grid.intervals_s) / period_s, wheels)
+        lengths = np.array(grid.intervals_s) / period_s
+        self._input_weights = np.outer(lengths, input_weights).ravel()
+        self._nominal = np.tile(np.arange(inputs) < model.vehicle.wheels, intervals).astype(float)
         lanes = model.linearise.lanes
         padded = -(-steps // lanes) * lanes
         # Columns are steps; the state that a step reaches is written where the next one begins.
@@ -52,8 +56,8 @@ class Condenser:
         self._advance = model.advance.bind(self._points, self._points[:, 1:], steps)
         self._linearise = model.linearise.bind(self._points, self._results, padded)
         self._entries = _entries(model)
-        self._hessian = np.zeros((intervals * wheels, intervals * wheels))
-        self._gradient = np.zeros(intervals * wheels)
+        self._hessian = np.zeros((intervals * inputs, intervals * inputs))
+        self._gradient = np.zeros(intervals * inputs)
 
     @property
     def states(self) -> np.ndarray:
@@ -61,16 +65,17 @@ class Condenser:
         return self._points[: self._model.n_x, : self._steps + 1]
 
     def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
-        """Condense about `plan` (intervals, wheels) kN·s/m from `state` (n_x,).
+        """Condense about `plan` (intervals, inputs), kN·s/m and kN, from `state` (n_x,).
 
         road: (wheels, steps + 1) heights at the ends of the grid's steps, m.
         """
         n_x, wheels, steps = self._model.n_x, self._model.vehicle.wheels, self._steps
+        roads = n_x + plan.shape[1]
         points = self._points
         points[:n_x, 0] = state
-        points[n_x : n_x + wheels, :steps] = plan.T[:, self._interval]
-        points[n_x + wheels : n_x + 2 * wheels, :steps] = road[:, :-1]
-        points[n_x + 2 * wheels : n_x + 3 * wheels, :steps] = road[:, 1:]
+        points[n_x:roads, :steps] = plan.T[:, self._interval]
+        points[roads : roads + wheels, :steps] = road[:, :-1]
+        points[roads + wheels : roads + 2 * wheels, :steps] = road[:, 1:]
         self._advance()
         self._linearise()
         root = self._terminal.root
@@ -85,7 +90,7 @@ class Condenser:
             self._hessian,
             self._gradient,
         )
-        self._gradient += self._input_weights * (plan.ravel() - 1.0)
+        self._gradient += self._input_weights * (plan.ravel() - self._nominal)
         self._hessian.flat[:: len(self._gradient) + 1] += self._input_weights
         return Condensed(self._hessian, self._gradient)
 
@@ -136,15 +141,15 @@ def _condense(
     gradient: np.ndarray,
 ) -> None:
     """Accumulate H and g; columns of commands that have not acted yet are left out."""
-    n_x, n_r, inputs = len(ending), results.shape[0] - len(entries), len(gradient)
-    wheels = inputs // (interval[-1] + 1)
-    now, after = np.zeros((n_x, inputs)), np.zeros((n_x, inputs))
-    jacobian, last = np.zeros((n_r, inputs)), np.zeros((n_x, inputs))
+    n_x, n_r, size = len(ending), results.shape[0] - len(entries), len(gradient)
+    inputs = size // (interval[-1] + 1)
+    now, after = np.zeros((n_x, size)), np.zeros((n_x, size))
+    jacobian, last = np.zeros((n_r, size)), np.zeros((n_x, size))
     hessian[:] = 0.0
     gradient[:] = 0.0
     for step in range(len(interval)):
-        past = interval[step] * wheels
-        acted = past + wheels
+        past = interval[step] * inputs
+        acted = past + inputs
         after[:, :acted] = 0.0
         jacobian[:, :acted] = 0.0
         for e in range(len(entries)):
@@ -162,9 +167,9 @@ def _condense(
         now, after = after, now
     for row in range(n_x):
         for column in range(row, n_x):
-            for i in range(inputs):
+            for i in range(size):
                 last[row, i] += root[row, column] * now[column, i]
-    _add_squares(last, ending, 1.0, inputs, hessian, gradient)
-    for i in range(inputs):
+    _add_squares(last, ending, 1.0, size, hessian, gradient)
+    for i in range(size):
         for j in range(i):
             hessian[j, i] = hessian[i, j]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from controller.model import KILO
+from vehicle.equations import input_size
 from vehicle.parameters import Car
 
 HAIR = 1e-9
@@ -33,15 +34,29 @@ class Limits:
         return f"{self.low.max():g} ... {self.high.min():g} N·s/m"
 
 
+def command_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest command: damper settings, N·s/m, then actuator forces, N; (inputs,) each."""
+    dampers = Limits.of(vehicle)
+    forces = [corner.actuator.force_limit_n for corner in vehicle.corners if corner.actuator is not None]
+    return np.array([*dampers.low, *(-force for force in forces)]), np.array([*dampers.high, *forces])
+
+
+def passive_command(vehicle: Car) -> np.ndarray:
+    """Passive dampers and actuators without force, (inputs,), N·s/m and N."""
+    return full_command(vehicle, Limits.of(vehicle).passive)
+
+
+def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
+    """The command (inputs,) that one of damper settings alone stands for: no force."""
+    return np.concatenate([command, np.zeros(input_size(vehicle) - len(command))])
+
+
 def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest entries of a plan: settings, kN·s/m, then actuator forces, kN; (inputs,) each.
+    """The same for the entries of a plan, kN·s/m and kN.
 
     They keep a hair off what the parts can do, as beyond that a model clips its command and its derivative by
     it vanishes: an entry that rounding puts there would look as if it did nothing.
     """
-    low = [corner.damping_min_ns_m for corner in vehicle.corners]
-    high = [corner.damping_max_ns_m for corner in vehicle.corners]
-    forces = [corner.actuator.force_limit_n for corner in vehicle.corners if corner.actuator is not None]
-    least, most = np.array([*low, *(-force for force in forces)]) / KILO, np.array([*high, *forces]) / KILO
+    least, most = (limit / KILO for limit in command_limits(vehicle))
     margin = np.minimum(HAIR, 0.25 * (most - least))
     return least + margin, most - margin

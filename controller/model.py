@@ -17,7 +17,7 @@ from vehicle import equations
 from vehicle.parameters import Car
 
 KILO = 1000.0
-"""Plans are in kN·s/m, so that a plan's elements are of order one."""
+"""Plans are in kN·s/m and kN, so that a plan's elements are of order one."""
 LANES = 8
 """Steps that are linearised side by side."""
 
@@ -27,7 +27,8 @@ class PredictionModel:
     """One Runge–Kutta step with the command held, as CasADi functions and compiled.
 
     State (n_x,): the vehicle's, then two of the second-order Wk filter for each seat.
-    step: (state, command (wheels,) kN·s/m, heights at start and end (wheels,) m, duration s) → next state.
+    step: (state, command (inputs,) kN·s/m and kN, heights at start and end (wheels,) m, duration s) → next
+    state.
     slopes: the same → residuals (n_r,) at the step's end, derivatives of the next state by state and by
     command, and of the residuals by the next state; only the entries that can differ from zero.
     outputs: (n_x,) → the residuals on a road at height zero.
@@ -51,7 +52,8 @@ def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
     rho: (m/s²)², weight of the tyre load.
     """
     x = casadi.SX.sym("state", equations.state_size(vehicle) + 2 * len(vehicle.seat_x_m))
-    u, start, end = (casadi.SX.sym(name, vehicle.wheels) for name in ("command", "start", "end"))
+    u = casadi.SX.sym("command", equations.input_size(vehicle))
+    start, end = (casadi.SX.sym(name, vehicle.wheels) for name in ("start", "end"))
     duration = casadi.SX.sym("duration")
     velocity = (end - start) / duration
     after = _integrate(vehicle, x, u, start, velocity, duration)

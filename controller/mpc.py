@@ -1,4 +1,4 @@
-"""Model predictive control of the damping coefficients, with or without preview of the road.
+"""Model predictive control of dampers and actuators, with or without preview of the road.
 
 Real-time iteration (Diehl, Bock & Schlöder, SIAM J. Control Optim. 43(5), 2005): each period the plan of the
 last one is shifted, the model linearised along it, and one quadratic program gives its correction.
@@ -11,8 +11,9 @@ import numpy as np
 from controller.base import Estimate, Timing
 from controller.comfort_filter import ComfortFilter
 from controller.condense import Condenser
+from controller.constraints import Constraints
 from controller.latency import Pipeline
-from controller.limits import Limits, plan_limits
+from controller.limits import command_limits, passive_command, plan_limits
 from controller.model import KILO, prediction_model
 from controller.qp import solve_box
 from controller.road_ahead import RoadAhead
@@ -21,6 +22,7 @@ from controller.terminal import terminal_cost
 from controller.time_grid import TimeGrid, growing
 from controller.wheelbase import WheelbasePreview
 from preview.horizon import RoadPreview
+from vehicle.equations import input_size
 from vehicle.parameters import Car
 
 Sight = Literal["none", "wheelbase", "preview"]
@@ -45,51 +47,64 @@ class PredictiveController:
         grid = growing(length, self._settings.fine_s, period)
         self._model = prediction_model(vehicle, self._settings.rho)
         terminal = terminal_cost(self._model, period)
-        self._condense = Condenser(self._model, terminal, grid, period, self._settings.input_weight)
+        self._condense = Condenser(self._model, terminal, grid, period, self._input_weights(vehicle))
         self._shift = grid.shift(period)
         self._node_times = self._timing.delay_s + grid.nodes_s
-        self._limits = Limits.of(vehicle)
-        self._low, self._high = (limit[: vehicle.wheels] for limit in plan_limits(vehicle))
+        self._passive = passive_command(vehicle)
+        self._least, self._most = command_limits(vehicle)
+        self._low, self._high = plan_limits(vehicle)
+        self._constraints = Constraints(vehicle, grid, self._settings.force)
         self._filter = ComfortFilter(vehicle, period)
-        self._pipeline = Pipeline(self._timing, self._limits.passive)
+        self._pipeline = Pipeline(self._timing, self._passive)
         self._road = RoadAhead(vehicle.wheels, self._settings.road)
         self.reset()
 
     def reset(self) -> None:
         """Forget plan, past commands and statistics."""
-        self._plan = np.tile(self._limits.passive / KILO, (len(self._shift), 1))
+        self._plan = np.tile(self._passive / KILO, (len(self._shift), 1))
         self._filter.reset()
         self._pipeline.reset()
         self._road.reset()
         if self._wheelbase is not None:
             self._wheelbase.reset()
         self.problem: str | None = None
+        self.active: tuple[str, ...] = ()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the damping (wheels,) in N·s/m for the moment the command acts.
+        """Return the command (inputs,), N·s/m and N, for the moment it acts.
 
         Where `problem` says afterwards that the solver failed, it is that of the last valid plan.
         """
         self._plan = self._shift @ self._plan
         self.problem = self._improve(estimate, preview)
-        command = self._limits.clip(KILO * self._plan[0])
+        command = np.clip(KILO * self._plan[0], self._least, self._most)
         self._pipeline.issue(command)
         return command.copy()
 
     def acted(self, command: np.ndarray) -> None:
-        """Note that this command (wheels,), N·s/m, was given in the place of the last answer."""
+        """Note that this command (inputs,), N·s/m and N, was given in the place of the last answer."""
         self._pipeline.amend(command)
 
     def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return what prevented it, if something did."""
         self._road.look(estimate, self._seen(estimate, preview))
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
-        problem = self._condense(state, self._plan, self._road.heights(self._node_times))
+        road = self._road.heights(self._node_times)
+        problem = self._condense(state, self._plan, road)
         low, high = self._low - self._plan, self._high - self._plan
-        solution = solve_box(problem.hessian, problem.gradient, low.ravel(), high.ravel())
+        rows = self._constraints.rows(self._plan, self._condense.states)
+        program = problem.hessian, problem.gradient, low.ravel(), high.ravel()
+        solution = solve_box(*program) if rows is None else solve_box(*program, rows)
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
+        states = self._condense.states
+        self.active = self._constraints.active(rows, solution.x, self._plan, states, road)
         return solution.problem
+
+    def _input_weights(self, vehicle: Car) -> np.ndarray:
+        """Of each input, (inputs,)."""
+        forces = input_size(vehicle) - vehicle.wheels
+        return np.repeat([self._settings.input_weight, self._settings.force.weight], [vehicle.wheels, forces])
 
     def _seen(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
         if self._wheelbase is not None:

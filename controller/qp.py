@@ -1,4 +1,4 @@
-"""The box-constrained quadratic program, and whether its answer may be used."""
+"""The quadratic program with bounds, and whether its answer may be used."""
 
 from typing import NamedTuple
 
@@ -13,13 +13,24 @@ class Solution(NamedTuple):
     problem: str | None
 
 
+class Rows(NamedTuple):
+    """low <= matrix · x <= high, (rows, n) and (rows,) each."""
+
+    matrix: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
 AT_BOUND = 1e-7
+INSIDE = 1e-6
 _AT_LOW, _AT_HIGH = 3, 1  # DAQP's flags of an active bound
 _STATUS = {-1: "infeasible", -2: "cycling", -3: "unbounded", -4: "iteration limit", -5: "nonconvex"}
 
 
-def solve_box(hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray) -> Solution:
-    """Minimise ½ xᵀHx + gᵀx subject to low ≤ x ≤ high, by DAQP's dual active-set method.
+def solve_box(
+    hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: Rows | None = None
+) -> Solution:
+    """Minimise ½ xᵀHx + gᵀx subject to low ≤ x ≤ high and `rows`, by DAQP's dual active-set method.
 
     Arnström, Bemporad & Axehill, IEEE Trans. Autom. Control 67(8), 2022. The answer passes only with status
     "optimal", all numbers finite and inside the box; a solver's numbers without that are not to be trusted.
@@ -29,14 +40,17 @@ def solve_box(hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: 
     with np.errstate(invalid="ignore"):
         if not np.isfinite(gradient @ hessian @ gradient):
             return Solution(np.zeros(n), "not finite")
-    working = np.zeros(n, dtype=np.intc)
-    working[low > -AT_BOUND] = _AT_LOW
-    working[high < AT_BOUND] = _AT_HIGH
-    x, _, status, _ = daqp.solve(hessian, gradient, np.zeros((0, n)), high, low, working)
+    matrix, least, most = rows or Rows(np.zeros((0, n)), np.zeros(0), np.zeros(0))
+    working = np.zeros(n + len(least), dtype=np.intc)
+    working[:n][low > -AT_BOUND] = _AT_LOW
+    working[:n][high < AT_BOUND] = _AT_HIGH
+    above, below = np.concatenate([high, most]), np.concatenate([low, least])
+    x, _, status, _ = daqp.solve(hessian, gradient, matrix, above, below, working)
     if status != 1:
         return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
     inside = np.minimum(np.maximum(x, low), high)
-    error = np.abs(inside - x).max()
-    if not error <= 1e-6:
+    along = matrix @ inside
+    error = max(np.abs(inside - x).max(), np.maximum(along - most, least - along).max(initial=0.0))
+    if not error <= INSIDE:
         return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
     return Solution(inside, None)

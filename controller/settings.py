@@ -125,6 +125,25 @@ class RoadSettings:
 
 
 @dataclass(frozen=True)
+class ForceSettings:
+    """What a predictive controller may ask of actuators beside the dampers, within their greatest force.
+
+    weight: of the square of a force in kN. rate_n_s: how fast a force may change; the default leaves that to
+    the actuator's lag. power_w: most that a force may deliver at the rate at which its strut is expected to
+    move.
+    """
+
+    weight: float = 1e-3
+    rate_n_s: float = 1e6
+    power_w: float = 5000.0
+
+    def __post_init__(self) -> None:
+        _within("weight", self.weight, 1e-9, 1e9)
+        _within("rate_n_s", self.rate_n_s, 1.0, 1e9)
+        _within("power_w", self.power_w, 1.0, 1e9)
+
+
+@dataclass(frozen=True)
 class MpcSettings:
     """Horizon and cost of the model predictive controllers.
 
@@ -133,6 +152,7 @@ class MpcSettings:
     fine_s: how much of it is planned period by period; after that an interval is two periods.
     rho: (m/s²)², weight of the relative tyre load, as in the objective J.
     input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
+    force: on a car with actuators, how they are used.
     road: how preview and measurement become one road.
     """
 
@@ -141,6 +161,7 @@ class MpcSettings:
     fine_s: float = 0.2
     rho: float = 3.0
     input_weight: float = 1e-3
+    force: ForceSettings = field(default_factory=ForceSettings)
     road: RoadSettings = field(default_factory=RoadSettings)
 
     def __post_init__(self) -> None:

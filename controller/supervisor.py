@@ -11,7 +11,7 @@ import numpy as np
 
 from controller.base import Controller, Estimate, Timing
 from controller.book import Book
-from controller.limits import Limits
+from controller.limits import command_limits, full_command
 from controller.sensor_watch import EVERYTHING
 from controller.settings import SupervisorSettings
 from files.errors import InputError
@@ -24,7 +24,8 @@ class Supervised:
 
     Changes from one to the other are bumpless: the command starts where the last one was and the difference
     fades with `transfer_s`. A controller may have `problem` (why its last answer is not valid, None where it
-    is) and `acted(command)`, which is told the command that takes the place of its own.
+    is), `active` (names of the constraints that bound it) and `acted(command)`, which is told the command
+    that takes the place of its own.
     """
 
     def __init__(
@@ -37,7 +38,8 @@ class Supervised:
         timing: Timing,
     ):
         self._controller, self._reactive, self._safe = controller, reactive, safe
-        self._wheels, self._limits, self._settings = vehicle.wheels, Limits.of(vehicle), settings
+        self._vehicle, self._settings = vehicle, settings
+        self._low, self._high = command_limits(vehicle)
         self._period_s = timing.period_s
         self._fade = float(np.exp(-timing.period_s / settings.transfer_s)) if settings.transfer_s else 0.0
         self.reset()
@@ -47,13 +49,16 @@ class Supervised:
         for controller in (self._controller, self._reactive, self._safe):
             controller.reset()
         self._acting: Controller | None = None
-        self._last = np.zeros(self._wheels)
-        self._offset = np.zeros(self._wheels)
+        self._last = np.zeros(len(self._low))
+        self._offset = np.zeros(len(self._low))
         self._book = Book()
 
     @property
     def stats(self) -> dict[str, Any]:
-        """`solves`, `fallbacks`, `reasons`, `median_ms` and `max_ms` of a step."""
+        """Counts of `solves` and `fallbacks`, and `median_ms` and `max_ms` of a step.
+
+        reasons: {problem: steps}. active: {constraint: steps that it bound}.
+        """
         return self._book.summary()
 
     @property
@@ -61,8 +66,13 @@ class Supervised:
         """Why the last step fell back; None where it did not."""
         return self._book.problem
 
+    @property
+    def active(self) -> tuple[str, ...]:
+        """Names of the constraints that bound the last step; none where it fell back."""
+        return self._book.active
+
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the damping (wheels,), N·s/m."""
+        """Return the command (inputs,), N·s/m and N."""
         self._book.start()
         unseen = preview_problem(preview, estimate, self._period_s, self._settings)
         problem, answer = self._ask(estimate, preview if unseen is None else None)
@@ -71,25 +81,29 @@ class Supervised:
         else:
             blind = EVERYTHING in estimate.faults or not estimate.is_finite()
             acting = self._safe if blind else self._reactive
-            command = self._transfer(acting, acting.step(estimate, None))
+            command = self._transfer(acting, full_command(self._vehicle, acting.step(estimate, None)))
         if hasattr(self._controller, "acted"):
             self._controller.acted(command)
-        self._book.finish(problem or unseen)
+        active = getattr(self._controller, "active", ()) if problem is None else ()
+        self._book.finish(problem or unseen, active)
         return command
 
     def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
         """What forbids to use the controller's answer, if anything does, and the answer."""
-        nothing = np.zeros(self._wheels)
+        nothing, wheels = np.zeros(len(self._low)), self._vehicle.wheels
         if not estimate.is_finite():
             return "estimate not finite", nothing
         answer = np.asarray(self._controller.step(estimate, preview), dtype=float)
-        if answer.shape != (self._wheels,):
-            raise InputError(f"a controller's command must have shape ({self._wheels},), got {answer.shape}")
+        if answer.shape not in ((wheels,), self._low.shape):
+            allowed = " or ".join(f"({n},)" for n in sorted({wheels, len(self._low)}))
+            raise InputError(f"a controller's command must have shape {allowed}, got {answer.shape}")
         if estimate.faults:
             return "; ".join(estimate.faults), nothing
         if problem := getattr(self._controller, "problem", None):
             return problem, nothing
-        return (None, answer) if np.isfinite(answer).all() else ("command not finite", nothing)
+        if not np.isfinite(answer).all():
+            return "command not finite", nothing
+        return None, full_command(self._vehicle, answer)
 
     def _transfer(self, acting: Controller, wanted: np.ndarray) -> np.ndarray:
         """Bring the command to where who acts now wants it, without a jump where another one acted before."""
@@ -100,7 +114,7 @@ class Supervised:
         if not np.any(np.abs(self._offset) > 1.0):
             self._last = wanted
             return wanted.copy()
-        self._last = self._limits.clip(wanted + self._offset)
+        self._last = np.clip(wanted + self._offset, self._low, self._high)
         return self._last.copy()
 
 

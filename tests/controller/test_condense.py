@@ -1,16 +1,19 @@
 """The condensed quadratic program against finite differences and against a sparse formulation."""
 
+from dataclasses import replace
+
 import casadi
 import numpy as np
 import pytest
 
 from controller.condense import Condenser
-from controller.limits import Limits
+from controller.limits import plan_limits
 from controller.model import KILO, PredictionModel, prediction_model
 from controller.qp import solve_box
 from controller.terminal import TerminalCost, terminal_cost
 from controller.time_grid import TimeGrid
-from vehicle.equations import rest_state
+from vehicle.actuator import SlowActive
+from vehicle.equations import damping_rows, input_size, rest_state
 from vehicle.parameters import load_vehicle
 
 PERIOD_S, INPUT_WEIGHT = 0.01, 1e-3
@@ -18,9 +21,16 @@ GRID = TimeGrid((0.01,) * 4 + (0.005, 0.005, 0.02))
 INTERVALS, STEPS = len(GRID.intervals_s), len(GRID.step_s)
 
 
-@pytest.fixture(params=["quarter", "half"])
+CARS = {
+    "quarter": load_vehicle("quarter"),
+    "half": load_vehicle("half"),
+    "active": replace(load_vehicle("half"), actuator=SlowActive()),
+}
+
+
+@pytest.fixture(params=CARS)
 def model(request: pytest.FixtureRequest) -> PredictionModel:
-    return prediction_model(load_vehicle(request.param))
+    return prediction_model(CARS[request.param])
 
 
 @pytest.fixture
@@ -36,8 +46,8 @@ def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.nda
     state = np.concatenate(
         [rest + scale * rng.uniform(-1, 1, len(rest)), rng.normal(0, 1e-3, model.n_x - len(rest))]
     )
-    state[len(rest) - model.vehicle.wheels : len(rest)] = 1200.0
-    plan = rng.uniform(0.5, 3.0, (INTERVALS, model.vehicle.wheels))
+    state[damping_rows(model.vehicle)] = 1200.0
+    plan = rng.uniform(0.5, 3.0, (INTERVALS, input_size(model.vehicle)))
     steps = rng.normal(0, 0.01, (model.vehicle.wheels, STEPS + 1))
     return state, plan, np.cumsum(steps, axis=1)
 
@@ -46,7 +56,7 @@ def rollout(
     model: PredictionModel, terminal: TerminalCost, state: np.ndarray, plan: np.ndarray, road: np.ndarray
 ) -> np.ndarray:
     """All residuals, one interval after the other, without the condenser."""
-    parts = [np.sqrt(input_weights(model)) * (plan.ravel() - 1.0)]
+    parts = [np.sqrt(input_weights(model)) * (plan.ravel() - nominal(model))]
     for k, (u, h) in enumerate(zip(plan[GRID.interval], GRID.step_s, strict=True)):
         residuals, *_ = model.slopes(state, u, road[:, k], road[:, k + 1], h)
         state = np.array(model.step(state, u, road[:, k], road[:, k + 1], h))[:, 0]
@@ -56,11 +66,17 @@ def rollout(
 
 
 def condense(model: PredictionModel, terminal: TerminalCost) -> Condenser:
-    return Condenser(model, terminal, GRID, PERIOD_S, INPUT_WEIGHT)
+    return Condenser(model, terminal, GRID, PERIOD_S, np.full(input_size(model.vehicle), INPUT_WEIGHT))
 
 
 def input_weights(model: PredictionModel) -> np.ndarray:
-    return np.repeat(INPUT_WEIGHT * np.array(GRID.intervals_s) / PERIOD_S, model.vehicle.wheels)
+    return np.repeat(INPUT_WEIGHT * np.array(GRID.intervals_s) / PERIOD_S, input_size(model.vehicle))
+
+
+def nominal(model: PredictionModel) -> np.ndarray:
+    """1 kN·s/m for dampers, no force for actuators."""
+    wheels = model.vehicle.wheels
+    return np.tile(np.arange(input_size(model.vehicle)) < wheels, INTERVALS).astype(float)
 
 
 def test_gradient_and_hessian_agree_with_finite_differences(
@@ -92,8 +108,7 @@ def test_hessian_is_symmetric_and_positive_definite(model: PredictionModel, term
 def test_correction_agrees_with_a_sparse_program(model: PredictionModel, terminal: TerminalCost) -> None:
     """States kept as variables and tied by equalities, solved by another solver: the same correction."""
     state, plan, road = situation(model)
-    limits = Limits.of(model.vehicle)
-    low, high = limits.low / KILO - plan, limits.high / KILO - plan
+    low, high = (limit - plan for limit in plan_limits(model.vehicle))
     condensed = condense(model, terminal)(state, plan, road)
     ours = solve_box(condensed.hessian, condensed.gradient, low.ravel(), high.ravel())
     assert ours.problem is None
@@ -111,13 +126,15 @@ def sparse_correction(
     state, plan, road = situation
     opti = casadi.Opti("conic")
     scale = np.ones(model.n_x)
-    n = len(rest_state(model.vehicle))
-    scale[n - model.vehicle.wheels : n] = KILO  # keeps the sparse program as well conditioned as ours
+    first = damping_rows(model.vehicle).start
+    scale[first : len(rest_state(model.vehicle))] = (
+        KILO  # keeps the sparse program as well conditioned as ours
+    )
     dx = opti.variable(model.n_x, STEPS + 1)
-    du = opti.variable(model.vehicle.wheels, INTERVALS)
+    du = opti.variable(plan.shape[1], INTERVALS)
     opti.subject_to(dx[:, 0] == 0)
     opti.subject_to(opti.bounded(bounds[0].T, du, bounds[1].T))
-    cost = casadi.sumsqr(np.sqrt(input_weights(model)) * (casadi.vec(du) + plan.ravel() - 1.0))
+    cost = casadi.sumsqr(np.sqrt(input_weights(model)) * (casadi.vec(du) + plan.ravel() - nominal(model)))
     for k, (i, h) in enumerate(zip(GRID.interval, GRID.step_s, strict=True)):
         inputs = (state, plan[i], road[:, k], road[:, k + 1], h)
         r, a, b, c = (np.array(value) for value in model.slopes(*inputs))
@@ -131,4 +148,4 @@ def sparse_correction(
     opti.solver(
         "qrqp", {"print_iter": False, "print_header": False, "print_info": False, "print_time": False}
     )
-    return np.array(opti.solve().value(du)).reshape(model.vehicle.wheels, INTERVALS).T
+    return np.array(opti.solve().value(du)).reshape(plan.shape[1], INTERVALS).T

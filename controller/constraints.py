@@ -1,0 +1,71 @@
+"""What a plan must keep to, and which constraints bind at a step, by name, for the log."""
+
+import numpy as np
+
+from controller.force_limits import ForceLimits
+from controller.limits import plan_limits
+from controller.qp import Rows
+from controller.settings import ForceSettings
+from controller.time_grid import TimeGrid
+from vehicle.equations import input_size, motion, rattle, state_size
+from vehicle.parameters import Car
+
+SOFT, HARD, FORCE, RATE, POWER = "least damping", "greatest damping", "force", "force rate", "power"
+TRAVEL, LIFT = "rattle space", "wheel lift"
+NAMES = (SOFT, HARD, FORCE, RATE, POWER, TRAVEL, LIFT)
+_NEAR = 1e-5
+"""kN·s/m and kN."""
+
+
+class Constraints:
+    """Limits of a plan for dampers and actuators, which the program keeps, and of the car, which it feels.
+
+    Bump stops and lift-off are part of the prediction model; that they bind means that the plan reaches them.
+    """
+
+    def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
+        n, corners = state_size(vehicle), vehicle.corners
+        self._wheels, self._n, self._step_s = vehicle.wheels, n, grid.step_s
+        self._low, self._high = plan_limits(vehicle)
+        active = input_size(vehicle) > vehicle.wheels
+        self._forces = ForceLimits(vehicle, grid, settings) if active else None
+
+        def column(name: str) -> np.ndarray:
+            return np.array([[getattr(corner, name)] for corner in corners])
+
+        self._travel, _ = rattle(vehicle, np.eye(n))
+        self._jounce, self._rebound = -column("stop_gap_m"), column("rebound_gap_m")
+        self._stiffness, self._damping = column("tyre_n_m"), column("tyre_damping_ns_m")
+        moving = motion(vehicle, np.eye(n))
+        self._wheel = self._stiffness * moving.wheel + self._damping * moving.wheel_velocity
+        self._static = column("static_tyre_n")
+
+    def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows | None:
+        """Limits of corrections of a plan that leads through `states` (n_x, steps + 1), beside bounds."""
+        return None if self._forces is None else self._forces.rows(plan, states)
+
+    def active(
+        self, rows: Rows | None, change: np.ndarray, plan: np.ndarray, states: np.ndarray, road: np.ndarray
+    ) -> tuple[str, ...]:
+        """Names of what binds: of dampers, forces and their rate at the first command, of the rest anywhere.
+
+        plan: (intervals, inputs) as corrected by `change`. states: (n_x, steps + 1) as predicted before that,
+        on `road` heights (wheels, steps + 1), m.
+        """
+        w = self._wheels
+        soft, hard = plan[0] <= self._low + _NEAR, plan[0] >= self._high - _NEAR
+        found = {SOFT: soft[:w], HARD: hard[:w], FORCE: soft[w:] | hard[w:]}
+        if rows is not None and self._forces is not None:
+            along = rows.matrix @ change.ravel()
+            held = (along <= rows.low + _NEAR) | (along >= rows.high - _NEAR)
+            powered = self._forces.rate_rows
+            found |= {RATE: held[:powered][:w], POWER: held[powered:]}
+        found |= self._of_car(states[: self._n], road)
+        return tuple(name for name in NAMES if name in found and found[name].any())
+
+    def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
+        travel = self._travel @ states
+        stopped = (travel < self._jounce) | (travel > self._rebound)
+        push = (self._stiffness * road - self._wheel @ states)[:, 1:]
+        push += self._damping * np.diff(road, axis=1) / self._step_s
+        return {TRAVEL: stopped, LIFT: push <= -self._static}
