@@ -80,6 +80,8 @@ def _rectangle(image: NDArray, box: NDArray, colour: tuple[int, int, int]) -> No
 
 
 def _text(image: NDArray, text: str, at: Sequence[float], colour: tuple[int, int, int]) -> None:
-    where = (max(int(at[0]), 0), max(int(at[1]), 10))
-    for shade, thickness in (((0, 0, 0), 3), (colour, 1)):  # dark around the letters
-        cv2.putText(image, text, where, cv2.FONT_HERSHEY_SIMPLEX, 0.4, shade, thickness, cv2.LINE_AA)
+    """Letters in that colour on a dark ground, kept within the image on the left and above."""
+    (width, height), below = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.38, 1)
+    x, y = max(int(at[0]), 0), max(int(at[1]), height + 1)
+    cv2.rectangle(image, (x, y - height - 1), (x + width, y + below // 2), (24, 24, 24), -1)
+    cv2.putText(image, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)
