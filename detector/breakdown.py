@@ -37,7 +37,8 @@ class Judged:
 class Seen:
     """One object: what it is, where it lies, and whether and how it was found.
 
-    bottom_error_px: bottom edge found less true one; None if it was not found or the image cuts it.
+    top_error_px, bottom_error_px: edge found less true one, rows counted downwards; None if the object was
+        not found or the image cuts that edge.
     """
 
     cls: int
@@ -45,6 +46,7 @@ class Seen:
     in_ego_lane: bool
     height_px: float
     found: bool
+    top_error_px: float | None
     bottom_error_px: float | None
 
 
@@ -61,26 +63,19 @@ def objects_seen(
             )
         found = image.result.detections
         for record, box, match in zip(objects, image.boxes, image.result.found, strict=True):
-            sure = match >= 0 and found.scores[match] >= confidence
-            whole = box[3] < image.height_px - 1
-            error = float(found.boxes[match][3] - box[3]) if sure and whole else None
-            height = float(box[3] - box[1])
-            seen.append(
-                Seen(
-                    record["class"],
-                    record["distance_m"],
-                    bool(record["in_ego_lane"]),
-                    height,
-                    bool(sure),
-                    error,
-                )
-            )
+            sure = bool(match >= 0 and found.scores[match] >= confidence)
+            errors = found.boxes[match] - box if sure else box
+            top = float(errors[1]) if sure and box[1] > 1 else None
+            bottom = float(errors[3]) if sure and box[3] < image.height_px - 1 else None
+            where = record["class"], record["distance_m"], bool(record["in_ego_lane"])
+            seen.append(Seen(*where, float(box[3] - box[1]), sure, top, bottom))
     return seen
 
 
 def by_object(seen: Sequence[Seen]) -> dict:
-    """Recall in the own lane near and far, by distance and box height, and the errors of the bottom edge."""
+    """Recall in the own lane near and far, by distance and box height; errors of top and bottom edge."""
     ego = [o for o in seen if o.in_ego_lane]
+    near = _within(ego, EDGE_RANGE_M)
     far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_LEAST_PX]
     return {
         "ego_range_m": list(EGO_RANGE_M),
@@ -93,7 +88,8 @@ def by_object(seen: Sequence[Seen]) -> dict:
             {"from_px": low, "to_px": high} | _recall([o for o in seen if low <= o.height_px < high])
             for low, high in pairwise(HEIGHT_EDGES_PX)
         ],
-        "bottom_edge_4_10_m": _per_class(_within(ego, EDGE_RANGE_M), _edge),
+        "top_edge_4_10_m": _per_class(near, lambda part: _edge(part, "top_error_px")),
+        "bottom_edge_4_10_m": _per_class(near, lambda part: _edge(part, "bottom_error_px")),
     }
 
 
@@ -132,16 +128,18 @@ def _by_distance(seen: Sequence[Seen]) -> list[dict]:
     ]
 
 
-def _edge(seen: Sequence[Seen]) -> dict:
-    """Bias and spread of the bottom edge, in px and in percent of the box's height; + is nearer."""
-    known = [(o.bottom_error_px, o.height_px) for o in seen if o.bottom_error_px is not None]
+def _edge(seen: Sequence[Seen], which: str) -> dict:
+    """Bias (mean), median and spread of an edge in px, bias and spread in percent of the box's height too."""
+    known = [(getattr(o, which), o.height_px) for o in seen if getattr(o, which) is not None]
     if not known:
-        return {"objects": 0, "bias_px": None, "sigma_px": None, "bias_percent": None, "sigma_percent": None}
+        names = ("bias_px", "median_px", "sigma_px", "bias_percent", "sigma_percent")
+        return {"objects": 0} | dict.fromkeys(names)
     errors, heights = np.array(known).T
     share = 100 * errors / heights
     return {
         "objects": len(known),
         "bias_px": float(errors.mean()),
+        "median_px": float(np.median(errors)),
         "sigma_px": float(errors.std()),
         "bias_percent": float(share.mean()),
         "sigma_percent": float(share.std()),

@@ -14,9 +14,13 @@ def report(summary: dict) -> str:
         ego = summary["ego_recall"]
         parts = (f"{name} {_shown(row['recall'])} of {row['objects']}" for name, row in ego.items())
         lines.append("own lane, 4-15 m ahead: " + ", ".join(parts))
-        edge = summary["bottom_edge_4_10_m"]["all"]
-        bias, sigma = _shown(edge["bias_px"]), _shown(edge["sigma_px"])
-        lines.append(f"bottom edge, 4-10 m: bias {bias} px, sigma {sigma} px of {edge['objects']}")
+        for side in ("top", "bottom"):
+            rows = summary[f"{side}_edge_4_10_m"]
+            parts = (
+                f"{name} {_shown(row['bias_px'])} +- {_shown(row['sigma_px'])} px of {row['objects']}"
+                for name, row in rows.items()
+            )
+            lines.append(f"{side} edge, 4-10 m, down is +: " + ", ".join(parts))
     false = summary["false_alarms"]
     lines.append(f"plain road: {_shown(false['per_100_images'])} false per 100 of {false['images']} images")
     return "\n".join(lines + _condition_lines(summary.get("figure_9", {})))

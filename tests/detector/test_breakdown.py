@@ -13,8 +13,9 @@ TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
 
 
 def scene() -> tuple[list[Judged], dict[str, dict]]:
-    """A bump found 2 px too low at 5 m, a pothole at 20 m cut by the image's edge, and a plain road."""
-    found = Detections(TRUTH + np.array([[0, 0, 0, 2], [0, 0, 0, 0]]), np.array([0.9, 0.8]), np.array([0, 1]))
+    """A bump at 5 m, its box 1 px too high and 2 px too low; a pothole at 20 m that the image cuts; no object."""
+    boxes = TRUTH + np.array([[0, -1, 0, 2], [0, 0, 0, 0]])
+    found = Detections(boxes, np.array([0.9, 0.8]), np.array([0, 1]))
     plain = Detections(TRUTH[:1], np.array([0.6]), np.array([0]))
     nothing, none = np.zeros((0, 4), np.float32), np.zeros(0, int)
     judged = [
@@ -38,10 +39,13 @@ def test_recall_and_edges_by_hand() -> None:
     assert edge == {
         "objects": 1,
         "bias_px": 2,
+        "median_px": 2,
         "sigma_px": 0,
         "bias_percent": pytest.approx(10),
         "sigma_percent": 0,
     }
+    assert found["top_edge_4_10_m"]["speed_bump"]["bias_px"] == -1
+    assert found["top_edge_4_10_m"]["pothole"] == {"objects": 0} | dict.fromkeys(edge.keys() - {"objects"})
     heights = {row["from_px"]: row["all"]["objects"] for row in found["recall_by_height"]}
     assert heights == {0: 0, 3: 0, 5: 0, 8: 0, 12: 0, 20: 1, 40: 1}
 
@@ -51,6 +55,8 @@ def test_an_edge_that_the_image_cuts_or_an_unsure_box_gives_no_error() -> None:
     sure = objects_seen(judged, records, 0.25, Path())
     unsure = objects_seen(judged, records, 0.85, Path())
     assert [o.bottom_error_px for o in sure] == [2, None]
+    assert [o.top_error_px for o in sure] == [-1, 0]
+    assert [o.top_error_px for o in unsure] == [-1, None]
     assert [o.found for o in unsure] == [True, False]
 
 
