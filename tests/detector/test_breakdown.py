@@ -13,7 +13,7 @@ TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
 
 
 def scene() -> tuple[list[Judged], dict[str, dict]]:
-    """A bump at 5 m, its box 1 px too high and 2 px too low; a pothole at 20 m that the image cuts; no object."""
+    """A bump at 5 m, its box 1 px too high and 2 px too low; a pothole at 20 m, cut; no object."""
     boxes = TRUTH + np.array([[0, -1, 0, 2], [0, 0, 0, 0]])
     found = Detections(boxes, np.array([0.9, 0.8]), np.array([0, 1]))
     plain = Detections(TRUTH[:1], np.array([0.6]), np.array([0]))
