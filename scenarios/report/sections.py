@@ -61,13 +61,17 @@ def solver_section(runs: Sequence[Run]) -> str:
     """Counts and times of solver, fallbacks and perception, run by run."""
     rows = []
     for run in runs:
-        reasons = ", ".join(f"{name} {count}" for name, count in run.solver.get("reasons", {}).items())
+        reasons, bound = (
+            ", ".join(f"{name} {count}" for name, count in run.solver.get(told, {}).items())
+            for told in ("reasons", "active")
+        )
         rows.append(
             [
                 escape(run.case.scenario.name),
                 escape(label_of(run)),
                 str(run.case.seed),
-                str(run.solver.get("solves", "–")),
+                str(run.solver.get("solves", "–"))
+                + (f"<small>bound: {escape(bound)}</small>" if bound else ""),
                 str(run.solver.get("fallbacks", "–"))
                 + (f"<small>{escape(reasons)}</small>" if reasons else ""),
                 *(_number(run.timing.get(name)) for name in ("median_ms", "max_ms")),
