@@ -48,23 +48,33 @@ class SensorWatch:
         most = np.repeat([MOST["body_acc"], MOST["wheel_acc"], MOST["rattle_m"]], wheels)
         self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"], MOST["roll_rate"]])
         self._sound = (False,) * len(self._names)
+        self._none = np.zeros(len(self._names), dtype=int)
         self.reset()
 
     def reset(self) -> None:
         """Forget all readings."""
         self._held = np.zeros(len(self._names))
         self._before = np.full(len(self._names), np.nan)
-        self._equal = np.zeros(len(self._names), dtype=int)
+        self._equal = self._none
 
     def check(self, measurement: Measurement) -> Checked:
         """Return what can be believed of a reading."""
         m = measurement
-        values = np.array([*m.body_acc, *m.wheel_acc, *m.rattle_m, m.pitch_rate, m.speed_m_s, m.roll_rate])
+        moved = [m.pitch_rate, m.speed_m_s, m.roll_rate]
+        values = np.concatenate([m.body_acc, m.wheel_acc, m.rattle_m, moved])
+        equal = self._noisy & (values == self._before)
+        self._before = values
+        if not equal.any() and (np.abs(values) <= self._most).all():  # false for NaN
+            self._equal, self._held = self._none, values
+            return Checked(measurement, self._sound)
+        return self._judge(measurement, values, equal)
+
+    def _judge(self, measurement: Measurement, values: np.ndarray, equal: np.ndarray) -> Checked:
+        """Name what is wrong with a reading; `equal` are the channels that read as they did before."""
         silent = ~np.isfinite(values)
         impossible = np.abs(values) > self._most  # false for NaN
-        self._equal = np.where(values == self._before, self._equal + 1, 0)
-        self._before = values
-        stuck = self._noisy & (self._equal >= STUCK_READINGS - 1)
+        self._equal = np.where(equal, self._equal + 1, 0)
+        stuck = self._equal >= STUCK_READINGS - 1
         lost = silent | impossible | stuck
         if not lost.any():
             self._held = values

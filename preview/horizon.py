@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -87,9 +88,12 @@ class RoadPreview:
         )
 
 
+@lru_cache(maxsize=8)
 def distance_grid(behind_m: float = 0.5, ahead_m: float = 10.0, step_m: float = 0.025) -> np.ndarray:
-    """Return the distances of a preview grid, from `-behind_m` to `ahead_m`, both included."""
-    return np.arange(-round(behind_m / step_m), round(ahead_m / step_m) + 1) * step_m
+    """Return the distances of a preview grid, from `-behind_m` to `ahead_m`, both included; read-only."""
+    grid = np.arange(-round(behind_m / step_m), round(ahead_m / step_m) + 1) * step_m
+    grid.setflags(write=False)
+    return grid
 
 
 def flat_preview(wheels: int, time_s: float = 0.0, distance_m: np.ndarray | None = None) -> RoadPreview:
