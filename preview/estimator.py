@@ -9,6 +9,7 @@ from files.errors import InputError
 from preview.compose import compose
 from preview.correction import FrontWheel
 from preview.fit import LENGTH, X
+from preview.gauge import Gauge
 from preview.horizon import RoadPreview, distance_grid
 from preview.memory import Memory, expectations, recall, remember
 from preview.motion import EgoMotion, Measurement
@@ -28,6 +29,7 @@ class Estimator:
     quarter car, two for a half car). wheel_y_m: lateral position of each wheel's path. distance_m: grid of
     the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()`,
     `events` and `memory()` are of that odometer. memory: what an earlier drive over the same road left.
+    stereo_base_m: distance of a second, equal camera, right of the first and parallel to it; 0 for none.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Estimator:
         distance_m: np.ndarray | None = None,
         x_m: float = 0.0,
         memory: Memory | None = None,
+        stereo_base_m: float = 0.0,
     ) -> None:
         if len(axle_x_m) != len(wheel_y_m):
             raise InputError(
@@ -49,11 +52,13 @@ class Estimator:
         self.axle_x_m, self.wheel_y_m = axle_x_m, wheel_y_m
         self.settings = Settings() if settings is None else settings
         self.distance_m = distance_grid() if distance_m is None else distance_m
-        self.motion = EgoMotion(axle_x_m, self.settings, x_m)
+        self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
         self.tracker = Tracker(self.settings)
         if memory is not None:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))
+        seeing = stereo_base_m > 0.0 or self.settings.parallax
+        self._gauge = Gauge(camera, stereo_base_m, self.settings) if seeing else None
         self._front = FrontWheel(wheel_y_m[0], self.settings)
         self._newest_frame_s = -np.inf
 
@@ -77,11 +82,24 @@ class Estimator:
                 self._strike(track, time_s)
         self.tracker.retire(time_s, state.x_m + min(self.axle_x_m))
 
-    def update_boxes(self, exposure_s: float, detections: Detections) -> None:
-        """Take in the boxes of the frame exposed at `exposure_s`, whenever they arrive."""
+    def update_boxes(
+        self,
+        exposure_s: float,
+        detections: Detections,
+        image: np.ndarray | None = None,
+        second: np.ndarray | None = None,
+    ) -> None:
+        """Take in the boxes of the frame exposed at `exposure_s`, whenever they arrive.
+
+        image, second: (H, W, 3) uint8 RGB of the camera and of its stereo partner; heights are measured in
+        them where there is a pair, or where the settings want `parallax`.
+        """
         state = self.motion.at(exposure_s)
-        pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad)
+        pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad, roll=state.roll_rad)
         self.tracker.update(view_of(exposure_s, self.camera, pose, detections, self.settings), detections)
+        if self._gauge is not None and image is not None:
+            for track in self._gauge.measure(pose, image, second, self.tracker.tracks):
+                self.tracker.refit(track)
         self._newest_frame_s = max(self._newest_frame_s, exposure_s)
 
     def preview(self, time_s: float) -> RoadPreview:

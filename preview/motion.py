@@ -1,16 +1,18 @@
 """Ego motion at sensor rate: where the sprung mass was at any recent moment.
 
-An odometer tells how far the car has come, `preview.body` its heave and pitch relative to the road plane.
+An odometer tells how far the car has come, `preview.body` its heave and pitch relative to the road plane,
+`preview.roll` its roll.
 """
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from files.errors import InputError
 from preview.body import HEAVE, PITCH, Body
+from preview.roll import Roll
 from preview.settings import Settings
 
 
@@ -34,30 +36,41 @@ class Measurement(Protocol):
         """Positive nose-down, rad/s."""
 
     @property
+    def roll_rate(self) -> float:
+        """Positive left side up, rad/s; 0 of a car that cannot roll."""
+
+    @property
     def speed_m_s(self) -> float:
         """Speed along the road."""
 
 
 @dataclass(frozen=True)
 class EgoState:
-    """The sprung mass at one moment: odometer, heave and pitch relative to the local road plane."""
+    """The sprung mass at one moment: odometer, heave, pitch and roll relative to the local road plane."""
 
     time_s: float
     x_m: float
     heave_m: float
     pitch_rad: float
     speed_m_s: float
+    roll_rad: float = 0.0
 
 
 class EgoMotion:
-    """Pitch and heave of the body (`preview.body`), an odometer, and their recent history.
+    """Attitude of the body (`preview.body`, `preview.roll`), an odometer, and their recent history.
 
     axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
-    car, which has no pitch); wheels at the same place share an axle, which moves by their mean. The
-    odometer starts at `x_m` and reads the centre of gravity.
+    car, which has no pitch); wheels at the same place share an axle, which moves by their mean. wheel_y_m:
+    theirs beside it, where the car can roll. The odometer starts at `x_m` and reads the centre of gravity.
     """
 
-    def __init__(self, axle_x_m: tuple[float, ...], settings: Settings, x_m: float = 0.0) -> None:
+    def __init__(
+        self,
+        axle_x_m: tuple[float, ...],
+        settings: Settings,
+        x_m: float = 0.0,
+        wheel_y_m: tuple[float, ...] | None = None,
+    ) -> None:
         axles = sorted(set(axle_x_m), reverse=True)
         if len(axles) not in (1, 2):
             raise InputError(f"axle_x_m must name 1 or 2 axles, got {len(axles)}")
@@ -66,7 +79,8 @@ class EgoMotion:
         self.settings = settings
         self.x_m = x_m
         self._body = Body(self.axle_x_m, settings)
-        self._inertial: tuple[float, float] | None = None
+        self._roll = Roll(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
+        self._inertial: tuple[float, float, float] | None = None
         self.road_m = 0.0
         self._masked_until_s = -np.inf
         self._times: list[float] = []
@@ -86,18 +100,21 @@ class EgoMotion:
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
         trust = on_plane and time_s >= self._masked_until_s
-        inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate
-        self._body.predict(
-            step,
-            *(0.5 * (now + before) for now, before in zip(inertial, self._inertial or inertial, strict=True)),
+        inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate, measurement.roll_rate
+        acceleration, pitch_rate, roll_rate = (
+            0.5 * (now + before) for now, before in zip(inertial, self._inertial or inertial, strict=True)
         )
+        self._body.predict(step, acceleration, pitch_rate)
+        self._roll.predict(step, roll_rate)
         self._inertial = inertial
-        deflection = self._deflection(measurement)
+        of_wheels = self._deflection(measurement)
+        deflection = np.array(self._over_axles(of_wheels))
         if trust:
             self._body.level(deflection, step)
+            self._roll.level(of_wheels, self._body.roughness_m)
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
-        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s)
+        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:
@@ -116,7 +133,7 @@ class EgoMotion:
         newest = self._states[-1]
         if time_s >= newest.time_s:
             ahead = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
-            return EgoState(time_s, ahead, newest.heave_m, newest.pitch_rad, newest.speed_m_s)
+            return replace(newest, time_s=time_s, x_m=ahead)
         if time_s < self._times[0] - 1e-9:
             raise InputError(f"time_s must be >= {self._times[0]} (oldest motion kept), got {time_s}")
         after = max(1, bisect_right(self._times, time_s))
@@ -132,16 +149,17 @@ class EgoMotion:
             mix(a.heave_m, b.heave_m),
             mix(a.pitch_rad, b.pitch_rad),
             mix(a.speed_m_s, b.speed_m_s),
+            mix(a.roll_rad, b.roll_rad),
         )
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:
-        """Body over road less its value at rest, at each axle.
+        """Body over road less its value at rest, at each wheel.
 
         Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
         """
         wheel_rate, body_rate = 2 * np.pi * self.settings.wheel_hop_hz, 2 * np.pi * self.settings.body_hop_hz
         tyre = measurement.wheel_acc / wheel_rate**2 + measurement.body_acc / body_rate**2
-        return np.array(self._over_axles(measurement.rattle_m - tyre))
+        return measurement.rattle_m - tyre
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""

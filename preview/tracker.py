@@ -38,7 +38,7 @@ class Tracker:
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
         for number, track in enumerate(list(self.tracks)):
             if number in pairs:
-                self._hit(track, view, view.boxes[pairs[number]])
+                self._hit(track, view, pairs[number])
             elif awaited[number].visible:
                 track.weigh(False, self.settings)
         # A second box on the same object is no new object.
@@ -46,7 +46,7 @@ class Tracker:
         for number in range(len(detections)):
             if number not in claimed:
                 score, cls = float(detections.scores[number]), int(detections.classes[number])
-                self._birth(view, view.boxes[number], score, cls)
+                self._birth(view, number, score, cls)
         self._bury(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
@@ -70,15 +70,16 @@ class Tracker:
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
         for t, (track, place) in enumerate(zip(self.tracks, awaited, strict=True)):
-            for d, box in enumerate(view.boxes):
+            for d in range(len(detections)):
                 if detections.classes[d] == track.cls and place.top < view.limit_row:
-                    cost[t, d] = self._cost(view, track, place, box)
+                    cost[t, d] = self._cost(view, track, place, d)
         return cost
 
-    def _cost(self, view: View, track: Track, place: Expected, box: np.ndarray) -> float:
+    def _cost(self, view: View, track: Track, place: Expected, number: int) -> float:
+        box = view.boxes[number]
         pixel = 2.0 * self.settings.pixel_sigma
         ahead = max(float(track.best.state[0]) - view.pose.x, 1.0)
-        right, left = sides_of(view, box, ahead)
+        right, left = sides_of(view, number, ahead)
         reach = _LATERAL_GATE_M + 2.0 * np.sqrt(track.right.variance)
         if left.y_m < track.right.y_m - reach or right.y_m > track.left.y_m + reach:
             return 1e6
@@ -86,23 +87,23 @@ class Tracker:
         top = (box[1] - max(place.top, 0.0)) / np.hypot(place.top_sigma, pixel)
         return float(bottom**2 + top**2)
 
-    def _hit(self, track: Track, view: View, box: np.ndarray) -> None:
-        track.sights.append(sight_of(view, box))
+    def _hit(self, track: Track, view: View, number: int) -> None:
+        track.sights.append(sight_of(view, number))
         track.hits += 1
         track.weigh(True, self.settings)
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
         self.refit(track)
-        for edge, seen in zip((track.right, track.left), self._sides(track, view, box), strict=True):
+        for edge, seen in zip((track.right, track.left), self._sides(track, view, number), strict=True):
             edge.update(seen.y_m, seen.variance)
         if not track.confirmed and track.existence > self.settings.confirm_existence:
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
 
-    def _birth(self, view: View, box: np.ndarray, score: float, cls: int) -> None:
-        sight = sight_of(view, box)
+    def _birth(self, view: View, number: int, score: float, cls: int) -> None:
+        sight = sight_of(view, number)
         prior = self.calibration.prior()
-        x, sigma = ground_of(view, box, prior)
+        x, sigma = ground_of(view, number, prior)
         if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return
         fits = first_fits(cls, x, sigma, prior)
@@ -113,17 +114,17 @@ class Tracker:
         self.refit(track)
         track.right, track.left = (
             Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
-            for edge in self._sides(track, view, box)
+            for edge in self._sides(track, view, number)
         )
         self._next_identity += 1
         self.tracks.append(track)
         self.log("born", track, view.time_s)
 
-    def _sides(self, track: Track, view: View, box: np.ndarray) -> tuple[Edge, Edge]:
+    def _sides(self, track: Track, view: View, number: int) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest on its near edge, a hole in its middle."""
         state = track.best.state
         share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
-        return sides_of(view, box, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
+        return sides_of(view, number, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
 
     def _bury(self, time_s: float) -> None:
         for track in [t for t in self.tracks if t.existence < self.settings.death_existence]:

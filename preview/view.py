@@ -11,6 +11,7 @@ from preview.distance import depression, depression_sigma, locate, row_of
 from preview.edge_bias import edge_bias
 from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
 from preview.settings import Settings
+from preview.straighten import straightened
 from preview.track import Edge, Track
 from road.camera import Camera, CameraPose
 
@@ -20,18 +21,19 @@ _YAW_DRIFT_M = 0.02  # the car does not keep perfectly straight
 
 
 class View(NamedTuple):
-    """One frame: exposure time, camera, pose at exposure, boxes (n, 4) with known biases taken off."""
+    """One frame, straightened: as an ideal lens would show it with the horizon level.
+
+    camera, pose: of that lens, without roll, at exposure; boxes (n, 4) with known biases taken off; cut
+    (n, 4): edges that lie on the image border or bonnet; limit_row: first row that shows no road.
+    """
 
     time_s: float
     camera: Camera
     pose: CameraPose
     boxes: Array
+    cut: Array
+    limit_row: float
     settings: Settings
-
-    @property
-    def limit_row(self) -> float:
-        """First row that shows no road: image border or bonnet."""
-        return min(float(self.camera.height_px), self.settings.bonnet_row_px)
 
 
 class Expected(NamedTuple):
@@ -49,26 +51,31 @@ def view_of(
 ) -> View:
     """Return the frame as the tracker wants it."""
     biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
-    return View(time_s, camera, pose, detections.boxes.astype(float) - biases, settings)
+    boxes = detections.boxes.astype(float) - biases
+    border, limit = settings.border_px, min(float(camera.height_px), settings.bonnet_row_px)
+    most = np.array([np.inf, limit, camera.width_px, limit]) - border
+    cut = (boxes <= [border, border, -np.inf, -np.inf]) | (boxes >= most)
+    straight = straightened(camera, pose, boxes, cut, detections.classes)
+    (_, limit), *_ = camera.straightened([camera.cx, limit]).tolist()
+    return View(time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, settings)
 
 
-def sight_of(view: View, box: Array) -> Sight:
-    """Return the lines of sight along a box's bottom and top; nan where border or bonnet cuts it."""
-    top, bottom = box[1], box[3]
-    border = view.settings.border_px
+def sight_of(view: View, number: int) -> Sight:
+    """Return the lines of sight along the bottom and top of a box; nan where border or bonnet cuts it."""
+    top, bottom = view.boxes[number][1], view.boxes[number][3]
     pixels = np.hypot(view.settings.pixel_sigma, view.settings.relative_sigma * (bottom - top))
     angles = depression(view.camera, np.array([bottom, top])) + view.pose.pitch
     sigmas = np.hypot(
         depression_sigma(view.camera, np.array([bottom, top]), pixels),
         np.deg2rad(view.settings.pitch_sigma_deg),
     )
-    angles[0] = np.nan if bottom >= view.limit_row - border else angles[0]
-    angles[1] = np.nan if top <= border or top >= view.limit_row - border else angles[1]
+    angles[view.cut[number][[3, 1]]] = np.nan
     return Sight(view.time_s, view.pose.x, view.pose.z, *angles.tolist(), *sigmas.tolist())
 
 
-def ground_of(view: View, box: Array, shared: Gaussian) -> tuple[float, float]:
+def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
     """Return where the middle of a box's bottom meets the road: x and its sigma (m); nan above horizon."""
+    box = view.boxes[number]
     pitch, ground = shared.mean.tolist()
     pitch_sigma, ground_sigma = np.sqrt(np.diag(shared.covariance)).tolist()
     turned = replace(view.pose, pitch=view.pose.pitch + pitch)
@@ -77,13 +84,13 @@ def ground_of(view: View, box: Array, shared: Gaussian) -> tuple[float, float]:
     return float(found.position[0, 0]), float(np.sqrt(found.covariance[0, 0, 0]))
 
 
-def sides_of(view: View, box: Array, ahead_m: float) -> tuple[Edge, Edge]:
+def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
     """Return the (right, left) sides of a box `ahead_m` in front; a cut side says nothing (variance inf)."""
+    box = view.boxes[number]
     scale = ahead_m / view.camera.focal_px
     variance = (2.0 * view.settings.pixel_sigma * scale) ** 2 + _YAW_DRIFT_M**2
-    border = view.settings.border_px
     left, right = view.pose.y + scale * (view.camera.cx - box[[0, 2]])
-    left_cut, right_cut = box[0] <= border, box[2] >= view.camera.width_px - border
+    left_cut, right_cut = view.cut[number][[0, 2]]
     return (
         Edge(float(right), np.inf if right_cut else variance),
         Edge(float(left), np.inf if left_cut else variance),

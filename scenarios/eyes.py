@@ -13,6 +13,7 @@ from detector.runtime import WEIGHTS, Detector
 from preview.estimator import Estimator
 from preview.memory import read as read_memory
 from preview.perception import degrade, true_boxes
+from preview.stereo import second_pose
 from road.camera import CameraMount, CameraPose, pose_of
 from road.envelope import WheelProfile
 from road.render import Scene
@@ -23,6 +24,7 @@ from scenarios.schema import Scenario
 from vehicle.state import VehicleState
 
 Eye = Callable[[int, VehicleState], Look]
+_SECOND = 1 << 40  # added to a tick, it gives the second camera's image a noise of its own
 
 
 def build_perception(
@@ -46,7 +48,7 @@ def build_perception(
     else:
         detector = load_detector(scenario)
         weights = hashlib.sha256(detector.path.read_bytes()).hexdigest()
-        eye = camera_eye(scenario, mount, detector, int(streams["image"].integers(2**31)), keep_images)
+        eye = camera_eye(scenario, mount, detector, streams["image"])
     estimator = Estimator(
         scenario.camera.intrinsics,
         nominal,
@@ -55,8 +57,10 @@ def build_perception(
         scenario.estimator,
         x_m=scenario.start_m,
         memory=None if scenario.memory is None else read_memory(scenario.memory),
+        stereo_base_m=scenario.camera.stereo_base_m,
     )
-    return Seeing(eye, estimator, scenario.camera.rate_hz, scenario.camera.latency_s), weights
+    setup = scenario.camera
+    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images), weights
 
 
 def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
@@ -85,7 +89,8 @@ def _session(weights: Path, threads: int, confidence: float, written_ns: int) ->
 
 def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
     """Where the camera is when the sprung mass is in `state`."""
-    return pose_of(mount, float(state.x_m), float(state.heave_m), float(state.pitch_rad))
+    attitude = float(state.heave_m), float(state.pitch_rad)
+    return pose_of(mount, float(state.x_m), *attitude, roll=float(state.roll_rad))
 
 
 def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> Eye:
@@ -100,15 +105,23 @@ def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) ->
 
 
 def camera_eye(
-    scenario: Scenario, mount: CameraMount, detector: Detector, image_seed: int, keep_images: bool
+    scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator
 ) -> Eye:
-    """Render what the camera sees and run the detector on it."""
-    scene = Scene(scenario.road, scenario.appearance, image_seed, threads=scenario.detection.threads)
+    """Render what the camera, or the pair of cameras, sees and run the detector on the first image."""
+    setup = scenario.camera
+    seed = int(rng.integers(2**31))
+    scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)
+    yaw = np.deg2rad(setup.stereo_yaw_sigma_deg) * float(rng.standard_normal())
 
     def look(tick: int, state: VehicleState) -> Look:
         started = perf_counter()
-        image = scene.render(scenario.camera.intrinsics, pose(mount, state), tick).image
-        detections = detector(image)
-        return Look(tick, detections, image if keep_images else None, perf_counter() - started)
+        first = pose(mount, state)
+        image = scene.render(setup.intrinsics, first, tick).image
+        second = None
+        if setup.stereo_base_m > 0.0:
+            right = second_pose(first, setup.stereo_base_m)
+            right = replace(right, yaw=right.yaw + yaw)
+            second = scene.render(setup.intrinsics, right, tick + _SECOND).image
+        return Look(tick, detector(image), image, second, perf_counter() - started)
 
     return look

@@ -38,9 +38,10 @@ def poses(run: Run) -> list[CameraPose]:
     scenario = run.case.scenario
     nominal = scenario.camera.mount(max(scenario.vehicle.parameters.axle_x_m))
     mount = true_mount(scenario, nominal, random_streams(run.case.seed)["mounting"])
-    names = ("x_m", "heave_m", "pitch_rad")
+    names = ("x_m", "heave_m", "pitch_rad", "roll_rad")
     columns = [run.signals.get(name, np.zeros_like(run.signals["time_s"])) for name in names]
-    return [pose_of(mount, *(float(column[look.tick]) for column in columns)) for look in run.looks]
+    attitudes = ([float(column[look.tick]) for column in columns] for look in run.looks)
+    return [pose_of(mount, *attitude, roll=roll) for *attitude, roll in attitudes]
 
 
 def track_lines(run: Run) -> list[list[dict[str, Any]]]:

@@ -36,6 +36,7 @@ class Reading(NamedTuple):
     rattle_m: np.ndarray
     pitch_rate: float
     speed_m_s: float
+    roll_rate: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,55 @@
+"""Boxes as an ideal lens would show them with the horizon level: what the rest of the preview reckons with.
+
+The edge of a bump lies across the road: it is one row of the ideal, level picture, but a curve in that of a
+lens that distorts, and a slope in that of a camera that rolls. The box touches it at one point, and
+everywhere else along the box's bottom the object lies higher. So of all the rows that pixels along the
+bottom straighten to, the object's is the highest in the picture, and for the top it is the lowest. An
+outline that is round touches its box near the middle.
+"""
+
+import numpy as np
+
+from detector.detection import CLASS_NAMES
+from road.camera import Camera, CameraPose, rotation_matrix
+
+Array = np.ndarray
+_SAMPLES = 9
+_PASSES = 3
+_HOLE = CLASS_NAMES.index("pothole")
+
+
+def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
+    """Boxes xyxy (n, 4) in the picture of `camera.pinhole` without the roll of `pose`.
+
+    boxes: as `camera` shows them; cut (n, 4): edges that lie on the image border; classes (n,). Without
+    distortion and roll they stay as they are.
+    """
+    if len(boxes) == 0 or (camera.is_pinhole and pose.roll == 0.0):
+        return boxes
+    left, top, right, bottom = boxes.T[..., None]
+    hole, middle = classes == _HOLE, _SAMPLES // 2
+    low = _level(camera, pose.roll, left, right, bottom)[1]
+    sides = _level(camera, pose.roll, left, right, (top + bottom) / 2)[0]
+    near = np.where(hole, low[:, middle], low.min(axis=1))
+    far = near - (bottom - top)[:, 0]
+    horizon = camera.cy - camera.focal_px * np.tan(pose.pitch)
+    for _ in range(_PASSES):
+        # The far edge is as much narrower as it is nearer to the horizon, but where the border cuts both.
+        ratio = np.clip((far - horizon) / np.maximum(near - horizon, 1.0), 0.0, 1.0)[:, None]
+        far_left, far_right = (
+            np.where(cut[:, [side]], u, camera.cx + ratio * (u - camera.cx))
+            for side, u in ((0, left), (2, right))
+        )
+        high = _level(camera, pose.roll, far_left, far_right, top)[1]
+        far = np.where(hole, high[:, middle], high.max(axis=1))
+    return np.column_stack([sides[:, 0], far, sides[:, -1], near])
+
+
+def _level(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
+    """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the straightened picture."""
+    along = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
+    u, v = camera.straightened(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T
+    rays = np.stack([np.ones_like(u), (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px])
+    _, across, up = rotation_matrix(roll, 0.0, 0.0) @ rays
+    level_u, level_v = camera.cx - camera.focal_px * across, camera.cy - camera.focal_px * up
+    return level_u.reshape(along.shape), level_v.reshape(along.shape)
