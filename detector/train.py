@@ -57,7 +57,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--device", default="auto", help="auto, cpu or cuda")
     p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")
     p.add_argument("--threads", type=int, default=2, help="threads of torch on a CPU")
-    p.add_argument("--memory-mib", type=float, default=4096, help="of decoded images; others are read again")
+    p.add_argument("--memory-mib", type=float, default=2048, help="of decoded images; others are read again")
     p.add_argument("--workers", type=int, default=1, help="threads that prepare batches")
     p.add_argument(
         "--patience", type=int, default=0, help="stop after so many validations that are no better"
