@@ -39,7 +39,7 @@ def main() -> None:
         if not asked.lines or name in asked.lines.split(","):
             told = [f"oracle.{field}={value}" for field, value in line.items()]
             variants.append(Variant(name, "mpc_preview", "oracle", load_all(asked.events, common + told)))
-    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")])
+    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")], asked.read)
     reactive = metric(done["mpc_reactive"], "objective")
     print(f"\n{asked.vehicle} car, {reactive.shape[1]} events, seeds {asked.seeds}\n")
     print("| preview | J / mpc_reactive | worst event | at most |\n|---|---|---|---|")

@@ -26,7 +26,7 @@ def main() -> None:
         Variant(name, name, "oracle" if name == "mpc_preview" else "none", scenarios)
         for name in ["passive", *names]
     ]
-    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")])
+    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")], asked.read)
     print(f"\n{asked.vehicle} car, {len(scenarios)} events, seeds {asked.seeds}\n")
     print("| controller | J / passive | Wk RMS / passive | VDV / passive | lift ms | stops ms |")
     print("|---|---|---|---|---|---|")

@@ -1,6 +1,7 @@
 """Runs over a set of events, and means over it."""
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -35,21 +36,33 @@ def arguments(description: str, seeds: str) -> argparse.ArgumentParser:
     parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
+    told = "take rows from what --json wrote of pieces of this table, and drive only what they lack"
+    parser.add_argument("--read", nargs="+", type=Path, default=[], metavar="FILE", help=told)
     return parser
 
 
-def run_all(variants: Sequence[Variant], seeds: Sequence[int]) -> dict[str, list[list[Row]]]:
-    """One row for each variant, seed and event, in this order of nesting."""
-    done: dict[str, list[list[Row]]] = {}
-    for variant in variants:
-        done[variant.name] = [
-            [
-                row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
-                for scenario in track(variant.scenarios, f"{variant.name}, seed {seed}")
-            ]
+def run_all(
+    variants: Sequence[Variant], seeds: Sequence[int], pieces: Sequence[Path] = ()
+) -> dict[str, list[list[Row]]]:
+    """One row for each variant, seed and event, in this order of nesting; those of `pieces` not anew."""
+    known = {
+        (name, one["vehicle"], one["scenario"], one["seed"]): one
+        for path in pieces
+        for name, rows in json.loads(path.read_text())["variants"].items()
+        for one in rows
+    }
+
+    def driven(variant: Variant, scenario: Scenario, seed: int) -> Row:
+        there = known.get((variant.name, scenario.vehicle.model, scenario.name, seed))
+        return there or row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
+
+    return {
+        variant.name: [
+            [driven(variant, scenario, seed) for scenario in track(variant.scenarios, variant.name)]
             for seed in seeds
         ]
-    return done
+        for variant in variants
+    }
 
 
 def metric(rows: list[list[Row]], name: str) -> np.ndarray:
