@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from preview.calibration import Gaussian
+from preview.elevation import Elevation, equations
 from preview.settings import Settings
 from preview.shape import Kind, relief
 
@@ -75,11 +76,12 @@ def fit(
     directs: list[Direct],
     settings: Settings,
     iterations: int = 3,
+    elevation: Elevation | None = None,
 ) -> Fit:
     """Return the most probable state for all `sights`, from `start`.
 
     kind and shared hold the priors; directs are further measurements of single states, such as where a
-    wheel struck.
+    wheel struck; elevation is what the images showed of its height.
     """
     priors = [
         Direct(LENGTH, kind.length_m, kind.length_sigma_m),
@@ -90,9 +92,13 @@ def fit(
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
+    profile = None if elevation is None else elevation.rows(settings.correlation)
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
+        if elevation is not None and profile is not None:
+            added = equations(kind, profile, elevation.shift_sigma_m, state)
+            information, gradient, cost = information + added[0], gradient + added[1], cost + added[2]
         away = shared.mean - state[SHARED]
         information[SHARED, SHARED] += shared_information
         gradient[SHARED] += shared_information @ away

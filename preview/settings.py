@@ -60,13 +60,20 @@ class Settings:
     wheel_hop_hz: float = 10.8  # wheel on its tyre alone
     body_hop_hz: float = 3.5  # body on the tyre alone
 
+    # Heights measured in images
+    parallax: bool = False  # of one moving camera; a stereo pair is always used
+    gauge_near_m: float = 2.8  # from the camera: nearer than this nothing is measured
+    gauge_far_m: float = 9.0
+    stereo_shift_sigma_m: float = 0.015  # of all positions that a stereo pair gives
+    parallax_shift_sigma_m: float = 0.15  # of those that rest on the plane alone
+
     # Preview
     background_sigma_m: float = 0.01  # road height where nothing was seen
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if "bias" in field.name:
+            if "bias" in field.name or isinstance(value, bool):
                 continue
             if not value > 0:
                 raise InputError(f"{field.name} must be > 0, got {value}")

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from preview.calibration import Gaussian
+from preview.elevation import Elevation
 from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit
 from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
@@ -55,6 +56,7 @@ class Track:
     fits: list[Fit]
     sights: list[Sight] = field(default_factory=list)
     directs: list[Direct] = field(default_factory=list)
+    elevation: Elevation | None = None
     last_seen_s: float = 0.0
     last_seen_x_m: float = 0.0
     hits: int = 1
@@ -102,7 +104,7 @@ class Track:
         """Fit every kind still in question to all sights, each from where its last fit ended."""
         del self.sights[: -settings.max_boxes]
         fits = [
-            fit(old.kind, self.sights, old.state, shared, self.directs, settings, iterations=2)
+            fit(old.kind, self.sights, old.state, shared, self.directs, settings, 2, self.elevation)
             for old in self.fits
         ]
         least = min(candidate.cost for candidate in fits)
@@ -121,13 +123,17 @@ class Track:
         return inside_right * inside_left
 
     def section(self, y_m: float) -> Section:
-        """Return the extent on the line y = `y_m`; a hole is an ellipse, as deep as its length suggests."""
+        """Return the extent on the line y = `y_m`; a hole is an ellipse.
+
+        It is as deep as was measured, or else as its length suggests.
+        """
         _, _, _, length, height = self.best.state.tolist()
         if self.best.kind is not POTHOLE:
             return Section(self.start_m, length, height)
         beside = y_m - self.centre_y_m
         cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
-        return Section(self.start_m + 0.5 * (length - cut), cut, depth_of(length))
+        depth = depth_of(length) if self.elevation is None else height
+        return Section(self.start_m + 0.5 * (length - cut), cut, depth)
 
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:

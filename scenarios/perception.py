@@ -7,7 +7,7 @@ camera: rendered image, detector, estimator.
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any, Protocol
 
@@ -26,11 +26,15 @@ Event = dict[str, Any]
 
 @dataclass(frozen=True)
 class Look:
-    """One exposure: when it was taken, what was in it and, from a camera, the image (H, W, 3)."""
+    """One exposure: when it was taken, what was in it and, from a camera, the image (H, W, 3).
+
+    second: image of the right camera of a stereo pair.
+    """
 
     tick: int
     detections: Detections
     image: np.ndarray | None = None
+    second: np.ndarray | None = None
     duration_s: float = 0.0
 
 
@@ -112,12 +116,19 @@ class Seeing:
 
     `eye` turns the car's state at exposure into a `Look`. It runs in a thread of its own while simulated
     time goes on; its result is waited for at the tick where it is due, so real time never changes a result.
+    `looks` holds the first camera's images only with `keep_images`.
     """
 
     def __init__(
-        self, eye: Callable[[int, VehicleState], Look], estimator: Estimator, rate_hz: int, latency_s: float
+        self,
+        eye: Callable[[int, VehicleState], Look],
+        estimator: Estimator,
+        rate_hz: int,
+        latency_s: float,
+        keep_images: bool = False,
     ) -> None:
         self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
+        self._keep_images = keep_images
         self._latency = ticks(latency_s)
         self._pool = ThreadPoolExecutor(max_workers=1)
         self._pending: deque[tuple[int, Future[Look]]] = deque()
@@ -142,9 +153,10 @@ class Seeing:
         while self._pending and self._pending[0][0] + self._latency <= tick:
             exposed, future = self._pending.popleft()
             look = future.result()
-            self.looks.append(look)
+            self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
             start = perf_counter()
-            self._estimator.update_boxes(exposed / TICKS_PER_SECOND, look.detections)
+            exposure_s = exposed / TICKS_PER_SECOND
+            self._estimator.update_boxes(exposure_s, look.detections, look.image, look.second)
             self.estimator_s.append(perf_counter() - start)
             events.append(
                 {

@@ -36,6 +36,8 @@ class CameraSetup:
 
     The camera sits `behind_front_axle_m` behind the front axle. What is true of the mounting differs from
     what the estimator believes by errors drawn from the run's seed with the two sigmas.
+    `stereo_base_m` puts a second, equal camera so far to its right; 0 for none. What calibration leaves of
+    the pair's relative yaw is drawn with `stereo_yaw_sigma_deg`.
     """
 
     intrinsics: Camera = field(default_factory=Camera)
@@ -44,6 +46,8 @@ class CameraSetup:
     pitch_deg: float = 6.0
     pitch_sigma_deg: float = 0.2
     height_sigma_m: float = 0.01
+    stereo_base_m: float = 0.0
+    stereo_yaw_sigma_deg: float = 0.005
     rate_hz: int = 20
     latency_s: float = 0.05
 
@@ -53,6 +57,8 @@ class CameraSetup:
         _within("pitch_deg", self.pitch_deg, -10.0, 30.0, "degrees")
         _within("pitch_sigma_deg", self.pitch_sigma_deg, 0.0, 2.0, "degrees")
         _within("height_sigma_m", self.height_sigma_m, 0.0, 0.2, "m")
+        _within("stereo_base_m", self.stereo_base_m, 0.0, 1.0, "m")
+        _within("stereo_yaw_sigma_deg", self.stereo_yaw_sigma_deg, 0.0, 0.2, "degrees")
         _within("rate_hz", self.rate_hz, 1, 200, "Hz")
         _within("latency_s", self.latency_s, 0.0, 1.0, "s")
 

@@ -1,0 +1,148 @@
+"""Heights of tracked objects, measured in the images: by a stereo pair, or by one camera that moves."""
+
+from collections import deque
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from preview.elevation import Elevation, Rows
+from preview.parallax import Band, Field, band, match
+from preview.plane import fit_plane
+from preview.settings import Settings
+from preview.stereo import coarse, second_pose
+from preview.track import Track
+from road.camera import Camera, CameraPose
+
+Array = np.ndarray
+_MARGIN_M = 2.0  # road before and behind an object that tells where the plane is
+_BESIDE_M = 0.3  # what may belong to the object
+_SHADOW = 0.1  # of the distance: road that a bump may hide behind it
+_STRIP_M = 1.5  # half width of the road that is looked at
+_LEAST_ROWS = 12
+_NOISE_GREY = 3.0  # of the difference of two images
+_LEAST_PX = 0.05
+_WINDOW_M = 0.6  # across the road
+_MONO_BASE_M = 1.0
+_KEPT = 4
+
+
+class Shot(NamedTuple):
+    """A grey image (H, W) uint8 and where the camera was."""
+
+    pose: CameraPose
+    image: Array
+
+
+class Gauge:
+    """Measures every track in reach in each frame, and adds it to the track's `elevation`.
+
+    base_m: distance of the second camera, right of the first; 0 for none, then earlier frames serve.
+    """
+
+    def __init__(self, camera: Camera, base_m: float, settings: Settings) -> None:
+        self.camera, self.base_m, self.settings = camera, base_m, settings
+        self._shots: deque[Shot] = deque(maxlen=_KEPT)
+
+    def measure(
+        self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
+    ) -> list[Track]:
+        """Look at one frame, images (H, W, 3) RGB; returns the tracks about which there is something new."""
+        shot = Shot(pose, cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
+        if second is not None:
+            other = Shot(second_pose(pose, self.base_m), cv2.cvtColor(second, cv2.COLOR_RGB2GRAY))
+        else:
+            earlier = [s for s in self._shots if pose.x - s.pose.x >= _MONO_BASE_M]
+            self._shots.append(shot)
+            if not earlier:
+                return []
+            other = earlier[-1]
+        stereo = second is not None
+        return [track for track in tracks if self._measure_one(shot, other, stereo, track, tracks)]
+
+    def _measure_one(self, shot: Shot, other: Shot, stereo: bool, track: Track, tracks: list[Track]) -> bool:
+        rows = self._rows_of(shot.pose, track)
+        if rows is None:
+            return False
+        view = band(self.camera, shot.pose, other.pose, rows, self._columns_of(shot.pose, rows, track))
+        start = coarse(self.camera, view, shot.image, other.image) if stereo else np.ones_like(view.ahead)
+        middle = max(0.5 * (track.start_m + track.end_m) - shot.pose.x, 3.0)
+        width_px = 2 * round(0.5 * self._window_m(track) * self.camera.focal_px / middle) + 1
+        field = match(self.camera, view, shot.image, other.image, start, width_px)
+        samples = self._profile(shot.pose, view, field, stereo, track, tracks)
+        if samples is None:
+            return False
+        if track.elevation is None:
+            sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
+            track.elevation = Elevation(track.start_m - 2.0, sigma)
+        track.elevation.add(samples)
+        return True
+
+    def _window_m(self, track: Track) -> float:
+        """Width over which an object is taken to be alike."""
+        return _WINDOW_M if track.best.kind.sign > 0 else 0.5 * _WINDOW_M
+
+    def _rows_of(self, pose: CameraPose, track: Track) -> tuple[int, int] | None:
+        """Rows that show the object and some road around it within the reach of the method."""
+        near = max(track.start_m - _MARGIN_M - pose.x, self.settings.gauge_near_m)
+        far = min(track.end_m + _MARGIN_M - pose.x, self.settings.gauge_far_m)
+        if not track.confirmed or track.start_m - pose.x > self.settings.gauge_far_m or far - near < 1.0:
+            return None
+        limit = min(self.camera.height_px, int(self.settings.bonnet_row_px))
+        bottom, top = (
+            self.camera.cy + self.camera.focal_px * np.tan(np.arctan2(pose.z, ahead) - pose.pitch)
+            for ahead in (near, far)
+        )
+        rows = max(int(top), 0), min(int(bottom) + 1, limit)
+        return rows if rows[1] - rows[0] >= _LEAST_ROWS else None
+
+    def _columns_of(self, pose: CameraPose, rows: tuple[int, int], track: Track) -> tuple[int, int]:
+        nearest = pose.z / np.tan(np.arctan2(rows[1] - self.camera.cy, self.camera.focal_px) + pose.pitch)
+        scale = self.camera.focal_px / max(float(nearest), 1.0)
+        right, left = track.right.y_m - pose.y - 0.5, track.left.y_m - pose.y + 0.5
+        span = np.clip([left, right], -_STRIP_M, _STRIP_M)
+        first, last = (int(self.camera.cx - scale * y) for y in span)
+        return max(first, 0), min(last + 1, self.camera.width_px)
+
+    def _profile(
+        self, pose: CameraPose, view: Band, field: Field, stereo: bool, track: Track, tracks: list[Track]
+    ) -> Rows | None:
+        """One sample a row: height over the fitted plane on the strip that the object covers."""
+        axes = pose.rotation.astype(np.float32)
+        point = np.stack([view.ahead, view.side, view.up])
+        x, y = (np.tensordot(axes[k], point, axes=1) for k in (0, 1))
+        x += np.float32(pose.x)
+        y += np.float32(pose.y)
+        road = np.ones(x.shape, bool)
+        for other in tracks:
+            hidden = _SHADOW * (other.end_m - pose.x)
+            road &= (x < other.start_m - _BESIDE_M) | (x > other.end_m + _BESIDE_M + hidden)
+        plane, turned = fit_plane(self.camera, view, field, road, turns=not stereo)
+        ratio = (field.q - turned) / plane
+        right, left = _strip(track, pose)
+        inside = (y > right) & (y < left)
+        weight = np.where(inside, field.weight, 0.0)
+        total = weight.sum(axis=1)
+        seen = total > 0
+        if seen.sum() < _LEAST_ROWS:
+            return None
+        mean = (weight * ratio).sum(axis=1)[seen] / total[seen]
+        known = weight[seen] / total[seen][:, None]
+        q = mean[:, None] * (plane[seen] if stereo else 1.0)
+        forward = (known * (x[seen] - pose.x) / q).sum(axis=1)
+        pixels = (known * field.pixels[seen]).sum(axis=1)
+        sigma_px = np.hypot(_NOISE_GREY / np.sqrt(total[seen]), _LEAST_PX)
+        sigma = view.height_m * sigma_px / pixels
+        row_m = forward**2 / (view.height_m * self.camera.focal_px)
+        height = view.height_m * (1.0 - 1.0 / mean)
+        return Rows(pose.x + forward, height, sigma, 3.0 * row_m, forward / view.height_m)
+
+
+def _strip(track: Track, pose: CameraPose) -> tuple[float, float]:
+    """Lateral extent (right, left) over which the object is as it is under a wheel."""
+    right = max(track.right.y_m, pose.y - _STRIP_M)
+    left = min(track.left.y_m, pose.y + _STRIP_M)
+    if track.best.kind.sign < 0:
+        middle, half = 0.5 * (right + left), 0.25 * (left - right)
+        return middle - half, middle + half
+    return right, left

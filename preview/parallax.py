@@ -1,0 +1,129 @@
+"""Plane plus parallax: how far the road stands out of its plane, from two images of it.
+
+The second image is a second camera's (stereo) or the same camera's a little earlier. A point that a pixel of
+the reference shows stands z above the plane of the road; with the camera h above that plane and
+q = 1 / (1 - z/h), it appears in the other image at the projection of
+    A + q T,   A = Z R r,   T = translation between the cameras,
+where Z r is the plane's point on the pixel's ray: q = 1 is the warp of the plane by its homography, and all
+that differs from it moves along the line to the epipole T (Irani & Anandan, Parallax geometry of pairs of
+points for 3D scene analysis, ECCV 1996; Sawhney, CVPR 1994). q is found by Gauss-Newton on the brightness
+along that line, in windows wide across the road and low along it (Lucas & Kanade, 1981).
+"""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from road.camera import Camera, CameraPose
+
+Array = np.ndarray
+_WINDOW_ROWS = 3  # across the road all is alike, along it edges must stay sharp
+_MOST_STEP_PX = 1.0
+_NOISE = 0.02  # grey levels squared a pixel: weaker gradients say nothing
+_MOST = 0.2  # of |q - 1|
+
+
+class Band(NamedTuple):
+    """A part of the reference image and the geometry of its pixels, arrays (rows, columns) float32.
+
+    top, left: its first row and column. ahead, side, up: the plane's point on each pixel's ray in axes of the
+    reference camera (m). other: (3, rows, columns) the same point in axes of the other camera, forward, left,
+    up. travel: (3,) how far a point at q = 1 + dq moves there for dq = 1. height_m: of the reference camera
+    over the plane.
+    """
+
+    top: int
+    left: int
+    ahead: Array
+    side: Array
+    up: Array
+    other: Array
+    travel: Array
+    height_m: float
+
+
+class Field(NamedTuple):
+    """Structure of a band, arrays (rows, columns).
+
+    q: as above. weight: mean squared gradient along the epipolar line in the window, (grey level / px)².
+    along: (2, rows, columns) columns and rows that a point moves in the other image for a unit of q.
+    """
+
+    q: Array
+    weight: Array
+    along: Array
+
+    @property
+    def pixels(self) -> Array:
+        """Pixels that a point moves for a unit of q."""
+        return np.hypot(*self.along)
+
+
+def band(
+    camera: Camera,
+    reference: CameraPose,
+    other: CameraPose,
+    rows: tuple[int, int],
+    columns: tuple[int, int],
+) -> Band:
+    """Geometry of the pixels in `rows` and `columns` (first, one after last), all below the horizon."""
+    v = np.arange(*rows, dtype=np.float32)[:, None] + np.float32(0.5 - camera.cy)
+    u = np.arange(*columns, dtype=np.float32)[None, :] + np.float32(0.5 - camera.cx)
+    left, up = np.broadcast_arrays(-u / np.float32(camera.focal_px), -v / np.float32(camera.focal_px))
+    normal = reference.rotation[2].astype(np.float32)
+    ahead = -np.float32(reference.z) / (normal[0] + left * normal[1] + up * normal[2])
+    turn = (other.rotation.T @ reference.rotation).astype(np.float32)
+    point = np.stack([ahead, ahead * left, ahead * up])
+    travel = other.rotation.T @ (reference.position - other.position)
+    moved = np.tensordot(turn, point, axes=1).astype(np.float32)
+    ground = point[0], point[1], point[2]
+    return Band(rows[0], columns[0], *ground, moved, travel.astype(np.float32), float(reference.z))
+
+
+def place(camera: Camera, view: Band, q: Array) -> tuple[Array, Array, Array]:
+    """Columns and rows (for `cv2.remap`) in the other image of points at structure `q`, and their depth."""
+    forward, left, up = (part + q * step for part, step in zip(view.other, view.travel, strict=True))
+    scale = np.float32(camera.focal_px) / forward
+    return np.float32(camera.cx - 0.5) - scale * left, np.float32(camera.cy - 0.5) - scale * up, forward
+
+
+def match(
+    camera: Camera,
+    view: Band,
+    image: Array,
+    other: Array,
+    start: Array,
+    window_px: int = 31,
+    iterations: int = 3,
+) -> Field:
+    """Refine `start` (rows, columns) so that `other` (H, W) grey, warped, looks like `image` (H, W) grey.
+
+    window_px: width of the windows.
+    """
+    window = (window_px, _WINDOW_ROWS)
+    rows, columns = view.ahead.shape
+    wanted = image[view.top : view.top + rows, view.left : view.left + columns].astype(np.float32)
+    q = start
+    for _ in range(iterations):
+        at_u, at_v, forward = place(camera, view, q)
+        found = cv2.remap(other, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(
+            np.float32
+        )
+        # Along the epipolar line, by the derivative of `place`; the image's gradient is that of both images.
+        scale = np.float32(1.0) / forward
+        along_u = scale * (-camera.focal_px * view.travel[1] - (at_u - camera.cx + 0.5) * view.travel[0])
+        along_v = scale * (-camera.focal_px * view.travel[2] - (at_v - camera.cy + 0.5) * view.travel[0])
+        both = found + wanted
+        slope = np.float32(0.25) * (
+            cv2.Sobel(both, cv2.CV_32F, 1, 0, ksize=1) * along_u
+            + cv2.Sobel(both, cv2.CV_32F, 0, 1, ksize=1) * along_v
+        )
+        pixels = np.hypot(along_u, along_v)
+        error = cv2.boxFilter(slope * (wanted - found), -1, window)
+        weight = cv2.boxFilter(slope * slope, -1, window)
+        firm = weight + _NOISE * pixels**2
+        most = _MOST_STEP_PX / pixels
+        q = np.clip(q + np.clip(error / firm, -most, most), 1.0 - _MOST, 1.0 + _MOST)
+        q = cv2.boxFilter(q * firm, -1, (window_px, 1)) / cv2.boxFilter(firm, -1, (window_px, 1))
+    return Field(q, weight / pixels**2, np.stack([along_u, along_v]))

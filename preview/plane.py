@@ -1,0 +1,50 @@
+"""The road plane in a field of structure: what all of the road has in common is no relief."""
+
+import numpy as np
+
+from preview.parallax import Band, Field
+from road.camera import Camera
+
+Array = np.ndarray
+_EVERY = (slice(None, None, 2), slice(None, None, 8))
+_ROUNDS = 4
+_NOISE_PX = 0.5  # of one sample, inflated because neighbours share a window
+_CAUCHY = 1.0
+_MOST_WEIGHT = 3.0  # over the median: paint has gradients, but may lie where something stands out
+_TILT_SIGMA = 0.02  # of the plane's inverse distance, 1/m: 2 % of grade or banking, 3 cm of camera height
+_TURN_SIGMA = 0.0003  # rad, error of the rotation between two exposures of one camera
+
+
+def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool) -> tuple[Array, Array]:
+    """Return (plane, turned), both (rows, columns): structure q of the plane, and q that a rotation mimics.
+
+    road: (rows, columns) bool, where nothing is known to stand out. turns: whether the rotation between the
+    two images may be wrong, too. Weighted robust least squares with priors around the nominal plane: its
+    inverse distance is linear in the pixel, so q - 1 = a ahead + b side + c up.
+    """
+    basis = np.stack([view.ahead, view.side, view.up, *(_rotations(camera, view, field) if turns else ())])
+    sigma = np.array([_TILT_SIGMA] * 3 + [_TURN_SIGMA] * (len(basis) - 3))
+    use = road[_EVERY].ravel()
+    columns = basis[(slice(None), *_EVERY)].reshape(len(basis), -1)[:, use].astype(float)
+    value, weight, pixels = (
+        part[_EVERY].ravel()[use].astype(float) for part in (field.q - 1.0, field.weight, field.pixels)
+    )
+    usual = float(np.median(weight)) if len(weight) else 1.0
+    scale = (pixels / _NOISE_PX) ** 2 * np.minimum(weight / max(usual, 1e-9), _MOST_WEIGHT)
+    found = np.zeros(len(basis))
+    for _ in range(_ROUNDS):
+        far = (value - found @ columns) * pixels / _NOISE_PX / _CAUCHY
+        weighted = columns * (scale / (1.0 + far**2))
+        found = np.linalg.solve(weighted @ columns.T + np.diag(sigma**-2), weighted @ value)
+    plane = 1.0 + np.tensordot(found[:3], basis[:3], axes=1)
+    turned = np.tensordot(found[3:], basis[3:], axes=1) if turns else np.zeros_like(plane)
+    return plane.astype(np.float32), turned.astype(np.float32)
+
+
+def _rotations(camera: Camera, view: Band, field: Field) -> list[Array]:
+    """What q seems to be if the other camera is turned by 1 rad of pitch, of yaw, along the epipolar line."""
+    forward, left, up = view.other + view.travel[:, None, None]
+    x, y = left / forward, up / forward
+    flows = [(-x * y, -(1.0 + y * y)), (-(1.0 + x * x), -x * y)]
+    scale = np.float32(camera.focal_px) / field.pixels**2
+    return [scale * (u * field.along[0] + v * field.along[1]) for u, v in flows]

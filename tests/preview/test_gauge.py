@@ -1,0 +1,70 @@
+"""Heights measured in rendered images, through the whole estimator."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from detector.detection import Detections
+from preview.estimator import Estimator
+from preview.settings import Settings
+from preview.stereo import second_pose
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount, pose_of
+from road.features import Feature, HalfSineBump, Pothole
+from road.profile import Road
+from road.render import Scene
+from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Reading, unbiased
+
+CAMERA, MOUNT = Camera(), CameraMount()
+BASE_M, SPEED_M_S, STEP_S, FRAME_STEPS = 0.2, 10.0, 0.005, 10
+BUMP = HalfSineBump(30.0, 0.06, 0.5, paint="yellow_black")
+HOLE = Pothole(30.0, 0.09, 0.7, 0.7, y_m=WHEEL_Y_M[0], seed=3)
+
+
+def drive(feature: Feature, settings: Settings, base_m: float, mount: CameraMount = MOUNT) -> Estimator:
+    """A smooth ride until the front wheel is 2 m before the feature; the camera really sits as `mount`."""
+    estimator = Estimator(CAMERA, MOUNT, AXLES_M, WHEEL_Y_M, settings, x_m=19.0, stereo_base_m=base_m)
+    scene = Scene(Road(60.0, (feature,)), Appearance(light="noon", weather="dry", wear=0.3), 5)
+    for step, x in enumerate(positions(feature)):
+        estimator.update_motion(STEP_S * step, Reading(np.zeros(2), np.zeros(2), np.zeros(2), 0.0, SPEED_M_S))
+        if step % FRAME_STEPS == 0:
+            pose = pose_of(mount, x, 0.0, 0.0)
+            frame = scene.render(CAMERA, pose, step)
+            boxes = Detections(frame.boxes, np.ones(len(frame.boxes), np.float32), frame.classes)
+            second = scene.render(CAMERA, second_pose(pose, BASE_M), 10_000 + step).image if base_m else None
+            estimator.update_boxes(STEP_S * step, boxes, frame.image, second)
+    return estimator
+
+
+def positions(feature: Feature) -> Iterator[float]:
+    x = 19.0
+    while x + AXLES_M[0] < feature.start_m - 2.0:
+        yield x
+        x += SPEED_M_S * STEP_S
+
+
+@pytest.mark.parametrize(("feature", "height"), [(BUMP, 0.06), (HOLE, -0.09)])
+def test_a_pair_measures_edge_and_height(feature: Feature, height: float) -> None:
+    row = next(row for row in drive(feature, unbiased(), BASE_M).stats() if row["confirmed"])
+    assert row["x_m"] == pytest.approx(feature.start_m, abs=0.06)
+    assert row["height_m"] == pytest.approx(height, rel=0.15)
+
+
+def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
+    tilted = CameraMount(pitch_deg=MOUNT.pitch_deg + 0.5)
+    alone, pair = (drive(BUMP, unbiased(), base, tilted).stats()[0] for base in (0.0, BASE_M))
+    assert pair["x_m"] == pytest.approx(BUMP.start_m, abs=0.06)
+    assert pair["sigma_m"] < 0.5 * alone["sigma_m"]
+
+
+def test_without_images_nothing_is_measured() -> None:
+    estimator = Estimator(CAMERA, MOUNT, AXLES_M, WHEEL_Y_M, unbiased(), stereo_base_m=BASE_M)
+    estimator.update_motion(0.0, Reading(np.zeros(2), np.zeros(2), np.zeros(2), 0.0, SPEED_M_S))
+    box = Detections(
+        np.array([[100, 250, 500, 275]], np.float32), np.ones(1, np.float32), np.zeros(1, np.int64)
+    )
+    for _ in range(8):
+        estimator.update_boxes(0.0, box)
+    assert estimator.tracker.tracks[0].confirmed
+    assert estimator.tracker.tracks[0].elevation is None
