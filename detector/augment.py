@@ -1,7 +1,7 @@
 """Random views of labelled images for training: part or mosaic, flip, light, weather, blur and noise."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from detector.crops import View, part_view
 from detector.dataset import Sample
+from detector.litter import litter
 from detector.mosaic import mosaic_view
 from detector.weather import fog, rain, snow
 from files.errors import InputError
@@ -22,16 +23,25 @@ class Augmentation:
     mosaic: share of the views made of four images, but none in the last `plain_last` of all passes, since
         a detector is to end on roads as they are (Ge et al., YOLOX, arXiv 2107.08430, section 2.1)
     weather: share of the views with rain, snow or fog (as arXiv 2508.01339, section 3.2)
+    litter: share of the views with leaves, paper and stones on the road
     """
 
     mosaic: float = 0.0
     weather: float = 0.0
+    litter: float = 0.0
     plain_last: float = 0.1
 
     def __post_init__(self) -> None:
-        for name in ("mosaic", "weather", "plain_last"):
+        for name in ("mosaic", "weather", "litter", "plain_last"):
             if not 0 <= getattr(self, name) <= 1:
                 raise InputError(f"{name} must be in 0..1, got {getattr(self, name)}")
+
+    def at(self, done: float) -> "Augmentation":
+        """What holds when a share 0..1 of all passes is done."""
+        return self if done < 1 - self.plain_last else replace(self, mosaic=0.0)
+
+
+DEFAULT = Augmentation()
 
 
 def training_view(
@@ -40,12 +50,11 @@ def training_view(
     width: int,
     height: int,
     rng: Generator,
-    weather: float = 0.0,
-    mosaic: float = 0.0,
+    how: Augmentation = DEFAULT,
     min_height_px: float = 2.0,
 ) -> View:
-    """A random view of samples[index], or, in a share `mosaic`, of it and three others."""
-    if mosaic and rng.random() < mosaic:
+    """A random view of samples[index], perhaps joined with three others."""
+    if how.mosaic and rng.random() < how.mosaic:
         chosen = [samples[i] for i in (index, *rng.integers(len(samples), size=3))]
         shuffled = [chosen[i] for i in rng.permutation(4)]
         image, classes, boxes = mosaic_view(shuffled, width, height, rng, min_height_px)
@@ -54,8 +63,10 @@ def training_view(
     if rng.random() < 0.5:
         image = image[:, ::-1]
         boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
+    if how.litter and rng.random() < how.litter:
+        image = litter(image, rng.random() ** 2, rng)
     image = _light(image, rng)
-    if weather and rng.random() < weather:
+    if how.weather and rng.random() < how.weather:
         effect = (rain, snow, fog)[rng.integers(3)]
         image = effect(image, rng.random(), rng)
     return View(_sensor(image, rng), classes, boxes)

@@ -4,7 +4,7 @@ DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred w
 are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance, and the
 condition of every image). With `--out FOLDER` this writes there metrics.json, report.txt, the curves
 precision_recall.png, and two sheets of images with true and found boxes: hardest.png and typical.png.
-`--degrade rain` (snow, fog, motion_blur) lays bad weather over the images, as the paper's Fig. 9 c.
+`--degrade rain` (snow, fog, motion_blur, litter) lays that over the images, as in the paper's Fig. 9 c.
 """
 
 import argparse
@@ -22,6 +22,7 @@ from detector.breakdown import Judged, by_object, false_alarms, objects_seen
 from detector.conditions import by_condition, figure_9
 from detector.curves import write_precision_recall
 from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
+from detector.degrade import EFFECTS, degraded
 from detector.detection import Detections
 from detector.gallery import write_sheets
 from detector.imagefile import read_image
@@ -29,7 +30,6 @@ from detector.metrics import judge, summarise
 from detector.progress import Progress
 from detector.report import report
 from detector.runtime import Detector
-from detector.weather import EFFECTS, degraded
 from files.atomic import write_text
 from files.errors import InputError
 

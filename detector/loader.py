@@ -13,11 +13,9 @@ import torch
 from torch import Tensor
 
 from detector.assigner import Truths
-from detector.augment import Augmentation, training_view
+from detector.augment import DEFAULT, Augmentation, training_view
 from detector.dataset import Sample
 from detector.schedule import Stage, stage_at, total_passes
-
-DEFAULT = Augmentation()
 
 
 @dataclass(frozen=True)
@@ -36,13 +34,9 @@ def make_batch(
     size: int,
     passes: int,
     seed: int,
-    weather: float = 0.0,
-    mosaic: float = 0.0,
+    augmentation: Augmentation = DEFAULT,
 ) -> Batch:
-    """The batch that starts at image pass number `passes`; every epoch is a fresh permutation.
-
-    weather, mosaic: shares of the views, as `training_view` takes them
-    """
+    """The batch that starts at image pass number `passes`; every epoch is a fresh permutation."""
     images = np.empty((size, stage.height, stage.width, 3), np.uint8)
     views = []
     for i in range(size):
@@ -50,7 +44,7 @@ def make_batch(
         index = np.random.default_rng((seed, epoch)).permutation(len(samples))[place]
         rng = np.random.default_rng((seed, epoch, place))
         images[i], classes, boxes = training_view(
-            samples, index, stage.width, stage.height, rng, weather, mosaic
+            samples, index, stage.width, stage.height, rng, augmentation
         )
         views.append((np.full(len(classes), i), classes, boxes))
     image, classes, boxes = (np.concatenate(part) for part in zip(*views, strict=True))
@@ -68,7 +62,6 @@ def batches(
     augmentation: Augmentation = DEFAULT,
 ) -> Iterator[Batch]:
     """Batches from pass `start` to the end of the last stage, in order, a few prepared ahead."""
-    plain_from = (1 - augmentation.plain_last) * total_passes(stages)
     positions = iter(range(start, total_passes(stages), size))
     waiting: deque[Future[Batch]] = deque()
     with ThreadPoolExecutor(workers) as pool:
@@ -77,9 +70,8 @@ def batches(
             passes = next(positions, None)
             if passes is not None:
                 stage = stage_at(stages, passes)
-                mosaic = augmentation.mosaic if passes < plain_from else 0.0
-                task = (samples, stage, size, passes, seed, augmentation.weather, mosaic)
-                waiting.append(pool.submit(make_batch, *task))
+                how = augmentation.at(passes / total_passes(stages))
+                waiting.append(pool.submit(make_batch, samples, stage, size, passes, seed, how))
 
         for _ in range(2 * workers + 1):
             submit()

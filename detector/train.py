@@ -47,6 +47,9 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--weather", type=float, default=0.0, help="share of views with rain, snow or fog laid over"
     )
+    p.add_argument(
+        "--litter", type=float, default=0.0, help="share of views with leaves and stones on the road"
+    )
     p.add_argument("--plain-last", type=float, default=0.1, help="share of passes at the end without mosaic")
     p.add_argument("--teacher", type=Path, help="weights file of a larger model to learn from (BCKD and CWD)")
     p.add_argument("--distil-logits", type=float, default=0.5, help="weight of BCKD; 0 = none")
@@ -96,7 +99,7 @@ def _settings(args: argparse.Namespace) -> Settings:
         precision=args.precision,
         loss=loss,
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
-        augmentation=Augmentation(args.mosaic, args.weather, args.plain_last),
+        augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last),
     )
 
 

@@ -5,9 +5,6 @@ ones, since nothing maintained serves: libraries with a permissive licence that 
 archived, or draw from one generator for the whole process, and a batch would depend on its neighbours.
 """
 
-import zlib
-from collections.abc import Callable
-
 import cv2
 import numpy as np
 from numpy.random import Generator
@@ -81,19 +78,6 @@ def motion_blur(image: Image, strength: float, rng: Generator) -> Image:
     length = (3 + 12 * strength) * image.shape[1] / 640
     angle = 90 + rng.normal(0, 30)
     return cv2.filter2D(image, -1, _line(length, angle), borderType=cv2.BORDER_REPLICATE).astype(np.uint8)
-
-
-EFFECTS: dict[str, Callable[[Image, float, Generator], Image]] = {
-    "rain": rain,
-    "snow": snow,
-    "fog": fog,
-    "motion_blur": motion_blur,
-}
-
-
-def degraded(name: str, image: Image, effect: str, strength: float) -> Image:
-    """An image under the effect of that name, always the same for the same file name of the image."""
-    return EFFECTS[effect](image, strength, np.random.default_rng(zlib.crc32(name.encode())))
 
 
 def _line(length: float, angle_deg: float) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from tests.detector.roads import made
 @given(st.integers(0, 500), st.sampled_from([0.0, 1.0]))
 def test_boxes_follow_their_objects(seed: int, mosaic: float) -> None:
     samples, rng = [made(seed + i) for i in range(4)], np.random.default_rng(seed)
-    image, classes, boxes = training_view(samples, seed % 4, 128, 96, rng, mosaic=mosaic)
+    image, classes, boxes = training_view(samples, seed % 4, 128, 96, rng, Augmentation(mosaic))
     assert image.shape == (96, 128, 3)
     assert image.dtype == np.uint8
     assert (boxes >= 0).all()
@@ -30,22 +30,28 @@ def test_boxes_follow_their_objects(seed: int, mosaic: float) -> None:
 
 
 def test_views_repeat_with_their_seed() -> None:
-    samples = [made(3), made(4)]
-    one, two = (training_view(samples, 0, 128, 96, np.random.default_rng(7), 0.5, 0.5) for _ in range(2))
+    samples, how = [made(3), made(4)], Augmentation(0.5, 0.5, 0.5)
+    one, two = (training_view(samples, 0, 128, 96, np.random.default_rng(7), how) for _ in range(2))
     assert all(np.array_equal(a, b) for a, b in zip(one, two, strict=True))
 
 
-def test_weather_lays_over_the_image_and_leaves_the_boxes() -> None:
-    samples = [made(3)]
-    fair, bad = (
-        training_view(samples, 0, 128, 96, np.random.default_rng(1), weather) for weather in (0.0, 1.0)
-    )
-    assert not np.array_equal(fair.image, bad.image)
-    assert np.array_equal(fair.boxes, bad.boxes)
-    assert np.array_equal(fair.classes, bad.classes)
+@pytest.mark.parametrize("what", ["weather", "litter"])
+def test_what_lies_over_the_image_leaves_the_boxes(what: str) -> None:
+    ways = (Augmentation(), Augmentation(**{what: 1.0}))
+    clean, covered = (training_view([made(3)], 0, 128, 96, np.random.default_rng(1), how) for how in ways)
+    assert not np.array_equal(clean.image, covered.image)
+    assert np.array_equal(clean.boxes, covered.boxes)
+    assert np.array_equal(clean.classes, covered.classes)
 
 
-@pytest.mark.parametrize("name", ["mosaic", "weather", "plain_last"])
+def test_a_training_ends_without_mosaic() -> None:
+    how = Augmentation(mosaic=0.5, weather=0.3, plain_last=0.2)
+    assert how.at(0.0) == how.at(0.79) == how
+    assert how.at(0.8) == how.at(1.0) == Augmentation(mosaic=0.0, weather=0.3, plain_last=0.2)
+    assert Augmentation(mosaic=0.5, plain_last=0.0).at(0.999).mosaic == 0.5
+
+
+@pytest.mark.parametrize("name", ["mosaic", "weather", "litter", "plain_last"])
 @pytest.mark.parametrize("value", [-0.1, 1.5, float("nan")])
 def test_shares_out_of_range_are_refused(name: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"{name} must be in 0\.\.1, got {value}"):

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from detector.dataset import read_samples
+from detector.degrade import degraded
 from detector.detection import Detections, no_detections
 from detector.evaluate import evaluate, judge_folder, main, report, summary_of, write_folder
-from detector.weather import degraded
 from files.errors import InputError
 from tests.detector.roads import write
 

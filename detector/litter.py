@@ -1,0 +1,62 @@
+"""Fallen leaves, paper and stones strewn over a road: small, light or dark, and no potholes.
+
+For training: rendered roads are swept clean, and what lies on real ones is easily taken for potholes.
+"""
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+FARTHEST_ROW = 0.3  # of the height, above which nothing is laid
+COLOURS = np.array(
+    [
+        (205, 175, 95),
+        (165, 115, 60),
+        (215, 200, 165),
+        (115, 85, 55),
+        (100, 115, 60),
+        (225, 225, 220),
+        (135, 130, 125),
+    ]
+)
+"""Yellow, brown, dry, dark and green leaves, paper, stone: RGB in daylight."""
+CORNERS = 9
+
+
+def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray[np.uint8]:
+    """A copy of the image (H, W, 3) with 2 to 60 pieces in its lower part, larger toward its bottom.
+
+    strength: 0..1, of their number
+    """
+    rows, columns = image.shape[:2]
+    strewn = image.copy()
+    count = 2 + int(58 * strength)
+    kinds = rng.choice(len(COLOURS), size=rng.integers(1, 4))  # one place, a few kinds
+    light = np.clip(np.quantile(image[rows // 2 :: 4, ::4], 0.8) / 150, 0.1, 1.05)
+    for height in np.sort(rng.random(count)):  # the farthest first
+        row = (FARTHEST_ROW + (1 - FARTHEST_ROW) * height) * rows
+        size = columns * (0.002 + 0.011 * height) * np.exp(rng.normal(0, 0.35))
+        outline = _piece(rng) * size + (rng.uniform(0, columns), row)
+        shadow = outline + size * np.array([rng.normal(0, 0.3), 0.25])
+        colour = COLOURS[rng.choice(kinds)] * light * np.exp(rng.normal(0, 0.15))
+        under = strewn[int(np.clip(row, 0, rows - 1)), int(np.clip(outline[0, 0], 0, columns - 1))]
+        _fill(strewn, shadow, 0.6 * under)
+        _fill(strewn, outline, colour)
+    return strewn
+
+
+def _piece(rng: Generator) -> NDArray[np.float64]:
+    """Outline (CORNERS, 2) of about unit length: an uneven ellipse, turned, then flattened by the view."""
+    angle = np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
+    narrow = rng.uniform(0.25, 0.8)
+    radius = np.exp(rng.normal(0, 0.15, CORNERS))
+    points = np.stack((np.cos(angle), narrow * np.sin(angle)), 1) * radius[:, None]
+    turn = rng.uniform(0, np.pi)
+    turned = points @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    return turned * (1, rng.uniform(0.35, 0.8))
+
+
+def _fill(image: NDArray[np.uint8], outline: NDArray, colour: NDArray) -> None:
+    points = (outline * 16).round().astype(np.int32)
+    cv2.fillPoly(image, [points], colour.clip(0, 255).tolist(), cv2.LINE_AA, 4)
