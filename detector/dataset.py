@@ -84,8 +84,8 @@ def _label_row(line: str, where: str, classes: int) -> list[float]:
 def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = False) -> Iterator[Sample]:
     """Decode every image of a dataset folder, shrunk to at most `longest` pixels on its longer side.
 
-    Files that cannot be used are told on stderr if they are to be skipped; otherwise InputError names all of
-    them, after the last good one.
+    Files that cannot be used are told on stderr if they are to be skipped; otherwise, or if no other is left,
+    InputError names all of them, after the last good one.
     """
     paths, faults = image_paths(folder), []
     if not (folder / "labels").is_dir():
@@ -97,7 +97,7 @@ def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = Fals
             faults.append(str(error))
             continue
         yield Sample(path.name, shrunk(image, longest or max(image.shape)), *labels)
-    if faults and not skip_bad:
+    if faults and (len(faults) == len(paths) or not skip_bad):
         raise InputError(
             f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
         )

@@ -126,6 +126,18 @@ def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:
     assert sizes["hardest.png"] == sizes["typical.png"] > 3 * 480
 
 
+def test_plain_road_alone_is_reported_too(tmp_path: Path) -> None:
+    folder = write(tmp_path / "data", 2)
+    for path in (folder / "labels").iterdir():
+        path.write_text("")
+    judged = judge_folder(folder, lambda image: no_detections())
+    summary = summary_of(folder, judged, 0.25)
+    write_folder(folder, judged, summary, tmp_path / "out")
+    assert summary["map50"] is None
+    assert "0.000 false per 100 of 2 images" in report(summary)
+    assert (tmp_path / "out" / "precision_recall.png").exists()
+
+
 def test_bad_weather_is_what_the_detector_sees(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     folder, seen = write(tmp_path / "data", 2), []
     for _ in range(2):

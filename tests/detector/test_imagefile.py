@@ -128,6 +128,9 @@ def test_a_data_set_lists_all_its_bad_files_or_leaves_them_out(
     assert all(part in str(error.value) for part in ("000.png: empty", "001.png: a grey", "002.txt:1"))
     assert [sample.name for sample in read_samples(folder, skip_bad=True)] == ["003.png"]
     assert capsys.readouterr().err.count("left out") == 3
+    (folder / "images" / "003.png").write_bytes(b"")
+    with pytest.raises(InputError, match="4 files cannot be used"):
+        list(read_samples(folder, skip_bad=True))
 
 
 def test_a_folder_without_labels_is_no_data_set(tmp_path: Path) -> None:
