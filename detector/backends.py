@@ -1,51 +1,90 @@
-"""Where a graph can run: onnxruntime on the CPU, or an accelerator whose package the user has installed."""
+"""Where a graph can run: onnxruntime on the CPU, or a faster runtime whose package the user has installed."""
 
+import importlib.util
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import onnxruntime as ort
+from numpy.typing import NDArray
 
 from files.errors import InputError
+
+Run = Callable[[NDArray[np.uint8]], tuple[NDArray[np.float32], NDArray[np.float32]]]
+"""Image (H, W, 3) uint8 → boxes (K, 4) in pixels and scores (K, classes)."""
 
 
 @dataclass(frozen=True)
 class Backend:
-    """An execution provider of onnxruntime and the package that brings it."""
+    """The package that runs a graph, and how it is asked to.
 
-    provider: str
+    provider: an execution provider of onnxruntime. arithmetic: what OpenVINO computes in, where there is none
+    """
+
     package: str
+    provider: str = ""
+    arithmetic: str = ""
 
 
 BACKENDS = {
-    "cpu": Backend("CPUExecutionProvider", "onnxruntime"),
-    "openvino": Backend("OpenVINOExecutionProvider", "onnxruntime-openvino"),
-    "cuda": Backend("CUDAExecutionProvider", "onnxruntime-gpu"),
-    "tensorrt": Backend("TensorrtExecutionProvider", "onnxruntime-gpu with TensorRT"),
+    "cpu": Backend("onnxruntime", "CPUExecutionProvider"),
+    "openvino": Backend("openvino", arithmetic="f32"),
+    "openvino-bf16": Backend("openvino", arithmetic="bf16"),
+    "cuda": Backend("onnxruntime-gpu", "CUDAExecutionProvider"),
+    "tensorrt": Backend("onnxruntime-gpu with TensorRT", "TensorrtExecutionProvider"),
 }
 
 
 def installed() -> list[str]:
     """Names of the backends that can be used here."""
     providers = set(ort.get_available_providers())
-    return [name for name, backend in BACKENDS.items() if backend.provider in providers]
+    return [
+        name
+        for name, backend in BACKENDS.items()
+        if (backend.provider in providers if backend.provider else importlib.util.find_spec(backend.package))
+    ]
+
+
+def require(name: str) -> Backend:
+    """The backend of that name. Raises InputError where there is none, or its package is not installed."""
+    if name not in BACKENDS:
+        raise InputError(f"backend must be one of {', '.join(BACKENDS)}, got {name!r}")
+    if name not in installed():
+        package, there = BACKENDS[name].package, ", ".join(installed())
+        raise InputError(f"backend {name}: not installed, needs {package}; installed: {there}")
+    return BACKENDS[name]
+
+
+def open_network(path: Path, backend: str, threads: int, size: tuple[int, int]) -> Run:
+    """The network of an ONNX file, for images of one size (width, height).
+
+    Raises InputError where the backend is not installed or the file is no ONNX model that it can run.
+    """
+    chosen = require(backend)
+    if not chosen.provider:
+        return _open_openvino(path, chosen.arithmetic, threads, size)
+    session = open_session(path, chosen.provider, threads, size)
+
+    def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        boxes, scores = session.run(None, {"image": image[None]})
+        return boxes[0], scores[0]
+
+    return run
 
 
 def open_session(
-    path: Path, backend: str = "cpu", threads: int = 1, size: tuple[int, int] | None = None
+    path: Path,
+    provider: str = "CPUExecutionProvider",
+    threads: int = 1,
+    size: tuple[int, int] | None = None,
 ) -> ort.InferenceSession:
-    """A session on an ONNX file, made for images of size (width, height), or of any size where it is None.
+    """A session of onnxruntime on an ONNX file, for images of size (width, height), or any where it is None.
 
     A known size lets onnxruntime fold what depends on it and fuse sums into convolutions. Its threads do not
-    spin between images, so idle cores stay free. Raises InputError where the backend is not installed or the
-    file is no ONNX model that can be run.
+    spin between images, so idle cores stay free. Raises InputError where the file is no ONNX model that can
+    be run.
     """
-    if backend not in BACKENDS:
-        raise InputError(f"backend must be one of {', '.join(BACKENDS)}, got {backend!r}")
-    if backend not in installed():
-        package = BACKENDS[backend].package
-        raise InputError(
-            f"backend {backend}: not installed, needs {package}; installed: {', '.join(installed())}"
-        )
     options = ort.SessionOptions()
     options.intra_op_num_threads = threads
     options.inter_op_num_threads = 1
@@ -56,8 +95,37 @@ def open_session(
     else:
         options.add_free_dimension_override_by_name("width", size[0])
         options.add_free_dimension_override_by_name("height", size[1])
-    providers = list(dict.fromkeys((BACKENDS[backend].provider, "CPUExecutionProvider")))
+    providers = list(dict.fromkeys((provider, "CPUExecutionProvider")))
     try:
         return ort.InferenceSession(path, options, providers=providers)
     except Exception as error:  # onnxruntime raises a dozen kinds, none of them documented
-        raise InputError(f"{path}: not an ONNX model that can be run ({type(error).__name__})") from None
+        kind = type(error).__name__
+        raise InputError(
+            f"{path}: not an ONNX model that onnxruntime {ort.__version__} can run ({kind})"
+        ) from None
+
+
+def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, int]) -> Run:
+    import openvino
+
+    core = openvino.Core()
+    wanted = {
+        "INFERENCE_NUM_THREADS": threads,
+        "NUM_STREAMS": 1,
+        "INFERENCE_PRECISION_HINT": arithmetic,
+        "PERFORMANCE_HINT": "LATENCY",
+    }
+    try:
+        model = core.read_model(path)
+        model.reshape({"image": [1, size[1], size[0], 3]})
+        request = core.compile_model(model, "CPU", wanted).create_infer_request()
+    except RuntimeError as error:
+        raise InputError(
+            f"{path}: not an ONNX model that OpenVINO can run ({type(error).__name__})"
+        ) from None
+
+    def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        found = request.infer({"image": image[None]})
+        return found["boxes"][0].copy(), found["scores"][0].copy()
+
+    return run

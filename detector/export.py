@@ -34,7 +34,7 @@ from files.atomic import write_bytes
 from files.errors import InputError
 
 OPSET = 17
-PRECISIONS = ("fp32", "fp16", "int8")
+PRECISIONS = ("fp32", "fp16", "int8", "int8-conv")
 TOLERANCE = {"fp32": 1e-4, "fp16": 2e-2}
 """Largest difference allowed between ONNX and torch: of a score, or of a box side over the image width."""
 CALIBRATION_IMAGES = 32
@@ -139,10 +139,10 @@ def export(
         "version": version,
     }
     graph = to_onnx(model, metadata, published=plain)
-    if not plain:
+    if not plain and precision != "int8-conv":  # OpenVINO concatenates whole numbers for nothing
         graph = rewrite(graph, join=precision == "int8")
-    if precision == "int8":
-        graph = quantized(graph, images)
+    if precision.startswith("int8"):
+        graph = quantized(graph, images, convolutions_only=precision == "int8-conv")
     elif precision == "fp16":
         graph = halved(graph)
     gap, allowed = parity(model, graph, images[:4]), TOLERANCE.get(precision, 1.0)
@@ -160,16 +160,24 @@ def parser() -> argparse.ArgumentParser:
     kind = p.add_mutually_exclusive_group()
     kind.add_argument("--optimised", action="store_true", help="rewritten for inference (the default)")
     kind.add_argument("--plain", action="store_true", help="the graph as published")
-    p.add_argument("--precision", choices=PRECISIONS, default="fp32", help="int8 needs --data")
+    p.add_argument(
+        "--precision",
+        choices=PRECISIONS,
+        default="fp32",
+        help="int8 (for onnxruntime) and int8-conv (for OpenVINO) need --data",
+    )
     return p
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
-        if args.precision == "int8" and args.data is None:
-            raise InputError("--precision int8: needs --data, a folder with images/ to calibrate on")
-        images = check_images(args.data, CALIBRATION_IMAGES if args.precision == "int8" else 4)
+        whole = args.precision.startswith("int8")
+        if whole and args.data is None:
+            raise InputError(
+                f"--precision {args.precision}: needs --data, a folder with images/ to calibrate on"
+            )
+        images = check_images(args.data, CALIBRATION_IMAGES if whole else 4)
         metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -22,6 +22,7 @@ from onnxruntime.quantization import (
 from onnxruntime.quantization.shape_inference import quant_pre_process
 
 QUANTIZED = ["Conv", "Sigmoid", "Mul", "Concat", "Resize", "MaxPool", "Add"]
+"""What onnxruntime computes in whole numbers: going back and forth would cost it more than is won."""
 IN_FLOAT = ("/stem/", "/attention/", "/head/label", "/head/shared")
 """Parts that stay in single precision: the first convolution, attention and the head."""
 
@@ -56,31 +57,38 @@ class Images(CalibrationDataReader):
 
 
 def quantized(
-    model: ModelProto, images: Sequence[NDArray[np.uint8]], in_float: Sequence[str] = IN_FLOAT
+    model: ModelProto,
+    images: Sequence[NDArray[np.uint8]],
+    in_float: Sequence[str] = IN_FLOAT,
+    convolutions_only: bool = False,
 ) -> ModelProto:
     """A copy with 8-bit weights and activations, ranges taken from `images`, all of one size.
 
-    in_float: parts of the names of nodes that stay in single precision.
+    in_float: parts of the names of nodes that stay in single precision. convolutions_only: take inputs and
+    weights of convolutions as whole numbers, but their sums and SiLU in float, as OpenVINO does in one step.
     """
+    kinds = ["Conv"] if convolutions_only else QUANTIZED
+    kept_float = {"OpTypesToExcludeOutputQuantization": ["Conv"], "QuantizeBias": False}
     props = {p.key: p.value for p in model.metadata_props}
     with tempfile.TemporaryDirectory() as folder:
         source, ready, out = (Path(folder) / name for name in ("a.onnx", "b.onnx", "c.onnx"))
         onnx.save(model, source)
         quant_pre_process(source, ready, skip_symbolic_shape=True, skip_optimization=True)
         nodes = onnx.load(ready).graph.node
-        kept = [n.name for n in nodes if n.op_type in QUANTIZED and _stays(n, in_float)]
+        kept = [n.name for n in nodes if n.op_type in kinds and _stays(n, in_float)]
         logging.getLogger().setLevel(logging.ERROR)
         quantize_static(
             ready,
             out,
             Images(images),
             QuantFormat.QDQ,
-            op_types_to_quantize=QUANTIZED,
+            op_types_to_quantize=kinds,
             per_channel=True,
             activation_type=QuantType.QUInt8,
             weight_type=QuantType.QInt8,
             nodes_to_exclude=kept,
             calibrate_method=CalibrationMethod.MinMax,
+            extra_options=kept_float if convolutions_only else {},
         )
         result = onnx.load(out)
     helper.set_model_props(result, props)

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import onnxruntime as ort
 from numpy.typing import NDArray
 
-from detector.backends import open_session
+from detector.backends import Run, open_network, open_session, require
 from detector.detection import CLASS_NAMES, Detections
 from detector.nms import OVERLAP, select
 from files.errors import InputError
@@ -34,7 +33,7 @@ class Detector:
     """SBP-YOLO on one image at a time: `Detector()(image) -> Detections`.
 
     weights: an ONNX file written by `detector export`; the shipped one by default
-    threads: of onnxruntime. backend: a name in `backends.BACKENDS`
+    threads: of the runtime. backend: a name in `backends.BACKENDS`
     confidence, iou: least score kept, and overlap above which the lesser box of a class is dropped
     Raises InputError where the file is absent, broken or of another kind, or the backend is not installed.
     """
@@ -54,9 +53,13 @@ class Detector:
             raise InputError(f"threads must be >= 1, got {threads}")
         self.path = Path(weights or WEIGHTS)
         self.confidence, self.iou, self.threads, self.backend = confidence, iou, threads, backend
-        self.metadata = read_metadata(self.path, backend)
+        self.metadata = read_metadata(self.path)
+        if not require(backend).provider and self.metadata.get("precision") == "int8":
+            raise InputError(
+                f"{self.path}: 8-bit for onnxruntime; backend {backend} needs --precision int8-conv, or float"
+            )
         self.longest = int(self.metadata["width"])
-        self._sessions: OrderedDict[tuple[int, int], ort.InferenceSession] = OrderedDict()
+        self._sessions: OrderedDict[tuple[int, int], Run] = OrderedDict()
 
     def __call__(self, image: NDArray[np.uint8]) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
@@ -76,12 +79,11 @@ class Detector:
         """The network alone: boxes (K, 4) in pixels and scores (K, classes) of an image that fits it."""
         size = image.shape[1], image.shape[0]
         if size not in self._sessions:
-            self._sessions[size] = open_session(self.path, self.backend, self.threads, size)
+            self._sessions[size] = open_network(self.path, self.backend, self.threads, size)
             if len(self._sessions) > KEPT_SIZES:
                 self._sessions.popitem(last=False)
         self._sessions.move_to_end(size)
-        boxes, scores = self._sessions[size].run(None, {"image": image[None]})
-        return boxes[0], scores[0]
+        return self._sessions[size](image)
 
 
 def fit_for(width: int, height: int, longest: int) -> Fit:
@@ -108,11 +110,11 @@ def _up(length: float) -> int:
     return max(STRIDE, -(-round(length) // STRIDE) * STRIDE)
 
 
-def read_metadata(path: Path, backend: str = "cpu") -> dict[str, str]:
+def read_metadata(path: Path) -> dict[str, str]:
     """What a model file says of itself. Raises InputError unless it speaks as `detector.export` writes it."""
     if not path.is_file():
         raise InputError(f"{path}: no such file; expected an ONNX file written by detector.export")
-    session = open_session(path, backend)
+    session = open_session(path)
     inputs = [(i.name, i.type) for i in session.get_inputs()]
     if inputs != [("image", "tensor(uint8)")]:
         raise InputError(f"{path}: expected one input image of uint8, got {inputs}")

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.backends import installed
 from detector.runtime import KEPT_SIZES, WEIGHTS, Detector, fit_for, lay_out
 from files.errors import InputError
 
@@ -122,14 +121,6 @@ def altered(tmp_path: Path, change: str) -> Path:
 def test_names_a_model_of_another_kind(tmp_path: Path, change: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         Detector(altered(tmp_path, change))
-
-
-def test_a_backend_that_is_missing_announces_itself() -> None:
-    if "tensorrt" not in installed():
-        with pytest.raises(InputError, match=r"backend tensorrt: not installed, needs .*; installed: cpu"):
-            Detector(backend="tensorrt")
-    with pytest.raises(InputError, match="backend must be one of cpu, openvino, cuda, tensorrt, got 'npu'"):
-        Detector(backend="npu")
 
 
 def test_sessions_for_other_sizes_do_not_pile_up() -> None:
