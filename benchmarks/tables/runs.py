@@ -2,7 +2,8 @@
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,12 +19,16 @@ from scenarios.statistics import Interval, Row, intervals
 
 
 class Variant(NamedTuple):
-    """A line of a table: a controller on scenarios that may differ from those of the other lines."""
+    """A line of a table: a controller on scenarios that may differ from those of the other lines.
+
+    around: what is done to the program while one of them is driven.
+    """
 
     name: str
     controller: str
     perception: str
     scenarios: Sequence[Scenario]
+    around: Callable[[Scenario], AbstractContextManager[None]] = lambda scenario: nullcontext()
 
 
 def arguments(description: str, seeds: str) -> argparse.ArgumentParser:
@@ -54,7 +59,10 @@ def run_all(
 
     def driven(variant: Variant, scenario: Scenario, seed: int) -> Row:
         there = known.get((variant.name, scenario.vehicle.model, scenario.name, seed))
-        return there or row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
+        if there:
+            return there
+        with variant.around(scenario):
+            return row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
 
     return {
         variant.name: [

@@ -1,0 +1,110 @@
+"""What the supervisor makes of each fault: `mpc_preview` against `mpc_reactive` with the same fault.
+
+`python -m benchmarks.tables.faults`, on the reporting set. Each fault lasts WINDOW_S, from AHEAD_S before the
+front axle meets the first obstacle; on roads without one, from the same time after the start. The solver's
+faults are put into the solver itself, all others into the scenario.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import count
+from typing import Any
+from unittest.mock import patch
+
+import daqp
+import numpy as np
+
+from benchmarks.tables.runs import Variant, arguments, mean_over_events, metric, run_all, shown, write
+from scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
+from scenarios.schema import Scenario
+from scenarios.sets import load_all
+
+AHEAD_S, WINDOW_S = 0.2, 1.0
+LIMIT = 1.02
+CHANNELS = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
+
+Answer = Callable[[Any], tuple]
+"""What a broken solver makes of its answer (x, value, status, info)."""
+
+SOLVER: dict[str, Answer] = {
+    "solver fails": lambda found: (found[0], found[1], -4, found[3]),
+    "solver answers NaN": lambda found: (np.full_like(found[0], np.nan), *found[1:]),
+}
+
+
+def faults(start: float) -> dict[str, Fault]:
+    """The scenario's faults by name, from `start` on, s."""
+    lines: dict[str, Fault] = {
+        f"{channel} {mode}": SensorFault(channel, mode, start, WINDOW_S)  # type: ignore[arg-type]
+        for channel in CHANNELS
+        for mode in ("stuck", "silent")
+    }
+    lines["all sensors silent"] = SensorFault("all", "silent", start, WINDOW_S)
+    lines["preview frozen"] = PreviewFault("frozen", start, WINDOW_S)
+    lines["preview absurd"] = PreviewFault("absurd", start, WINDOW_S)
+    lines["all answers late"] = LateAnswers(start, WINDOW_S)
+    lines["20 % of answers late"] = LateAnswers(start, WINDOW_S, 0.2)
+    return lines
+
+
+def start_s(scenario: Scenario) -> float:
+    """When the fault begins."""
+    features = scenario.road.features
+    reach_m = features[0].start_m - max(scenario.vehicle.parameters.axle_x_m) if features else 0.0
+    return max(0.0, (reach_m - scenario.start_m) / scenario.speed_m_s - AHEAD_S)
+
+
+@contextmanager
+def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
+    """While it is open, the first drive's solver gives broken answers in the scenario's window."""
+    asked, rate_hz, begin = count(), scenario.control.rate_hz, start_s(scenario)
+    sound = daqp.solve
+
+    def solve(*program: Any) -> tuple:
+        broken = begin <= next(asked) / rate_hz < begin + WINDOW_S
+        return answer(sound(*program)) if broken else sound(*program)
+
+    with patch("controller.qp.daqp.solve", solve):
+        yield
+
+
+def variants(name: str, scenarios: list[Scenario]) -> list[Variant]:
+    """`mpc_preview` and `mpc_reactive` with one fault, or without any."""
+    pair = (("mpc_preview", "oracle"), ("mpc_reactive", "none"))
+    spoilt = scenarios
+    if name in faults(0.0):
+        spoilt = [replace(scenario, faults=(faults(start_s(scenario))[name],)) for scenario in scenarios]
+    answer = SOLVER.get(name)
+    around = {} if answer is None else {"around": lambda scenario: broken_solver(answer, scenario)}
+    return [Variant(f"{name}, {c}", c, seen, spoilt, **around) for c, seen in pair]
+
+
+def main() -> None:
+    parser = arguments("mpc_preview and its supervisor under faults", seeds="0")
+    parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
+    asked = parser.parse_args()
+    scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
+    names = asked.lines.split(",") if asked.lines else [*faults(0.0), *SOLVER]
+    wanted = [variant for name in ("no fault", *names) for variant in variants(name, scenarios)]
+    done = run_all(wanted, [int(seed) for seed in asked.seeds.split(",")], asked.read)
+    sound = metric(done["no fault, mpc_reactive"], "objective")
+    print(f"\n{asked.vehicle} car, {len(scenarios)} events, seeds {asked.seeds}; at most {LIMIT}\n")
+    print("| fault | J / mpc_reactive with it | worst event | J / mpc_reactive without it | fallbacks |")
+    print("|---|---|---|---|---|")
+    for name in ("no fault", *names):
+        runs = done[f"{name}, mpc_preview"]
+        objective = metric(runs, "objective")
+        ratio = objective / metric(done[f"{name}, mpc_reactive"], "objective")
+        verdict = "" if (mean := mean_over_events(ratio)).mean <= LIMIT else " **over**"
+        fallbacks = np.mean([one["solver"]["fallbacks"] for of_seed in runs for one in of_seed])
+        worst = ratio.mean(axis=0)
+        print(
+            f"| {name} | {shown(mean)}{verdict} | {worst.max():.3f} ({scenarios[int(worst.argmax())].name})"
+            f" | {shown(mean_over_events(objective / sound))} | {fallbacks:.0f} a drive |"
+        )
+    write(asked.json, done)
+
+
+if __name__ == "__main__":
+    main()
