@@ -1,13 +1,16 @@
 """Run time of the predictive controllers' step, by part: `python -m benchmarks.bench_mpc [--json FILE]`.
 
-Each row is a car and a control period with the default horizon; times are medians of processor time.
+Each row is a car and a control period with the default horizon; times are median and 99th percentile of
+processor time, each part measured inside the controller's own step.
 """
 
 import argparse
 import json
-from collections.abc import Callable
+from array import array
 from pathlib import Path
 from time import process_time
+from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -36,33 +39,42 @@ def situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, 
     return pairs
 
 
-def median_ms(calls: list[Callable[[], object]]) -> float:
-    """Median time of the calls, the first of which warm up."""
-    times = []
-    for call in calls:
+class Timed:
+    """Something that is called, and how long each call took, s of processor time."""
+
+    def __init__(self, inner: Any):
+        self._inner, self.times = inner, array("d")
+
+    def __call__(self, *given: Any) -> Any:
         start = process_time()
-        call()
-        times.append(process_time() - start)
-    return 1e3 * float(np.median(times[len(times) // 10 :]))
+        answer = self._inner(*given)
+        self.times.append(process_time() - start)
+        return answer
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
 
 
-def measure(car: str, period_s: float, count: int) -> dict[str, object]:
-    """One row: the whole step, and within it preparation (rollout, condensing) and the quadratic program."""
+def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
+    """One row: the whole step, and within it preparation (condensing) and the quadratic program."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))
-    pairs = situations(vehicle, count)
-    step = median_ms([lambda pair=pair: controller.step(*pair) for pair in pairs])  # type: ignore[misc]
-    condense = controller._condense
-    state, plan = condense.states[:, 0].copy(), controller._plan.copy()
-    road = controller._road.heights(controller._node_times)
-    prepare = median_ms([lambda: condense(state, plan, road)] * count)
-    program = condense(state, plan, road)
-    low, high = ((limit - plan).ravel() for limit in (controller._low, controller._high))
-    solve = median_ms([lambda: solve_box(program.hessian, program.gradient, low, high)] * count)
-    return {"car": car, "period_ms": 1e3 * period_s, "intervals": len(plan), "step_ms": step} | {
-        "preparation_ms": prepare,
-        "solve_ms": solve,
-    }
+    prepare, solve, step = Timed(controller._condense), Timed(solve_box), Timed(controller.step)
+    controller._condense = prepare  # type: ignore[assignment]
+    with patch("controller.mpc.solve_box", solve):
+        for pair in situations(vehicle, count):
+            step(*pair)
+    row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}
+    both = np.array(prepare.times) + np.array(solve.times)
+    for name, times in (
+        ("prepare", prepare.times),
+        ("solve", solve.times),
+        ("both", both),
+        ("step", step.times),
+    ):
+        ms = 1e3 * np.array(times)[count // 10 :]  # the first ones warm up
+        row |= {f"{name}_median_ms": float(np.median(ms)), f"{name}_p99_ms": float(np.percentile(ms, 99))}
+    return row
 
 
 def main() -> None:
@@ -71,12 +83,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="also write the rows to this file")
     arguments = parser.parse_args()
     rows = [measure(car, period, arguments.count) for car, period in CASES]
-    print(f"{'car':8} {'period':>9} {'intervals':>9} {'preparation':>12} {'solve':>9} {'step':>9}")
+    parts = ("prepare", "solve", "both", "step")
+    heads = "".join(f"{name + ', ms':>18}" for name in parts)
+    print(f"{'car':8} {'period':>7} {'intervals':>9}{heads}    (median / 99th percentile)")
     for row in rows:
-        print(
-            f"{row['car']:8} {row['period_ms']:6.0f} ms {row['intervals']:9d} {row['preparation_ms']:9.3f} ms"
-            f" {row['solve_ms']:6.3f} ms {row['step_ms']:6.3f} ms"
-        )
+        times = "".join(f"{row[f'{n}_median_ms']:9.3f} / {row[f'{n}_p99_ms']:6.3f}" for n in parts)
+        print(f"{row['car']:8} {row['period_ms']:4.0f} ms {row['intervals']:9d}{times}")
     if arguments.json:
         write_text(arguments.json, json.dumps(rows, indent=1))
 
