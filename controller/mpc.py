@@ -10,7 +10,7 @@ import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.comfort_filter import ComfortFilter
-from controller.condense import Condenser
+from controller.condense import Condensed, Condenser
 from controller.constraints import Constraints
 from controller.latency import Pipeline
 from controller.limits import command_limits, passive_command, plan_limits
@@ -89,17 +89,33 @@ class PredictiveController:
         """Correct the plan by one quadratic program; return what prevented it, if something did."""
         self._road.look(estimate, self._seen(estimate, preview))
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
-        road = self._road.heights(self._node_times)
-        problem = self._condense(state, self._plan, road)
+        roads = self._road.roads(self._node_times)
+        problem = self._condensed(state, roads)
+        states = self._condense.states
         low, high = self._low - self._plan, self._high - self._plan
-        rows = self._constraints.rows(self._plan, self._condense.states)
+        rows = self._constraints.rows(self._plan, states)
         program = problem.hessian, problem.gradient, low.ravel(), high.ravel()
         solution = solve_box(*program) if rows is None else solve_box(*program, rows)
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
-        states = self._condense.states
-        self.active = self._constraints.active(rows, solution.x, self._plan, states, road)
+        self.active = self._constraints.active(rows, solution.x, self._plan, states, roads[0])
         return solution.problem
+
+    def _condensed(self, state: np.ndarray, roads: np.ndarray) -> Condensed:
+        """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
+
+        The first road comes last, so that the states which the condenser keeps are those on it.
+        """
+        shares = [(weight, road) for weight, road in zip(self._road.weights, roads, strict=True) if weight]
+        hessian, gradient = 0.0, 0.0
+        for weight, road in reversed(shares[1:]):
+            problem = self._condense(state, self._plan, road)
+            hessian, gradient = hessian + weight * problem.hessian, gradient + weight * problem.gradient
+        weight, road = shares[0]
+        problem = self._condense(state, self._plan, road)
+        if len(shares) == 1:
+            return problem
+        return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 
     def _input_weights(self, vehicle: Car) -> np.ndarray:
         """Of each input, (inputs,)."""

@@ -3,6 +3,7 @@
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
+from controller.damper_inverse import constant_settings
 from controller.limits import Limits
 from controller.settings import FixedSettings, PassiveSettings
 from files.errors import InputError
@@ -11,17 +12,20 @@ from vehicle.parameters import Car
 
 
 class Constant(Stateless):
-    """Constant damping `command` (wheels,), N·s/m; InputError for a coefficient that a damper cannot have."""
+    """Constant settings `command` (wheels,), N·s/m, that damp like linear dampers of the coefficients given.
+
+    Raises InputError for a coefficient out of the dampers' range.
+    """
 
     def __init__(self, vehicle: Car, damping_ns_m: np.ndarray, name: str):
         limits = Limits.of(vehicle)
         refused = damping_ns_m[(damping_ns_m < limits.low) | (damping_ns_m > limits.high)]
         if len(refused):
             raise InputError(f"{name} must lie in {limits}, got {refused[0]:g}")
-        self.command = damping_ns_m
+        self.command = constant_settings(vehicle, damping_ns_m)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the same coefficients whatever happens, (wheels,) N·s/m."""
+        """Return the same settings whatever happens, (wheels,) N·s/m."""
         return self.command.copy()
 
 

@@ -8,6 +8,7 @@ from types import ModuleType
 from typing import NamedTuple
 
 from controller.base import Controller, Timing
+from controller.damper_inverse import Inverted, is_linear
 from controller.hybrid import Hybrid
 from controller.lqr_clipped import ClippedLqr
 from controller.mpc import PredictiveController
@@ -29,16 +30,18 @@ class Entry(NamedTuple):
     """A controller that can be built by name.
 
     settings: the field of `ControllerSettings` it takes, if any. sees_ahead: whether it uses a preview.
+    knows_damper: whether it asks for settings of the damper that the car has; others ask for coefficients.
     """
 
     make: Factory
     settings: str | None = None
     sees_ahead: bool = False
+    knows_damper: bool = False
 
 
 CONTROLLERS: dict[str, Entry] = {
-    "passive": Entry(passive, "passive"),
-    "fixed": Entry(fixed, "fixed"),
+    "passive": Entry(passive, "passive", knows_damper=True),
+    "fixed": Entry(fixed, "fixed", knows_damper=True),
     "skyhook": Entry(Skyhook, "skyhook"),
     "skyhook2": Entry(partial(TwoState, law=skyhook2), "skyhook2"),
     "groundhook": Entry(partial(TwoState, law=groundhook), "groundhook"),
@@ -47,9 +50,9 @@ CONTROLLERS: dict[str, Entry] = {
     "sh_add": Entry(sh_add, "sh_add"),
     "pdd": Entry(PowerDriven, "pdd"),
     "lqr_clipped": Entry(ClippedLqr, "lqr_clipped"),
-    "mpc_reactive": Entry(partial(PredictiveController, sight="none"), "mpc"),
-    "mpc_wheelbase": Entry(partial(PredictiveController, sight="wheelbase"), "mpc"),
-    "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True),
+    "mpc_reactive": Entry(partial(PredictiveController, sight="none"), "mpc", knows_damper=True),
+    "mpc_wheelbase": Entry(partial(PredictiveController, sight="wheelbase"), "mpc", knows_damper=True),
+    "mpc_preview": Entry(PredictiveController, "mpc", sees_ahead=True, knows_damper=True),
 }
 
 CLAIRVOYANT = "clairvoyant"
@@ -80,7 +83,8 @@ def _make(name: str, vehicle: Car, settings: ControllerSettings, timing: Timing)
     if _is_user(name):
         return _build_user(name, vehicle, settings.user, timing)
     entry = _entry(name)
-    return entry.make(vehicle, getattr(settings, entry.settings) if entry.settings else None, timing)
+    law = entry.make(vehicle, getattr(settings, entry.settings) if entry.settings else None, timing)
+    return law if entry.knows_damper or is_linear(vehicle) else Inverted(law, vehicle)
 
 
 def sees_ahead(name: str) -> bool:

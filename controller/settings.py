@@ -111,16 +111,23 @@ class SkyhookSettings:
 class RoadSettings:
     """How preview and measurement become one road.
 
-    sigmas_early: by how many standard deviations of their position features are taken to come earlier, as
+    uncertainty: what is done about a feature whose place or existence is not certain. "early" takes it to
+    come earlier and lower, "blend" only lower, the less is known the lower, "scenarios" plans for several
+    roads at once, each with its probability.
+    sigmas_early: by how many standard deviations of their position "early" takes features to come earlier, as
     late preparation costs more than early.
+    blend_m: standard deviation at which "blend" believes half of a feature's height.
     slope_decay_s: time in which a measured slope that the preview does not explain fades away.
     """
 
+    uncertainty: Literal["early", "blend", "scenarios"] = "early"
     sigmas_early: float = 1.0
+    blend_m: float = 0.2
     slope_decay_s: float = 0.01
 
     def __post_init__(self) -> None:
         _within("sigmas_early", self.sigmas_early, 0.0, 3.0)
+        _within("blend_m", self.blend_m, 1e-3, 10.0)
         _within("slope_decay_s", self.slope_decay_s, 1e-4, 1.0)
 
 

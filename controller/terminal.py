@@ -1,6 +1,6 @@
 """The cost of everything after the horizon: a Lyapunov function of the car with constant damping."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi
 import numpy as np
@@ -9,6 +9,7 @@ from scipy.linalg import cholesky, solve_continuous_lyapunov
 from controller.limits import Limits
 from controller.model import KILO, PredictionModel, derivative
 from vehicle import equations
+from vehicle.damper import IdealDamper
 from vehicle.parameters import Car
 
 
@@ -28,8 +29,9 @@ def terminal_cost(
 ) -> TerminalCost:
     """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
 
-    C gives the cost's weighted outputs; P is divided by `period_s`, the unit of time of the cost. Bump stops
-    and lift-off play no part; actual damping has no weight, as at rest it does nothing.
+    Dampers are linear ones, also where those of the car are not. C gives the cost's weighted outputs; P is
+    divided by `period_s`, the unit of time of the cost. Bump stops and lift-off play no part; actual damping
+    has no weight, as at rest it does nothing.
     """
     vehicle = model.vehicle
     damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
@@ -43,7 +45,7 @@ def terminal_cost(
 
 
 def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    vehicle = model.vehicle
+    vehicle = replace(model.vehicle, damper=IdealDamper())
     x = casadi.SX.sym("x", model.n_x)
     flat = casadi.SX.zeros(vehicle.wheels)
     rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat)

@@ -3,8 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.road_ahead import RoadAhead, expected_heights
+from controller.road_ahead import RoadAhead, moved
 from controller.settings import RoadSettings
+from preview.horizon import RoadPreview
 from tests.controller.cars import estimate, step_preview
 from vehicle.parameters import load_vehicle
 
@@ -82,15 +83,51 @@ def test_reset_forgets_what_was_felt() -> None:
 
 def test_doubt_about_position_makes_a_feature_come_earlier_by_its_sigma() -> None:
     preview = step_preview(2.0, 0.08, sigma_m=0.25)
-    early = expected_heights(preview, 0, 1.0)
-    grid = preview.distance_m
-    assert np.interp(1.9, grid, early) == pytest.approx(0.08)
-    assert np.interp(1.7, grid, early) == pytest.approx(0.0, abs=1e-9)
-    np.testing.assert_array_equal(expected_heights(preview, 0, 0.0), preview.height_m[0])
+    sigma, grid = preview.position_sigma_m[0], preview.distance_m
+    early, late = (moved(preview, preview.height_m[0], sign * sigma) for sign in (1.0, -1.0))
+    assert np.interp([1.9, 1.7], grid, early) == pytest.approx([0.08, 0.0], abs=1e-9)
+    assert np.interp([2.4, 2.2], grid, late) == pytest.approx([0.08, 0.0], abs=1e-9)
+    np.testing.assert_array_equal(moved(preview, preview.height_m[0], 0.0 * sigma), preview.height_m[0])
+
+
+def seen(preview: RoadPreview, settings: RoadSettings) -> tuple[np.ndarray, np.ndarray]:
+    """Heights of the roads 2.3 m ahead and their weights."""
+    road = ahead(settings)
+    road.look(estimate(CAR), preview)
+    return road.roads(np.array([0.23]))[:, 0, 0], road.weights
 
 
 def test_doubt_about_existence_lowers_a_feature() -> None:
-    assert expected_heights(step_preview(1.0, 0.08, existence=0.5), 0, 1.0).max() == pytest.approx(0.04)
+    for uncertainty in ("early", "blend"):
+        heights, weights = seen(step_preview(1.0, 0.08, existence=0.5), RoadSettings(uncertainty))  # type: ignore[arg-type]
+        assert heights == pytest.approx([0.04])
+        assert weights == pytest.approx([1.0])
+
+
+def test_a_blend_believes_half_of_a_feature_where_it_is_told_to() -> None:
+    heights, _ = seen(step_preview(2.0, 0.08, sigma_m=0.3), RoadSettings("blend", blend_m=0.3))
+    assert heights == pytest.approx([0.04])
+
+
+def test_scenarios_stand_for_the_distribution_of_position_and_existence() -> None:
+    """Weights of a probability, and of the features' places mean and variance as told."""
+    settings, distance = RoadSettings("scenarios"), np.linspace(0.0, 5.0, 2001)
+    road = ahead(settings)
+    road.look(estimate(CAR), step_preview(2.0, 0.08, sigma_m=0.2, existence=0.7))
+    heights, weights = road.roads(distance / 10.0)[:, 0], road.weights
+    assert weights.sum() == pytest.approx(1.0)
+    there = heights.max(axis=1) > 0.04
+    assert weights[there].sum() == pytest.approx(0.7)
+    edges = np.array([np.interp(0.04, row, distance) for row in heights[there]])
+    share = weights[there] / 0.7
+    assert share @ edges == pytest.approx(2.05, abs=0.02)
+    assert np.sqrt(share @ (edges - share @ edges) ** 2) == pytest.approx(0.2, rel=0.05)
+
+
+def test_certain_scenarios_are_one_road() -> None:
+    heights, weights = seen(step_preview(1.0, 0.08), RoadSettings("scenarios"))
+    np.testing.assert_array_equal(np.flatnonzero(weights), [0])
+    assert heights[0] == pytest.approx(0.08)
 
 
 def test_standing_still_the_road_does_not_move() -> None:
