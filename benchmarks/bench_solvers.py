@@ -36,7 +36,6 @@ CONIC: dict[str, dict[str, Any]] = {
     "qrqp": {"print_iter": False, "print_header": False, "print_info": False},
     "osqp": {"osqp": {"verbose": False}},
     "proxqp": {},
-    "hpipm": {},
     "ipqp": {"print_iter": False, "print_header": False, "print_info": False},
 }
 
@@ -60,9 +59,9 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
     controller = PredictiveController(vehicle, timing=Timing(period_s))
     found = []
 
-    def noted(*program: np.ndarray) -> Solution:
+    def noted(*program: Any) -> Solution:
         found.append(Program(*(part.copy() for part in program)))
-        return solve_box(*program)
+        return solve_box(*program[:4])
 
     with patch("controller.mpc.solve_box", noted):
         for estimate, preview in situations(vehicle, count):
@@ -72,7 +71,7 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
 
 def ours(program: Program) -> tuple[np.ndarray, str | None]:
     """The shipped way."""
-    return solve_box(*program)
+    return solve_box(program.hessian, program.gradient, program.low, program.high)
 
 
 def conic(name: str, size: int) -> Solve:
@@ -85,6 +84,29 @@ def conic(name: str, size: int) -> Solve:
         stats = solver.stats()
         wrong = None if stats["success"] else str(stats.get("unified_return_status", "failed"))
         return np.array(answer["x"])[:, 0], wrong
+
+    return solve
+
+
+def hpipm(size: int) -> Solve:
+    """HPIPM through CasADi, which takes problems of optimal control only.
+
+    Here all commands are one stage, and after it comes a state that none moves: without any it crashes.
+    """
+    block = casadi.diagcat(casadi.Sparsity.dense(size, size), casadi.Sparsity.dense(1, 1))
+    shape = {"h": block, "a": casadi.Sparsity.dense(1, size + 1)}
+    stages: dict[str, Any] = {"N": 1, "nx": [0, 1], "nu": [size, 0], "ng": [0, 0]}
+    solver = casadi.conic("solver", "hpipm", shape, QUIET | stages)
+    still = np.zeros((1, size + 1))
+    still[0, -1] = -1.0
+
+    def solve(program: Program) -> tuple[np.ndarray, str | None]:
+        hessian = casadi.diagcat(program.hessian, 1.0)
+        low, high = np.append(program.low, -1.0), np.append(program.high, 1.0)
+        given: dict[str, Any] = {"h": hessian, "g": np.append(program.gradient, 0.0), "a": still}
+        answer = solver(**given, lba=0.0, uba=0.0, lbx=low, ubx=high)
+        wrong = None if solver.stats()["success"] else str(solver.stats().get("return_status", "failed"))
+        return np.array(answer["x"])[:-1, 0], wrong
 
     return solve
 
@@ -116,7 +138,8 @@ def measure(name: str, given: list[Program]) -> dict:
     """One row: median and 99th percentile in ms, largest error, failures with the first reason."""
     size = len(given[0].gradient)
     times, errors, failures = [], [], []
-    solve = ours if name == "ours" else ipopt(size) if name == "ipopt" else conic(name, size)
+    own: dict[str, Callable[[int], Solve]] = {"ours": lambda size: ours, "hpipm": hpipm, "ipopt": ipopt}
+    solve = own[name](size) if name in own else conic(name, size)
     for program in given:
         start = process_time()
         answer, wrong = solve(program)
@@ -158,7 +181,7 @@ def main() -> None:
     print(f"{'car':8} {'size':>5} {'solver':8} {'median':>10} {'p99':>10} {'error':>9} failures")
     for car, period_s in CASES:
         given = programs(car, period_s, arguments.count)
-        for name in ("ours", *CONIC, "ipopt"):
+        for name in ("ours", *CONIC, "hpipm", "ipopt"):
             row = {"car": car, "size": len(given[0].gradient)} | apart(name, given)
             rows.append(row)
             times = [f"{row[key]:7.3f} ms" if key in row else 10 * " " for key in ("median_ms", "p99_ms")]
