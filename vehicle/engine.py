@@ -24,6 +24,7 @@ from vehicle.parameters import Car
 
 Array = NDArray[np.float64]
 _NUDGE_M_S = 1e-4
+_PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 def build_model(parameters: Car) -> mujoco.MjModel:
@@ -40,23 +41,35 @@ class Native:
     def __init__(self, parameters: Car) -> None:
         model = build_model(parameters)
         self._models, self._data = [model], [mujoco.MjData(model)]
+        self._control = self._data[0].ctrl
         self._rollout = Rollout(nthread=0)  # on the calling thread
-        self.size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        self.size = mujoco.mj_stateSize(model, _PHYSICS)
         self.order = _state_order(parameters)
+        self._reached: Array | None = None  # the row at which MuJoCo's data stands
 
-    def advance(self, row: Array, control: Array) -> Array:
-        """Rows (ticks, size) after each tick under control (ticks, columns), from `row`."""
-        rows = np.empty((1, len(control), self.size))
-        self._rollout.rollout(
-            self._models,
-            self._data,
-            row[None],
-            control[None],
-            nstep=len(control),
-            state=rows,
-            skip_checks=True,
-        )
-        return rows[0]
+    def advance(self, row: Array, control: Array, rows: Array) -> Array:
+        """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
+
+        Returns the last one. A single tick that goes on from there is quicker without a rollout.
+        """
+        if len(rows) == 1 and row is self._reached:
+            model, data = self._models[0], self._data[0]
+            self._control[:] = control[0]
+            mujoco.mj_step(model, data)
+            mujoco.mj_getState(model, data, rows[0], _PHYSICS)
+        else:
+            state = rows[None]
+            self._rollout.rollout(
+                self._models,
+                self._data,
+                row[None],
+                control[None],
+                nstep=len(rows),
+                state=state,
+                skip_checks=True,
+            )
+        self._reached = rows[-1]
+        return self._reached
 
 
 class Stepped:
@@ -65,10 +78,9 @@ class Stepped:
     def __init__(self, parameters: Car) -> None:
         self._model = build_model(parameters)
         self._data = mujoco.MjData(self._model)
-        self._spec = mujoco.mjtState.mjSTATE_FULLPHYSICS
         self._corners, self._wheels = parameters.corners, parameters.wheels
         self._bodies = len(parameters.body_inertia)
-        self._physics = mujoco.mj_stateSize(self._model, self._spec)
+        self._physics = mujoco.mj_stateSize(self._model, _PHYSICS)
         self._substeps = self._corners[0].damper.substeps
         self._step_s = STEP_S / self._substeps
         depth = self._corners[0].damper.inner
@@ -81,10 +93,12 @@ class Stepped:
         inner = self._physics + self._wheels + np.arange(self._wheels * depth)
         self.order = np.concatenate([native[:moving], settings, forces, inner])
 
-    def advance(self, row: Array, control: Array) -> Array:
-        """Rows (ticks, size) after each tick under control (ticks, columns), from `row`."""
-        rows = np.empty((len(control), self.size))
-        mujoco.mj_setState(self._model, self._data, row[: self._physics], self._spec)
+    def advance(self, row: Array, control: Array, rows: Array) -> Array:
+        """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
+
+        Returns the last one.
+        """
+        mujoco.mj_setState(self._model, self._data, row[: self._physics], _PHYSICS)
         settings = row[self._physics : self._physics + self._wheels].tolist()
         flat, before = (
             row[self._physics + self._wheels : -self._wheels].tolist(),
@@ -99,9 +113,9 @@ class Stepped:
             self._data.ctrl[3 * wheels + force :] = inputs[2 * wheels + force :]
             for _ in range(self._substeps):
                 before = self._substep(asked, settings, inner, before)
-            mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], self._spec)
+            mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], _PHYSICS)
             rows[tick, self._physics :] = [*settings, *(value for part in inner for value in part), *before]
-        return rows
+        return rows[-1]
 
     def _substep(self, asked: list, settings: list, inner: list, before: list) -> list:
         """One step of the physics; settings and inner states move on in place. Returns the rates before."""

@@ -12,7 +12,7 @@ from vehicle.clock import RATE_HZ, STEP_S
 from vehicle.engine import build_engine, build_model
 from vehicle.equations import input_size, rest_state
 from vehicle.parameters import Car
-from vehicle.speed import ConstantSpeed, SpeedProfile
+from vehicle.speed import ConstantSpeed, Motion, SpeedProfile
 from vehicle.state import Array, Profile, VehicleState, observe, road_under
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
@@ -20,11 +20,9 @@ __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 _CHUNK = 1000  # ticks of road prepared at once: looking it up tick by tick would cost more than the dynamics
 
 
-class _Block(NamedTuple):
-    """Ticks advanced under one command (inputs,): the engine's rows (n, size), and the motion ahead (n,)."""
+class _Leg(NamedTuple):
+    """What stood at the ends of ticks driven: position, speed and, where there is any, acceleration, (n,)."""
 
-    rows: Array
-    command: Array
     x_m: Array
     speed_m_s: Array
     forward_acc: Array | None
@@ -37,8 +35,7 @@ class Plant:
     of change is the mean over the tick.
     """
 
-    _used: int  # ticks of the prepared road that lie behind
-    _seen: tuple[_Block, VehicleState] | None = None  # the state asked for last, several ask for the same
+    _used: int  # ticks driven of the `_prepared` ones
 
     def __init__(self, parameters: Car) -> None:
         self.parameters = parameters
@@ -59,16 +56,15 @@ class Plant:
             raise InputError(f"profiles must be {wheels}, one per wheel, got {len(profiles)}")
         self._profiles = tuple(profiles)
         self._tick = 0
-        self._x_m = float(x_m)
-        self._follow(replace(speed, start_m=self._x_m) if isinstance(speed, SpeedProfile) else speed)
-        height, _ = road_under(self.parameters, self._profiles, self._x_m, 0.0)
-        row = np.zeros((1, self._engine.size))
-        row[0, self._order] = standing(self.parameters, height)
+        self._prepare(replace(speed, start_m=x_m) if isinstance(speed, SpeedProfile) else speed, float(x_m))
+        height, _ = road_under(self.parameters, self._profiles, float(x_m), 0.0)
+        self._row = np.zeros(self._engine.size)
+        self._row[self._order] = standing(self.parameters, height)
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
-        here = self._stretch
-        first = None if here.forward_acc is None else here.forward_acc[:1]
-        self._log = [_Block(row, passive, here.edges_m[:1], here.speed_m_s[:1], first)]
+        self._legs, self._driven = [self._ends(slice(0, 1))], [self._row[None]]
+        self._commands, self._counts = [passive], [1]
+        self._seen: VehicleState | None = None  # the state asked for last, several ask for the same
 
     @property
     def speed_m_s(self) -> float:
@@ -77,7 +73,12 @@ class Plant:
 
     @speed_m_s.setter
     def speed_m_s(self, value: float) -> None:
-        self._follow(value)
+        self._finish_leg()
+        self._prepare(value, self._x_m)
+
+    @property
+    def _x_m(self) -> float:
+        return float(self._stretch.edges_m[self._used])
 
     def step(self, command: ArrayLike, ticks: int = 1) -> None:
         """Advance `ticks` of 1 ms with a command as `vehicle.equations` describes it, held over them.
@@ -85,54 +86,59 @@ class Plant:
         One call for all ticks up to the next command is the fast way and gives the same states. Raises
         InputError when the motion diverges.
         """
-        if self._used + ticks >= len(self._stretch.edges_m):
-            self._prepare_road(max(ticks, _CHUNK))
+        first, last = self._used, self._used + ticks
+        if last > self._prepared:
+            self._finish_leg()
+            self._prepare(self._motion, self._x_m, ticks)
+            first, last = 0, ticks
         asked = self._command(command)
-        wheels, first, last = self._wheels, self._used, self._used + ticks
-        control = np.zeros((ticks, self._columns))
+        control, rows, wheels = self._control[first:last], self._rows[first:last], self._wheels
         control[:, :wheels] = asked[:wheels]
-        control[:, wheels : 2 * wheels] = self._road_force[first:last]
         if self._inputs > wheels:
             control[:, 2 * wheels : wheels + self._inputs] = asked[wheels:]
-        if self._surge is not None:
-            control[:, -1] = self._surge[first:last]
-        rows = self._engine.advance(self._log[-1].rows[-1], control)
-        there = slice(first + 1, last + 1)
-        stretch = self._stretch
-        forward = None if stretch.forward_acc is None else stretch.forward_acc[there]
-        self._log.append(_Block(rows, asked, stretch.edges_m[there], stretch.speed_m_s[there], forward))
-        self._used, self._x_m, self._tick = last, float(stretch.edges_m[last]), self._tick + ticks
-        reached = float(rows[-1, 0])
+        self._row = self._engine.advance(self._row, control, rows)
+        self._used, self._tick, self._seen = last, self._tick + ticks, None
+        self._commands.append(asked)
+        self._counts.append(ticks)
+        reached = self._row.item(0)
         if not reached >= (self._tick - 0.5) * STEP_S:  # MuJoCo stops its clock at a state it cannot advance
             raise InputError(f"vehicle diverged at {reached:.3f} s: too stiff or too light for 1 ms ticks")
 
     @property
     def state(self) -> VehicleState:
         """The car now."""
-        last = self._log[-1]
-        if self._seen is None or self._seen[0] is not last:
-            x = last.rows[-1, self._order].tolist()
-            forward = None if last.forward_acc is None else float(last.forward_acc[-1])
-            moment = self._tick / RATE_HZ, float(last.x_m[-1]), float(last.speed_m_s[-1])
-            self._seen = last, self._observe(*moment, x, last.command, forward)
-        return self._seen[1]
+        if self._seen is None:
+            x_m, speed_m_s, acc = (
+                self._ends(slice(self._used, self._used + 1)) if self._used else self._legs[-1]
+            )
+            forward = None if acc is None else float(acc[-1])
+            moment = self._tick / RATE_HZ, float(x_m[-1]), float(speed_m_s[-1])
+            self._seen = self._observe(*moment, self._row[self._order].tolist(), self._commands[-1], forward)
+        return self._seen
 
     @property
     def signals(self) -> VehicleState:
         """The car at every tick since `reset`, its standstill included; n = ticks + 1."""
-        counts = [len(block.rows) for block in self._log]
+        here = slice(1, self._used + 1)
+        legs = [*self._legs, self._ends(here)]
         forward = None
-        if any(block.forward_acc is not None for block in self._log):
-            parts = [np.zeros(len(b.rows)) if b.forward_acc is None else b.forward_acc for b in self._log]
+        if any(leg.forward_acc is not None for leg in legs):
+            parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in legs]
             forward = np.concatenate(parts)
+        rows = np.concatenate([*self._driven, self._rows[: self._used]])
         return self._observe(
             np.arange(self._tick + 1) / RATE_HZ,
-            np.concatenate([block.x_m for block in self._log]),
-            np.concatenate([block.speed_m_s for block in self._log]),
-            np.concatenate([block.rows for block in self._log])[:, self._order].T,
-            np.repeat([block.command for block in self._log], counts, axis=0).T,
+            np.concatenate([leg.x_m for leg in legs]),
+            np.concatenate([leg.speed_m_s for leg in legs]),
+            rows[:, self._order].T,
+            np.repeat(self._commands, self._counts, axis=0).T,
             forward,
         )
+
+    def _ends(self, edges: slice) -> _Leg:
+        """The motion along the road at these edges of the stretch under way."""
+        x_m, _, speed_m_s, acc = self._stretch
+        return _Leg(x_m[edges], speed_m_s[edges], None if acc is None else acc[edges])
 
     def _observe(
         self, time_s: Any, x_m: Any, speed_m_s: Any, x: Any, command: Array, acc: Any
@@ -152,25 +158,27 @@ class Plant:
         full[: len(given)] = given
         return full
 
-    def _follow(self, speed: float | SpeedProfile) -> None:
-        self._motion = speed if isinstance(speed, SpeedProfile) else ConstantSpeed(float(speed))
-        self._prepare_road(_CHUNK)
+    def _finish_leg(self) -> None:
+        """Put what was driven of the prepared road on record."""
+        if self._used:
+            self._legs.append(self._ends(slice(1, self._used + 1)))
+            self._driven.append(self._rows[: self._used])
 
-    def _prepare_road(self, ticks: int) -> None:
-        """Travel at the next `ticks`, and what road and surge do to the car during each."""
-        self._stretch = stretch = self._motion.ahead(self._x_m, self._tick, ticks)
+    def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
+        """Travel at the next ticks from x_m on, and what road and surge do to the car during each."""
+        self._motion = ConstantSpeed(float(speed)) if isinstance(speed, float | int) else speed
+        self._prepared, self._used = max(ticks, _CHUNK), 0
+        self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
         edge, _ = road_under(self.parameters, self._profiles, stretch.edges_m, 0.0)
         middle, _ = road_under(self.parameters, self._profiles, stretch.middles_m, 0.0)
-        force = [
-            corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
-            for i, corner in enumerate(self.parameters.corners)
-        ]
-        self._road_force: Array = np.stack(force, axis=1)
-        self._surge: Array | None = None
+        self._control: Array = np.zeros((self._prepared, self._columns))
+        for i, corner in enumerate(self.parameters.corners):
+            force = corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
+            self._control[:, self._wheels + i] = force
         if stretch.forward_acc is not None and len(self.parameters.inertial_arm_m) > 1:
             arm = self.parameters.body_inertia[0] * self.parameters.inertial_arm_m[1]
-            self._surge = -arm * np.diff(stretch.speed_m_s) / STEP_S
-        self._used = 0
+            self._control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
+        self._rows: Array = np.empty((self._prepared, self._engine.size))
 
 
 def standing(parameters: Car, road_height: list[float]) -> Array:
