@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from files.errors import InputError
 from scenarios.commands import (
     bound,
+    calibrate,
     compare,
     demo,
     detector,
@@ -43,6 +44,7 @@ def parser() -> argparse.ArgumentParser:
         bound,
         tune,
         perception,
+        calibrate,
         render,
         report,
         road,
