@@ -6,6 +6,8 @@ PyYAML reads YAML 1.1, where `1e7` is text, `no` is false and `12:30` is 750; th
 
 import re
 from collections.abc import Hashable
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 import yaml
@@ -47,10 +49,16 @@ for _tag, _pattern, _first in _CORE_SCHEMA:
 def parse(text: str, source: str) -> Any:
     """The plain value that `text` spells; InputError names `source` and the line of a mistake."""
     try:
-        return yaml.load(text, Loader=_Loader)
+        return deepcopy(_parsed(text))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = f", line {mark.line + 1}" if mark else ""
         raise InputError(f"{source}{line}: {' '.join((error.problem or 'no YAML').split())}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise InputError(f"{source}: {' '.join(str(error).split())}") from None
+
+
+@lru_cache(maxsize=256)
+def _parsed(text: str) -> Any:
+    """A sweep reads the same few files for each of its drives."""
+    return yaml.load(text, Loader=_Loader)

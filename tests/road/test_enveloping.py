@@ -13,7 +13,10 @@ X = np.arange(-600, 601) * STEP
 
 
 def test_pothole_of_30_cm_by_5_cm_becomes_about_28_mm_under_a_rigid_wheel():
-    """The wheel hangs on the edges, 38.7 mm deep in the middle; the mean over the patch leaves 26.8 mm."""
+    """The wheel hangs on the edges, 38.7 mm deep in the middle; the mean over the patch leaves 26.8 mm.
+
+    28.0 mm it is for a wheel of 0.2975 m, by the same closed form.
+    """
     hang = R - np.sqrt(R**2 - 0.15**2)
     slot = np.where(np.abs(X) < 0.15, -0.05, 0.0)
     bare = RigidWheel(patch_m=0.0).effective_height(slot, STEP, R)
@@ -22,6 +25,8 @@ def test_pothole_of_30_cm_by_5_cm_becomes_about_28_mm_under_a_rigid_wheel():
     mean = np.mean(R - np.sqrt(R**2 - (0.15 - np.abs(shares)) ** 2))
     felt = RigidWheel(patch_m=0.1).effective_height(slot, STEP, R)
     assert -felt.min() == pytest.approx(mean, abs=5e-4)
+    smaller = RigidWheel(patch_m=0.1).effective_height(slot, STEP, 0.2975)
+    assert -smaller.min() == pytest.approx(0.028, abs=5e-4)
     hole = Pothole(10.0, depth_m=0.05, length_m=0.3, width_m=0.5)
     assert -wheel_profile(Road(20.0, (hole,)), 0.0).heights.min() == pytest.approx(0.028, abs=0.0015)
 
