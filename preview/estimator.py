@@ -117,7 +117,8 @@ class Estimator:
                 "class": CLASS_NAMES[track.cls],
                 "kind": track.best.kind.name,
                 "x_m": float(track.best.state[X]),
-                "sigma_m": track.best.sigma_m,
+                "sigma_m": track.sigma_m,
+                "strain": track.strain,
                 "length_m": float(track.best.state[LENGTH]),
                 "height_m": track.best.kind.sign * track.section(track.centre_y_m).height_m,
                 "existence": track.existence,
@@ -140,6 +141,7 @@ class Estimator:
             return
         moved = found.value - track.start_m
         track.directs.append(found)
+        track.precision = 1.0
         self.tracker.refit(track)
         self.tracker.log("struck", track, time_s, moved_m=moved)
 

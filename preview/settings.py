@@ -36,6 +36,9 @@ class Settings:
     # Existence
     detection_probability: float = 0.8
     false_repeat_probability: float = 0.1  # that a false box meets a track again
+    confusion_probability: float = 0.1  # that a box names the wrong class
+    bump_real_probability: float = 0.98  # of what is seen again and again as a bump
+    pothole_real_probability: float = 0.95  # stains and patches look like holes in every frame
     birth_range_m: float = 35.0
     confirm_existence: float = 0.8
     death_existence: float = 0.05
@@ -69,6 +72,10 @@ class Settings:
 
     # Preview
     background_sigma_m: float = 0.01  # road height where nothing was seen
+
+    def precision(self, cls: int) -> float:
+        """How often what is seen again and again as class `cls` is real."""
+        return (self.bump_real_probability, self.pothole_real_probability)[cls]
 
     def __post_init__(self) -> None:
         for field in fields(self):

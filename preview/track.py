@@ -9,12 +9,15 @@ import numpy as np
 from preview.calibration import Gaussian
 from preview.elevation import Elevation
 from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit
+from preview.grade import strain
 from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
 
 Array = np.ndarray
 _HOPELESS = 10.0  # log evidence against a kind that lets it be given up
 _LEAST_SIGHTS = 8  # before that
+_STRAINED = 2.5  # above this strain the boxes do not tell of one plane
+_WIDENING = 2.0  # of sigma, for each unit above; makes it true for grades changing by 2 %
 _LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
 
 
@@ -44,7 +47,9 @@ class Section(NamedTuple):
 class Track:
     """An object that has been seen at least once. Positions are of the odometer's axis.
 
-    right, left: lateral edges (y_min, y_max). log_odds: of existing. fits: by kind, best explained last.
+    right, left: lateral edges (y_min, y_max). log_odds: of being no chance box; class_log_odds: of `cls`
+    against the other class. precision: how often a thing that is seen again and again is real, 1 once a wheel
+    has felt it. fits: by kind. strain: see `preview.grade`.
     """
 
     identity: int
@@ -62,6 +67,9 @@ class Track:
     hits: int = 1
     confirmed: bool = False
     struck: bool = False
+    strain: float = 0.0
+    precision: float = 1.0
+    class_log_odds: float = 0.0
 
     @property
     def best(self) -> Fit:
@@ -70,8 +78,21 @@ class Track:
 
     @property
     def existence(self) -> float:
-        """Probability that the object is real."""
-        return float(1.0 / (1.0 + np.exp(-self.log_odds)))
+        """Probability that the object is real.
+
+        Boxes tell an object from chance ones, but never from a stain that looks like it in every frame.
+        """
+        return float(self.precision / (1.0 + np.exp(-self.log_odds)))
+
+    @property
+    def strained(self) -> bool:
+        """Whether the boxes contradict a plane road: its grade has changed on the way."""
+        return self.strain > _STRAINED
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the near edge, widened where the boxes contradict a plane road."""
+        return self.best.sigma_m * (1.0 + _WIDENING * max(0.0, self.strain - _STRAINED))
 
     @property
     def start_m(self) -> float:
@@ -100,6 +121,16 @@ class Track:
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -_LOG_ODDS_LIMIT, _LOG_ODDS_LIMIT))
 
+    def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
+        """Bayes' rule for the class; a track that turns to the other class starts its fits anew."""
+        confusion = settings.confusion_probability
+        evidence = math.log((1.0 - confusion) / confusion) * (1.0 if seen_as == self.cls else -1.0)
+        self.class_log_odds = min(self.class_log_odds + evidence, _LOG_ODDS_LIMIT)
+        if self.class_log_odds < 0:
+            self.cls, self.class_log_odds = seen_as, -self.class_log_odds
+            self.precision = settings.precision(seen_as)
+            self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
+
     def refit(self, shared: Gaussian, settings: Settings) -> None:
         """Fit every kind still in question to all sights, each from where its last fit ended."""
         del self.sights[: -settings.max_boxes]
@@ -110,11 +141,12 @@ class Track:
         least = min(candidate.cost for candidate in fits)
         sure = len(self.sights) >= _LEAST_SIGHTS
         self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
+        self.strain = strain(self.sights, self.best.state)
 
     def position_sigma_m(self, x_m: float, settings: Settings) -> float:
         """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""
         drift = settings.odometry_sigma * (x_m - self.last_seen_x_m)
-        return float(np.hypot(self.best.sigma_m, drift))
+        return float(np.hypot(self.sigma_m, drift))
 
     def overlap(self, y_m: float) -> float:
         """Probability that the line y = `y_m` runs over the object."""

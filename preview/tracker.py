@@ -13,6 +13,7 @@ from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
 
 _GATE = 20.0  # sum of squared normalised row differences; four sigmas on one row
 _LATERAL_GATE_M = 0.5
+_OTHER_CLASS = 6.0  # added to the cost of a box of the other class with the same sides
 _FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first box
 
 
@@ -38,7 +39,7 @@ class Tracker:
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
         for number, track in enumerate(list(self.tracks)):
             if number in pairs:
-                self._hit(track, view, pairs[number])
+                self._hit(track, view, pairs[number], int(detections.classes[pairs[number]]))
             elif awaited[number].visible:
                 track.weigh(False, self.settings)
         # A second box on the same object is no new object.
@@ -54,7 +55,7 @@ class Tracker:
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
-                if track.sights:
+                if track.sights and not track.strained:
                     self.calibration.learn(track.best.shared, self.calibration.prior())
             self._remove(track, time_s, "passed")
 
@@ -70,9 +71,11 @@ class Tracker:
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
         for t, (track, place) in enumerate(zip(self.tracks, awaited, strict=True)):
-            for d in range(len(detections)):
-                if detections.classes[d] == track.cls and place.top < view.limit_row:
+            for d in range(len(detections)) if place.top < view.limit_row else ():
+                if detections.classes[d] == track.cls:
                     cost[t, d] = self._cost(view, track, place, d)
+                elif self._same_sides(view, track, d):
+                    cost[t, d] = self._cost(view, track, place, d) + _OTHER_CLASS
         return cost
 
     def _cost(self, view: View, track: Track, place: Expected, number: int) -> float:
@@ -87,7 +90,14 @@ class Tracker:
         top = (box[1] - max(place.top, 0.0)) / np.hypot(place.top_sigma, pixel)
         return float(bottom**2 + top**2)
 
-    def _hit(self, track: Track, view: View, number: int) -> None:
+    def _same_sides(self, view: View, track: Track, number: int) -> bool:
+        """Whether a box is as wide as the track: else one of another class is a neighbour, no mistake."""
+        right, left = self._sides(track, view, number)
+        tolerance = 0.25 * (left.y_m - right.y_m) + 0.1
+        return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
+
+    def _hit(self, track: Track, view: View, number: int, cls: int) -> None:
+        track.classify(cls, self.calibration.prior(), self.settings)
         track.sights.append(sight_of(view, number))
         track.hits += 1
         track.weigh(True, self.settings)
@@ -111,6 +121,8 @@ class Tracker:
         unknown = Edge(0.0, np.inf)
         track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [sight])
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
+        track.precision = self.settings.precision(cls)
+        track.classify(cls, prior, self.settings)
         self.refit(track)
         track.right, track.left = (
             Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
@@ -145,7 +157,7 @@ class Tracker:
                 "class": CLASS_NAMES[track.cls],
                 "kind": best.kind.name,
                 "x_m": float(best.state[0]),
-                "sigma_m": best.sigma_m,
+                "sigma_m": track.sigma_m,
                 "age_s": time_s - track.born_s,
                 "existence": track.existence,
                 **more,

@@ -48,3 +48,35 @@ def test_overlap_is_the_chance_that_the_wheel_runs_between_the_sides():
         expected = norm.cdf((y + 0.3) / 0.1) * norm.cdf((0.3 - y) / 0.1)
         assert t.overlap(y) == pytest.approx(expected, abs=1e-9)
     assert t.overlap(1.5) < 1e-6
+
+
+def test_boxes_alone_never_make_an_object_certain():
+    """A stain is seen in every frame like a hole; a wheel that feels it settles the matter."""
+    t = track()
+    t.precision = SETTINGS.precision(1)
+    for _ in range(200):
+        t.weigh(True, SETTINGS)
+    assert t.existence == pytest.approx(SETTINGS.pothole_real_probability, abs=1e-3)
+    t.precision = 1.0
+    assert t.existence > 0.999
+
+
+def test_the_class_follows_bayes_rule_and_turns_with_the_evidence():
+    t = track()
+    prior = Gaussian(np.zeros(2), np.diag([0.004, 0.01]) ** 2)
+    for seen in (1, 1, 0, 0):
+        t.classify(seen, prior, SETTINGS)
+    assert (t.cls, t.class_log_odds) == (1, pytest.approx(0.0, abs=1e-12))
+    t.classify(0, prior, SETTINGS)
+    assert (t.cls, t.best.kind.cls) == (0, 0)
+    assert t.class_log_odds == pytest.approx(np.log(0.9 / 0.1))
+    assert t.start_m == pytest.approx(20.0)
+
+
+def test_position_doubt_grows_with_the_way_since_the_last_box():
+    """Wheel speed is wrong by half a percent: 2.5 cm over 5 m, on top of what the fit leaves."""
+    t = track()
+    t.last_seen_x_m = 10.0
+    assert t.position_sigma_m(10.0, SETTINGS) == pytest.approx(t.sigma_m)
+    grown = t.position_sigma_m(15.0, SETTINGS) ** 2 - t.sigma_m**2
+    assert grown == pytest.approx((5.0 * SETTINGS.odometry_sigma) ** 2)

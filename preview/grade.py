@@ -1,0 +1,33 @@
+"""Whether a track's boxes tell of one road plane, or of a grade that changed on the way to the object.
+
+Positions are reckoned on the plane under the wheels. Where the car meets another grade, boxes from before and
+after disagree: their residuals keep one sign over many frames, where noise does not. The ratio of the scatter
+of block means to the scatter within blocks (one-way analysis of variance, Fisher 1925) tells the two apart
+whatever the detector's noise is. A change that lies ahead of the camera still cannot be seen this way.
+"""
+
+import numpy as np
+
+from preview.fit import GROUND, OFFSET, Sight, X
+
+_BLOCK = 5  # frames
+_LEAST_BLOCKS = 3
+
+
+def strain(sights: list[Sight], state: np.ndarray) -> float:
+    """Variance ratio of the residuals of near edges, about 1 on a plane road; 0 for too few sights.
+
+    Scatter within blocks counts as no less than what each sight claims of itself.
+    """
+    data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
+    _, camera_x, camera_z, bottom, _, sigma, _ = data.T
+    model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)
+    residual = (bottom + state[OFFSET] - model) / sigma
+    residual = residual[np.isfinite(residual)]
+    count = len(residual) // _BLOCK
+    if count < _LEAST_BLOCKS:
+        return 0.0
+    blocks = residual[-count * _BLOCK :].reshape(count, _BLOCK)
+    between = _BLOCK * float(np.mean(blocks.mean(axis=1) ** 2))
+    within = float(np.mean(blocks.var(axis=1, ddof=1)))
+    return between / max(within, 1.0)

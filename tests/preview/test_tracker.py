@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from detector.detection import Detections
+from preview.estimator import Estimator
+from preview.perception import true_boxes
+from road.camera import Camera, CameraMount, pose_of
+from road.features import HalfSineBump, Pothole
+from road.profile import Road
+from tests.preview.kinematic_drive import Reading, unbiased
+
+BUMP = HalfSineBump(40.0, 0.08, 0.4, -1.2, 1.2)
+HOLE = Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)
+
+
+def frames(road, wrong=lambda number: False):
+    """Drive a quarter car at 10 m/s to 4 m before x = 40 m; classes are swapped in `wrong` frames."""
+    estimator = Estimator(Camera(), CameraMount(), (0.0,), (0.75,), unbiased())
+    for tick in range(720):
+        estimator.update_motion(tick * 0.005, Reading(np.zeros(1), np.zeros(1), np.zeros(1), 0.0, 10.0))
+        if tick % 10 == 0:
+            seen = true_boxes(road, Camera(), pose_of(CameraMount(), tick * 0.05, 0.0, 0.0))
+            classes = 1 - seen.classes if wrong(tick // 10) else seen.classes
+            estimator.update_boxes(tick * 0.005, Detections(seen.boxes, seen.scores, classes))
+    return estimator
+
+
+@pytest.mark.parametrize("feature", [BUMP, HOLE], ids=lambda feature: feature.kind)
+@pytest.mark.parametrize("wrong", [lambda n: n % 4 == 3, lambda n: n < 20], ids=["now and then", "far away"])
+def test_boxes_of_the_wrong_class_make_no_second_object(feature, wrong):
+    estimator = frames(Road(60.0, (feature,)), wrong)
+    (row,) = estimator.stats()
+    assert row["class"] == ("pothole" if feature is HOLE else "speed_bump")
+    assert row["x_m"] == pytest.approx(40.0, abs=0.04)
+    assert {event["track"] for event in estimator.events} == {row["track"]}
+
+
+def test_a_hole_before_a_hump_stays_a_hole():
+    hole = Pothole(38.6, 0.08, 0.6, 0.6, y_m=0.75)
+    rows = frames(Road(60.0, (hole, HalfSineBump(40.0, 0.08, 0.4)))).stats()
+    assert sorted((row["class"], round(row["x_m"])) for row in rows if row["confirmed"]) == [
+        ("pothole", 39),
+        ("speed_bump", 40),
+    ]
+
+
+def test_an_object_keeps_its_number_from_birth_to_the_log_of_its_passing():
+    road = Road(60.0, (HalfSineBump(20.0, 0.08, 0.4), HalfSineBump(30.0, 0.08, 0.4)))
+    events = frames(road).events
+    born, confirmed, passed = (
+        [event["track"] for event in events if event["event"] == name]
+        for name in ("born", "confirmed", "passed")
+    )
+    assert len(born) == len(set(born)) == 2
+    assert sorted(confirmed) == sorted(born) == sorted(passed)
