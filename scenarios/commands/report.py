@@ -10,6 +10,7 @@ from files.atomic import write_text
 from files.errors import InputError
 from scenarios.closed_loop import Run
 from scenarios.commands.options import console, progress_bar
+from scenarios.report.budget import error_budget_section
 from scenarios.report.film import write_film
 from scenarios.report.frames import has_frames, with_frames
 from scenarios.report.gather import gather
@@ -27,6 +28,8 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--film", type=Path, metavar="FILE.mp4", help="passive and preview side by side")
     none = "show boxes only where a run kept no camera images, instead of rendering them again"
     command.add_argument("--no-render", action="store_true", help=none)
+    told = "add where the gain of preview is lost, as `python -m benchmarks.tables.budget --json` wrote it"
+    command.add_argument("--budget", type=Path, metavar="FILE", help=told)
     command.set_defaults(execute=execute)
 
 
@@ -34,13 +37,14 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write the report, and the film where one is asked for."""
     source: Path = arguments.source
     gathered = gather(source)
+    budget = error_budget_section(arguments.budget) if arguments.budget else ""
     shown = first_seeds(gathered.runs)
     rendered = any(run.looks and not has_frames(run) for run in shown) and not arguments.no_render
     if rendered or arguments.film:
         filled = {id(run): run_with for run, run_with in zip(shown, _with_frames(shown), strict=True)}
         gathered = replace(gathered, runs=tuple(filled.get(id(run), run) for run in gathered.runs))
     out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
-    write_text(out, page(gathered, _RENDERED if rendered else ""))
+    write_text(out, page(gathered, _RENDERED if rendered else "", budget))
     console.print(f"report: {out} ({out.stat().st_size / 1e6:.1f} MB)")
     for message in gathered.missing:
         console.print(f"partial: {message}", highlight=False)

@@ -23,8 +23,8 @@ MOST_FRAMES = 300
 _SIGHT = ("none", "oracle", "boxes", "camera")
 
 
-def page(gathered: Gathered, frames_from: str = "") -> str:
-    """The report's text. `frames_from` tells where the camera's images come from."""
+def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
+    """The report's text: `frames_from` tells where the camera's images come from, `budget` is a section."""
     runs = first_seeds(gathered.runs)
     baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
     variants = summarise(gathered.rows, baseline)
@@ -33,7 +33,7 @@ def page(gathered: Gathered, frames_from: str = "") -> str:
         "subtitle": escape(_subtitle(gathered)),
         "banner": _banner(gathered.missing),
         "replay_hidden": "" if runs else "hidden",
-        "sections": metrics_section(variants, baseline) + budget_section(variants),
+        "sections": metrics_section(variants, baseline) + budget_section(variants) + budget,
         "tail": solver_section(gathered.runs) + manifest_section(gathered.runs) if runs else "",
         "style": _text("vendor/uPlot.min.css") + _text("style.css"),
         "data": json.dumps({"scenes": _scenes(runs, frames_from)}, allow_nan=False).replace("</", "<\\/"),

@@ -32,7 +32,7 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
             row += [_cell(v.captured, ".1%")] if captured else []
             row += [_metric(v, c) for c in COLUMNS]
             rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
-        tables.append(f"<h2>{escape(scenario)} · {escape(vehicle)}</h2>{_table(heads, rows, left=2)}")
+        tables.append(f"<h2>{escape(scenario)} · {escape(vehicle)}</h2>{table(heads, rows, left=2)}")
     told = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
     return f'<section><div class="scroll">{"".join(tables)}</div><p class="hint">{told}</p></section>'
 
@@ -51,10 +51,10 @@ def budget_section(variants: Sequence[Variant]) -> str:
                 rows.append([escape(f"{scenario} · {vehicle}"), told, f"{objective:.4f}", share])
     if len(rows) < 2:
         return ""
-    table = _table(
+    shown = table(
         ["drive", "how the road is known", "J (m/s²)²", "kept of the gain over mpc_reactive"], rows, 2
     )
-    return f'<section><h2>Comfort budget</h2><div class="scroll">{table}</div></section>'
+    return f'<section><h2>Comfort budget</h2><div class="scroll">{shown}</div></section>'
 
 
 def solver_section(runs: Sequence[Run]) -> str:
@@ -82,8 +82,8 @@ def solver_section(runs: Sequence[Run]) -> str:
         )
     heads = ["drive", "run", "seed", "solves", "fallbacks", "step median<br>ms", "step longest<br>ms"]
     heads += ["exposures", "boxes", "look median<br>ms", "× real time"]
-    table = _table(heads, rows, 2)
-    return f'<section><h2>Solver, fallbacks, perception</h2><div class="scroll">{table}</div></section>'
+    shown = table(heads, rows, 2)
+    return f'<section><h2>Solver, fallbacks, perception</h2><div class="scroll">{shown}</div></section>'
 
 
 def manifest_section(runs: Sequence[Run]) -> str:
@@ -117,7 +117,9 @@ def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
+    """An HTML table of cells that are HTML already, its first `left` columns aligned to the left."""
+
     def line(cells: Sequence[str], tag: str) -> str:
         return "".join(
             f"<{tag}{' class=left' if index < left else ''}>{cell}</{tag}>"

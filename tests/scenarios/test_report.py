@@ -96,9 +96,55 @@ def test_the_tables_tell_metrics_solver_and_manifest(compared: Path) -> None:
     metrics = json.loads((camera_run(compared) / "metrics.json").read_text())
     manifest = json.loads((camera_run(compared) / "manifest.json").read_text())
     assert f"{metrics['wk_rms']:.3f}" in page
-    assert f"<td>{manifest['solver']['solves']}</td>" in page
+    assert f"<td>{manifest['solver']['solves']}<" in page
     assert manifest["scenario_hash"] in page
     assert manifest["weights_sha256"] in page
+
+
+BUDGET = {
+    "schema": 1,
+    "vehicle": "half",
+    "seeds": [0, 1],
+    "table": [
+        {
+            "event": "hump <flat>",
+            "reactive": 0.4,
+            "whole": 0.25,
+            "all_true": 0.2,
+            "kept": 0.75,
+            "rest": 0.05,
+            "sources": [
+                {"source": "latency", "replaced_by": "no latency", "objective": 0.24, "cost": 0.05},
+                {"source": "detector", "replaced_by": "exact boxes", "objective": 0.22, "cost": 0.15},
+            ],
+        }
+    ],
+}
+
+
+def test_a_budget_file_becomes_a_section_with_the_greatest_cost_first(compared: Path, tmp_path: Path) -> None:
+    budget, out = tmp_path / "budget.json", tmp_path / "report.html"
+    budget.write_text(json.dumps(BUDGET))
+    source = [str(compared / "runs" / "short-half-passive-none-seed0"), "--out", str(out)]
+    assert main(["report", *source, "--budget", str(budget)]) == 0
+    section = out.read_text().split("Where the gain is lost")[1].split("</section>")[0]
+    assert "hump &lt;flat&gt;" in section
+    assert section.index("detector") < section.index("latency")
+    assert "15.0%" in section
+    assert "75%" in section
+
+
+@pytest.mark.parametrize("text", ["{", "{}", '{"table": [{"event": "x"}]}', '{"table": 3}'])
+def test_a_malformed_budget_is_told_in_one_line(
+    compared: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
+    budget, out = tmp_path / "budget.json", tmp_path / "report.html"
+    budget.write_text(text)
+    source = [str(compared / "runs" / "short-half-passive-none-seed0"), "--out", str(out)]
+    assert main(["report", *source, "--budget", str(budget)]) == 2
+    (told,) = capsys.readouterr().err.strip().splitlines()
+    assert "budget.json: is no comfort budget" in told
+    assert not out.exists()
 
 
 def test_a_single_run_gets_its_passive_car(compared: Path, tmp_path: Path) -> None:

@@ -3,6 +3,9 @@
 import json
 import os
 import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -137,3 +140,25 @@ def test_a_full_disk_is_told_in_one_line_and_loses_no_finished_drive(
     assert len(told) == 1
     assert "No space left on device" in told[0]
     assert samples[0].key in Results(results.folder).done
+
+
+@pytest.mark.slow
+def test_a_sweep_whose_process_is_killed_goes_on_and_gives_the_rows_of_one_that_was_not(study: Path) -> None:
+    out, journal = study.parent / "out", study.parent / "out" / "journal.jsonl"
+    slower = study.with_name("slower.yaml")
+    slower.write_text(STUDY.replace("samples: 5", "samples: 20").replace("high: 260", "high: 60"))
+    command = [sys.executable, "-m", "scenarios.cli", "sweep", str(slower), "--out", str(out), "--jobs", "1"]
+    process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
+    while not (journal.exists() and journal.read_text().count("\n") >= 2):
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)  # its workers as well, as when a machine goes down
+    process.wait()
+    before = set(Results(out).done)
+    assert 2 <= len(before) < 40
+    assert subprocess.run(command, capture_output=True).returncode == 0
+    rows = {entry["key"]: entry for entry in load_results(out).to_pylist()}
+    samples = read(slower)
+    assert set(rows) == {sample.key for sample in samples} > before
+    assert load_results(out).num_rows == len(samples)
+    assert all(rows[s.key]["wk_rms"] == simulate(s.case()).metrics["wk_rms"] for s in samples[::8])

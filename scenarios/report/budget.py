@@ -1,0 +1,49 @@
+"""The comfort budget in a report: what each source of error costs of what preview could gain."""
+
+import json
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from files.errors import InputError
+from scenarios.report.sections import table
+
+_NUMBERS = ("reactive", "whole", "all_true", "kept", "rest")
+
+
+def error_budget_section(path: Path) -> str:
+    """The section for what `python -m benchmarks.tables.budget --json` wrote, one table an event.
+
+    Raises InputError for a file that is no such budget.
+    """
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+        events = [_event(event) for event in document["table"]]
+        told = f"{document['vehicle']} car, means over {len(document['seeds'])} seed(s)"
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        problem = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(f"{path}: is no comfort budget ({problem})") from None
+    note = (
+        f"{told}. J is relative to passive. A source's cost is the share of the possible gain that would be "
+        "kept in addition if it were exact; costs need not add up, because errors hide one another."
+    )
+    body = f'<div class="scroll">{"".join(events)}</div><p class="hint">{escape(note)}</p>'
+    return f"<section><h2>Where the gain is lost</h2>{body}</section>"
+
+
+def _event(event: dict[str, Any]) -> str:
+    reactive, whole, exact, kept, rest = (float(event[name]) for name in _NUMBERS)
+    lines = [["reactive MPC, no preview", "", f"{reactive:.3f}", ""]]
+    most = max([abs(float(source["cost"])) for source in event["sources"]] + [1e-9])
+    for source in sorted(event["sources"], key=lambda source: -source["cost"]):
+        cost = float(source["cost"])
+        bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>{cost:.1%}'
+        name = f"{escape(source['source'])} exact <small>{escape(source['replaced_by'])}</small>"
+        lines.append([name, bar, f"{float(source['objective']):.3f}", ""])
+    lines += [
+        ["not of a single source", f"{rest:.1%}", "", ""],
+        ["whole chain as it drives", "", f"{whole:.3f}", f"{kept:.0%}"],
+        ["all of it exact", "", f"{exact:.3f}", "100%"],
+    ]
+    heads = ["drive with", "cost of its error", "J / passive", "kept of the gain"]
+    return f"<h3>{escape(event['event'])}</h3>{table(heads, lines, 1)}"
