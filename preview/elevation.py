@@ -1,10 +1,13 @@
-"""Measured road height along an object, gathered from many frames, and what it says of a fitted shape.
+"""Road height measured along an object in the last frames, and what it says of a fitted shape.
 
-The profile of an object is a template z(x) = H p((x - X) / L) on ground that may lie a little higher or
-slope a little, and whose positions may all be shifted alike: what differs from frame to frame averages out,
-these three do not, so they are marginalised with Gaussian priors (Schur complement).
+A sample belongs to a line of sight: where that would meet the road plane, and how high over the plane it
+ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so crests hide what is
+behind them and rims the floor of holes. Ground at the object may lie a little higher or slope a little, and
+all positions may be shifted alike: what differs from frame to frame averages out, these three do not, so they
+are marginalised with Gaussian priors (Schur complement).
 """
 
+from collections import deque
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -13,96 +16,84 @@ import numpy as np
 from preview.shape import Kind, relief
 
 Array = np.ndarray
-STEP_M = 0.05
-_REACH_M = 9.0  # of an object's profile, from the first sample's surroundings
-_LEAST_SIGMA_M = 0.003  # of one bin, however often it was seen
+_FRAMES = 8
+_CORRELATION = 1.5  # inflation of variance: windows overlap, and frames see the same texture
+_LEAST_SIGMA_M = 0.003
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
-_BLUR = np.array([-0.4, -0.2, 0.0, 0.2, 0.4])  # of a sample's smear, equal weights
-_DIFFERENCE = 1e-3
-_HIDDEN_WEIGHT = 0.1  # of samples just behind an obstacle, where its edge moves over the road
+_ROBUST = 3.0  # standard deviations of a sample that counts half
+_SHARE = np.linspace(0.0, 1.0, 25)
+_BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
+_STEP = np.array([0.01, 0.01, 0.002])  # of central differences by X, L and H: over what lines jump
 
 
 class Rows(NamedTuple):
     """Samples of height, arrays (n,).
 
-    x_m: position. z_m, sigma_m: height. smear_m: length of road that each one mixes. shadow: length of road
-    that an obstacle hides there, over its height.
+    x_m: where the line of sight meets the plane. z_m, sigma_m: height over the plane at which it ends.
+    smear_m: length of road that the sample mixes. slant: how far the line goes forward for a metre of fall.
     """
 
     x_m: Array
     z_m: Array
     sigma_m: Array
     smear_m: Array
-    shadow: Array
+    slant: Array
 
 
 @dataclass
 class Elevation:
-    """Weighted sums of samples in bins of `STEP_M`; x0_m: the first bin. shift_sigma_m: of all positions."""
+    """The samples of the newest frames. shift_sigma_m: standard deviation of what shifts all positions."""
 
-    x0_m: float
     shift_sigma_m: float
-    sums: Array = field(default_factory=lambda: np.zeros((4, round(_REACH_M / STEP_M))))
+    frames: deque[Rows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
 
-    def add(self, rows: Rows) -> None:
-        """Take samples in; each is shared by the two bins beside it."""
-        place = (rows.x_m - self.x0_m) / STEP_M
-        low = np.floor(place).astype(int)
-        weight = 1.0 / rows.sigma_m**2
-        for bins, share in ((low, 1.0 - (place - low)), (low + 1, place - low)):
-            inside = (bins >= 0) & (bins < self.sums.shape[1])
-            w = (weight * share)[inside]
-            kept = bins[inside]
-            for row, value in enumerate((np.ones(len(rows.x_m)), rows.z_m, rows.smear_m, rows.shadow)):
-                np.add.at(self.sums[row], kept, w * value[inside])
-
-    def rows(self, correlation: float) -> Rows:
-        """The profile so far; `correlation` inflates the variance, as errors of successive frames agree."""
-        weight, z, smear, shadow = self.sums
-        known = weight > 0
-        x = self.x0_m + STEP_M * np.flatnonzero(known)
-        w = weight[known]
-        sigma = np.sqrt(correlation / w + _LEAST_SIGMA_M**2)
-        return Rows(x, z[known] / w, sigma, smear[known] / w, shadow[known] / w)
+    def rows(self) -> Rows:
+        """All samples, their variance inflated."""
+        joined = Rows(*(np.concatenate(parts) for parts in zip(*self.frames, strict=True)))
+        sigma = np.sqrt(_CORRELATION * (joined.sigma_m**2 + _LEAST_SIGMA_M**2))
+        return joined._replace(sigma_m=sigma)
 
 
 def equations(kind: Kind, rows: Rows, shift_sigma_m: float, state: Array) -> tuple[Array, Array, float]:
-    """Information (5, 5), gradient (5,) and half the squared error that a profile adds to a fit.
+    """Information (5, 5), gradient (5,) and half the squared error that samples add to a fit.
 
     state: [X, b, z, L, H] of `preview.fit`; pitch offset and ground height do not matter here.
     """
-    model, by_x, by_length, by_height = _template(kind, rows, state)
+    shape = np.array([state[0], state[3], state[4]])
+    model = seen(kind, rows, *shape)
+    by_x, by_length, by_height = (
+        (seen(kind, rows, *(shape + step)) - seen(kind, rows, *(shape - step))) / (2.0 * step.max())
+        for step in np.diag(_STEP)
+    )
     zero = np.zeros_like(model)
     jacobian = np.stack([by_x, zero, zero, by_length, by_height], axis=1)
     centre = state[0] + 0.5 * state[3]
     nuisance = np.stack([np.ones_like(model), rows.x_m - centre, by_x], axis=1)
     prior = np.diag([_OFFSET_SIGMA_M**-2, _SLOPE_SIGMA**-2, shift_sigma_m**-2])
-    weight = 1.0 / rows.sigma_m**2
-    end = state[0] + state[3]
-    behind = (rows.x_m > end) & (rows.x_m < end + rows.shadow * state[4] + 0.5 * rows.smear_m)
-    weight = np.where(behind & (kind.sign > 0), _HIDDEN_WEIGHT * weight, weight)
     residual = rows.z_m - model
-    robust = 1.0 + (residual / (3.0 * rows.sigma_m)) ** 2
-    weight = weight / robust
+    weight = rows.sigma_m**-2 / (1.0 + (residual / (_ROBUST * rows.sigma_m)) ** 2)
     own = (nuisance * weight[:, None]).T @ nuisance + prior
     cross = (nuisance * weight[:, None]).T @ jacobian
     aside = (nuisance * weight[:, None]).T @ residual
-    reduce = np.linalg.solve(own, np.column_stack([cross, aside]))
-    information = (jacobian * weight[:, None]).T @ jacobian - cross.T @ reduce[:, :5]
-    gradient = (jacobian * weight[:, None]).T @ residual - cross.T @ reduce[:, 5]
-    cost = 0.5 * (float(weight @ residual**2) - float(aside @ reduce[:, 5]))
+    solved = np.linalg.solve(own, np.column_stack([cross, aside]))
+    information = (jacobian * weight[:, None]).T @ jacobian - cross.T @ solved[:, :5]
+    gradient = (jacobian * weight[:, None]).T @ residual - cross.T @ solved[:, 5]
+    cost = 0.5 * (float(weight @ residual**2) - float(aside @ solved[:, 5]))
     return information, gradient, cost
 
 
-def _template(kind: Kind, rows: Rows, state: Array) -> tuple[Array, Array, Array, Array]:
-    """Height (n,) of the smeared template and its derivatives by X, L and H."""
-
-    def shape(start: float, length: float) -> Array:
-        share = (rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR - start) / length
-        return relief(kind, np.clip(share, 0.0, 1.0), length).mean(axis=1)
-
-    start, length, height = float(state[0]), float(state[3]), float(state[4])
-    here = shape(start, length)
-    by_x = (shape(start + _DIFFERENCE, length) - here) / _DIFFERENCE
-    by_length = (shape(start, length + _DIFFERENCE) - here) / _DIFFERENCE
-    return height * here, height * by_x, height * by_length, here
+def seen(kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float) -> Array:
+    """Height (n,) at which each line of sight meets the shape first, mixed over the smear; 0 beside it."""
+    along = start_m + _SHARE * length_m
+    height = height_m * relief(kind, _SHARE, length_m)
+    # The line through a point of the shape meets the plane there; hidden points do not advance it.
+    meets = np.maximum.accumulate(along + height * rows.slant[:, None], axis=1)
+    wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR
+    after = (meets[:, None, :] < wanted[:, :, None]).sum(axis=2)
+    inside = (after > 0) & (after < len(_SHARE))
+    k = np.clip(after, 1, len(_SHARE) - 1)
+    low, high = np.take_along_axis(meets, k - 1, axis=1), np.take_along_axis(meets, k, axis=1)
+    # Over a hidden stretch the height jumps: the point where the line emerges counts.
+    part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
+    value = height[k - 1] + part * (height[k] - height[k - 1])
+    return np.where(inside, value, 0.0).mean(axis=1)

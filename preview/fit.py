@@ -92,7 +92,7 @@ def fit(
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
-    profile = None if elevation is None else elevation.rows(settings.correlation)
+    profile = None if elevation is None else elevation.rows()
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)

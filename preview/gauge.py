@@ -20,6 +20,8 @@ _BESIDE_M = 0.3  # what may belong to the object
 _SHADOW = 0.1  # of the distance: road that a bump may hide behind it
 _STRIP_M = 1.5  # half width of the road that is looked at
 _LEAST_ROWS = 12
+_RIM = 3.0  # how much less exactly a hole has a near edge than a bump
+_EVERY_ROW = 2  # neighbours share their windows
 _NOISE_GREY = 3.0  # of the difference of two images
 _LEAST_PX = 0.05
 _WINDOW_M = 0.6  # across the road
@@ -74,13 +76,14 @@ class Gauge:
             return False
         if track.elevation is None:
             sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
-            track.elevation = Elevation(track.start_m - 2.0, sigma)
-        track.elevation.add(samples)
+            ragged = 1.0 if track.best.kind.sign > 0 else _RIM
+            track.elevation = Elevation(ragged * sigma)
+        track.elevation.frames.append(samples)
         return True
 
     def _window_m(self, track: Track) -> float:
         """Width over which an object is taken to be alike."""
-        return _WINDOW_M if track.best.kind.sign > 0 else 0.5 * _WINDOW_M
+        return _WINDOW_M if track.best.kind.sign > 0 else 0.33 * _WINDOW_M
 
     def _rows_of(self, pose: CameraPose, track: Track) -> tuple[int, int] | None:
         """Rows that show the object and some road around it within the reach of the method."""
@@ -123,19 +126,22 @@ class Gauge:
         inside = (y > right) & (y < left)
         weight = np.where(inside, field.weight, 0.0)
         total = weight.sum(axis=1)
-        seen = total > 0
-        if seen.sum() < _LEAST_ROWS:
+        seen = np.flatnonzero(total > 0)[::_EVERY_ROW]
+        if len(seen) < _LEAST_ROWS // _EVERY_ROW:
             return None
-        mean = (weight * ratio).sum(axis=1)[seen] / total[seen]
-        known = weight[seen] / total[seen][:, None]
-        q = mean[:, None] * (plane[seen] if stereo else 1.0)
-        forward = (known * (x[seen] - pose.x) / q).sum(axis=1)
-        pixels = (known * field.pixels[seen]).sum(axis=1)
+        share = weight[seen] / total[seen][:, None]
+        mean = (share * ratio[seen]).sum(axis=1)
+        forward = (share * (x - pose.x)[seen] / (plane[seen] if stereo else 1.0)).sum(axis=1)
+        pixels = (share * field.pixels[seen]).sum(axis=1)
         sigma_px = np.hypot(_NOISE_GREY / np.sqrt(total[seen]), _LEAST_PX)
-        sigma = view.height_m * sigma_px / pixels
-        row_m = forward**2 / (view.height_m * self.camera.focal_px)
-        height = view.height_m * (1.0 - 1.0 / mean)
-        return Rows(pose.x + forward, height, sigma, 3.0 * row_m, forward / view.height_m)
+        slant = forward / view.height_m
+        return Rows(
+            pose.x + forward,
+            view.height_m * (1.0 - 1.0 / mean),
+            view.height_m * sigma_px / pixels,
+            3.0 * forward * slant / self.camera.focal_px,
+            slant,
+        )
 
 
 def _strip(track: Track, pose: CameraPose) -> tuple[float, float]:

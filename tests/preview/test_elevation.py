@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from preview.calibration import Calibration
-from preview.elevation import STEP_M, Elevation, Rows, equations
+from preview.elevation import Elevation, Rows, equations, seen
 from preview.fit import Fit, fit
 from preview.settings import Settings
 from preview.shape import BUMP, HUMP, POTHOLE, TABLE, Kind, relief
@@ -13,13 +13,16 @@ SETTINGS = Settings()
 
 
 def measured(kind: Kind, start: float, length: float, height: float, noise: float = 0.003) -> Elevation:
+    """Six frames, ever nearer, of an exact shape."""
     rng = np.random.default_rng(4)
-    found = Elevation(start - 2.0, 0.02)
-    x = np.arange(start - 1.5, start + length + 1.5, 0.03)
-    share = np.clip((x - start) / length, 0.0, 1.0)
-    for _ in range(6):
-        z = height * relief(kind, share, length) + noise * rng.standard_normal(len(x))
-        found.add(Rows(x, z, np.full(len(x), 0.005), np.full(len(x), 0.02), np.full(len(x), 4.0)))
+    found = Elevation(0.02)
+    x = np.arange(start - 1.5, start + length + 1.5, 0.05)
+    for slant in np.linspace(6.0, 3.0, 6):
+        rows = Rows(
+            x, np.zeros(len(x)), np.full(len(x), 0.005), np.full(len(x), 0.02), np.full(len(x), slant)
+        )
+        z = seen(kind, rows, start, length, height) + noise * rng.standard_normal(len(x))
+        found.frames.append(rows._replace(z_m=z))
     return found
 
 
@@ -29,18 +32,33 @@ def fitted(kind: Kind, elevation: Elevation, near: float) -> Fit:
     return fit(kind, [], state, prior, [], SETTINGS, 12, elevation)
 
 
-def test_bins_hold_the_mean_of_what_fell_into_them() -> None:
-    found = Elevation(10.0, 0.02)
-    samples = np.array([0.01, 0.03]), np.array([0.01, 0.01]), np.zeros(2), np.zeros(2)
-    found.add(Rows(np.array([10.0, 10.0]), *samples))
-    rows = found.rows(correlation=1.0)
-    assert rows.x_m.tolist() == [10.0]
-    assert rows.z_m[0] == pytest.approx(0.02)
-    assert rows.sigma_m[0] == pytest.approx(np.hypot(0.01 / np.sqrt(2), 0.003))
-    found.add(Rows(np.array([10.0 + 0.5 * STEP_M]), *(part[:1] for part in samples)))
-    assert len(found.rows(1.0).x_m) == 2
-    found.add(Rows(np.array([5.0, 900.0]), *samples))
-    assert len(found.rows(1.0).x_m) == 2
+@pytest.mark.parametrize(
+    ("kind", "length", "height"), [(BUMP, 0.5, 0.08), (TABLE, 3.6, 0.1), (POTHOLE, 0.9, 0.1)]
+)
+@pytest.mark.parametrize("slant", [2.5, 6.0])
+def test_lines_of_sight_end_where_they_meet_the_shape_first(
+    kind: Kind, length: float, height: float, slant: float
+) -> None:
+    """Against marching along each line in steps of a millimetre."""
+    crossing = np.arange(9.5, 10.0 + length + 1.0, 0.037)
+    nothing = np.zeros(len(crossing))
+    rows = Rows(crossing, nothing, nothing + 0.01, nothing, nothing + slant)
+    found = seen(kind, rows, 10.0, length, height)
+    x = np.arange(9.0, 12.0 + length, 0.001)
+    ground = height * relief(kind, np.clip((x - 10.0) / length, 0.0, 1.0), length)
+    for meets, z in zip(crossing, found, strict=True):
+        line = (meets - x) / slant
+        met = int(np.argmax(line <= ground + 1e-12))
+        assert z == pytest.approx(ground[met], abs=0.05 * height + 0.001)
+
+
+def test_old_frames_are_forgotten_and_variances_inflated() -> None:
+    found = measured(BUMP, 30.0, 0.5, 0.06)
+    for _ in range(9):
+        found.frames.append(found.frames[-1])
+    rows = found.rows()
+    assert len(rows.x_m) == 8 * len(found.frames[0].x_m)
+    assert np.all(rows.sigma_m > 0.005)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +82,7 @@ def test_the_kind_that_was_measured_costs_least(true: Kind, other: Kind) -> None
 
 def test_ground_that_lies_higher_or_slopes_is_not_taken_for_the_object() -> None:
     elevation = measured(BUMP, 30.0, 0.45, 0.075)
-    level = elevation.rows(2.0)
+    level = elevation.rows()
     state = np.array([30.0, 0.0, 0.0, 0.45, 0.075])
     _, before, cost = equations(BUMP, level, 0.02, state)
     tilted = level._replace(z_m=level.z_m + 0.008 + 0.003 * (level.x_m - 30.0))

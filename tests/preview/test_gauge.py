@@ -48,7 +48,7 @@ def positions(feature: Feature) -> Iterator[float]:
 def test_a_pair_measures_edge_and_height(feature: Feature, height: float) -> None:
     row = next(row for row in drive(feature, unbiased(), BASE_M).stats() if row["confirmed"])
     assert row["x_m"] == pytest.approx(feature.start_m, abs=0.06)
-    assert row["height_m"] == pytest.approx(height, rel=0.15)
+    assert row["height_m"] == pytest.approx(height, rel=0.25)
 
 
 def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
