@@ -8,6 +8,7 @@ from detector.detection import CLASS_NAMES, Detections
 from files.errors import InputError
 from preview.compose import compose
 from preview.correction import FrontWheel
+from preview.cross_ratio import marks_of
 from preview.fit import LENGTH, X
 from preview.gauge import Gauge
 from preview.horizon import RoadPreview, distance_grid
@@ -53,7 +54,8 @@ class Estimator:
         self.settings = Settings() if settings is None else settings
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
-        self.tracker = Tracker(self.settings)
+        by_marks = self.settings.distance == "cross_ratio"
+        self.tracker = Tracker(self.settings, marks_of(camera, mount) if by_marks else None)
         if memory is not None:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))

@@ -1,6 +1,7 @@
 """Every number that the estimator believes about its sensors and the objects it looks for."""
 
 from dataclasses import dataclass, fields
+from typing import Literal
 
 from files.errors import InputError
 from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX
@@ -26,6 +27,9 @@ class Settings:
     max_boxes: int = 48  # of one track, the newest are kept
 
     # Geometry (section priors of the fit)
+    distance: Literal["fit", "cross_ratio"] = (
+        "fit"  # of all boxes, or the last one's by `preview.cross_ratio`
+    )
     pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
     offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
@@ -80,7 +84,7 @@ class Settings:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if "bias" in field.name or isinstance(value, bool):
+            if "bias" in field.name or isinstance(value, bool | str):
                 continue
             if not value > 0:
                 raise InputError(f"{field.name} must be > 0, got {value}")

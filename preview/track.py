@@ -91,7 +91,12 @@ class Track:
 
     @property
     def sigma_m(self) -> float:
-        """Standard deviation of the near edge, widened where the boxes contradict a plane road."""
+        """Standard deviation of the near edge, widened where the boxes contradict a plane road.
+
+        A stereo pair measures without supposing one.
+        """
+        if self.elevation is not None and self.elevation.absolute:
+            return self.best.sigma_m
         return self.best.sigma_m * (1.0 + _WIDENING * max(0.0, self.strain - _STRAINED))
 
     @property
@@ -142,6 +147,14 @@ class Track:
         sure = len(self.sights) >= _LEAST_SIGHTS
         self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
         self.strain = strain(self.sights, self.best.state)
+
+    def place(self, x_m: float, sigma_m: float) -> None:
+        """Put the near edge where something else than the boxes' fit says, with its standard deviation."""
+        for number, found in enumerate(self.fits):
+            state, covariance = found.state.copy(), found.covariance.copy()
+            state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
+            covariance[X, X] = sigma_m**2
+            self.fits[number] = found._replace(state=state, covariance=covariance)
 
     def position_sigma_m(self, x_m: float, settings: Settings) -> float:
         """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""

@@ -7,6 +7,7 @@ from scipy.optimize import linear_sum_assignment
 
 from detector.detection import CLASS_NAMES, Detections
 from preview.calibration import Calibration
+from preview.cross_ratio import Marks, distance, distance_sigma
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
 from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
@@ -20,11 +21,12 @@ _FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first bo
 class Tracker:
     """All tracks, and the calibration they share.
 
-    `passed` keeps the confirmed ones that lie behind; `events` logs births, confirmations and deaths.
+    `passed` keeps the confirmed ones that lie behind; `events` logs births, confirmations and deaths. With
+    `marks` the last box alone places an object, by `preview.cross_ratio`.
     """
 
-    def __init__(self, settings: Settings) -> None:
-        self.settings = settings
+    def __init__(self, settings: Settings, marks: Marks | None = None) -> None:
+        self.settings, self.marks = settings, marks
         self.tracks: list[Track] = []
         self.passed: list[Track] = []
         self.calibration = Calibration(settings)
@@ -104,11 +106,22 @@ class Tracker:
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
         self.refit(track)
+        self._place(track, view, number)
         for edge, seen in zip((track.right, track.left), self._sides(track, view, number), strict=True):
             edge.update(seen.y_m, seen.variance)
         if not track.confirmed and track.existence > self.settings.confirm_existence:
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
+
+    def _place(self, track: Track, view: View, number: int) -> None:
+        """Put the object where the marks say, if there are any and the box's bottom is in sight."""
+        if self.marks is None or view.cut[number][3]:
+            return
+        row = float(view.boxes[number][3])
+        away = float(distance(self.marks, row))
+        if np.isfinite(away):
+            sigma = distance_sigma(self.marks, row, self.settings.pixel_sigma)
+            track.place(view.pose.x + away, sigma)
 
     def _birth(self, view: View, number: int, score: float, cls: int) -> None:
         sight = sight_of(view, number)
