@@ -27,9 +27,8 @@ class Settings:
     max_boxes: int = 48  # of one track, the newest are kept
 
     # Geometry (section priors of the fit)
-    distance: Literal["fit", "cross_ratio"] = (
-        "fit"  # of all boxes, or the last one's by `preview.cross_ratio`
-    )
+    # How far an object is: the fit of all its boxes, or `preview.cross_ratio` of the last one
+    distance: Literal["fit", "cross_ratio"] = "fit"
     pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
     offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
