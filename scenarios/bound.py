@@ -17,7 +17,6 @@ from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, ticks
 from scenarios.schema import Scenario
 from scenarios.tracks import wheel_profiles
-from vehicle.equations import input_size
 from vehicle.plant import Plant
 from vehicle.speed import ConstantSpeed, SpeedProfile
 from vehicle.state import road_under
@@ -46,8 +45,7 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
     first = np.searchsorted(drive.interval, np.arange(whole.intervals))
     plans = {}
     for name in STARTS:
-        asked = commands(_rehearsal(scenario, name))[:, first].T / KILO
-        plans[name] = np.pad(asked, ((0, 0), (0, input_size(car) - asked.shape[1])))
+        plans[name] = commands(_rehearsal(scenario, name))[:, first].T / KILO
     optimum = optimise(car, whole, plans)
     with suppress(OSError):  # a bound that cannot be kept is still a bound
         write_bytes(path, _bytes(optimum))

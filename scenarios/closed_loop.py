@@ -22,6 +22,7 @@ from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog, collect
 from scenarios.tracks import wheel_profiles
 from vehicle.audit import energy_audit
+from vehicle.equations import input_size
 from vehicle.parameters import prediction_car
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
@@ -110,8 +111,9 @@ def simulate(
 
 def commands(case: Case) -> np.ndarray:
     """Drive a case; return what was asked for during each tick, (inputs, ticks), N·s/m and N."""
-    signals = simulate(case).signals
-    return np.array([values[1:] for name, values in signals.items() if name.startswith("command_")])
+    signals, car = simulate(case).signals, case.scenario.vehicle.parameters
+    names = [f"{kind}_{wheel}" for kind in ("command", "force_command") for wheel in range(car.wheels)]
+    return np.array([signals[name][1:] for name in names[: input_size(car)]])
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:

@@ -13,6 +13,7 @@ from scenarios.bound import bound
 from scenarios.cases import Case
 from scenarios.cli import main
 from scenarios.closed_loop import commands, simulate
+from scenarios.commands.bound import ACTUATORS, equipped
 from scenarios.loading import load
 from scenarios.report.gather import gather
 from scenarios.schema import Scenario
@@ -87,3 +88,11 @@ def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
         assert line["captured"]["mean"] == pytest.approx(share)
     assert document["summary"][0]["captured"]["mean"] > 0.9
     assert gather(out).rows[0]["bound"] == room
+
+
+def test_what_works_beside_the_dampers_lowers_the_bound() -> None:
+    scenario = short()
+    found = [bound(equipped(scenario, actuator), commands) for actuator in ACTUATORS]
+    semi_active, hybrid, active = (optimum.objective for optimum in found)
+    assert active < hybrid < semi_active
+    assert all(0.0 <= optimum.gap < 0.2 for optimum in found)
