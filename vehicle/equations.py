@@ -112,7 +112,14 @@ def rattle(parameters: Car, x: Any, xp: Arithmetic = np) -> tuple[Any, Any]:
 
 def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np) -> Forces:
     """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
-    state = motion(parameters, x)
+    acting = act(parameters, motion(parameters, x), road_height, road_velocity, xp)[2]
+    return Forces(*(_rows(xp, rows) for rows in acting))
+
+
+def act(
+    parameters: Car, state: Motion, road_height: Any, road_velocity: Any, xp: Arithmetic
+) -> tuple[list, list, Forces]:
+    """Travel and rate of each strut and the forces at each wheel, lists of rows."""
     travel, rate = _rattle(parameters, state)
     spring, damper, stop, actuator, tyre = [], [], [], [], []
     for i, corner in enumerate(parameters.corners):
@@ -134,7 +141,7 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
         left, right = 2 * axle, 2 * axle + 1
         twist = stiffness * (travel[left] - travel[right])
         spring[left], spring[right] = spring[left] - twist, spring[right] + twist
-    return Forces(_rows(xp, spring), _rows(xp, damper), _rows(xp, stop), _rows(xp, actuator), _rows(xp, tyre))
+    return travel, rate, Forces(spring, damper, stop, actuator, tyre)
 
 
 def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> tuple[list, list]:
@@ -175,7 +182,7 @@ def derivative(
 ) -> Any:
     """dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
     state = motion(parameters, x)
-    acting = forces(parameters, x, road_height, road_velocity, xp)
+    travel, rate, acting = act(parameters, state, road_height, road_velocity, xp)
     body, wheel = accelerations(parameters, acting, forward_acc)
     rows = []
     for velocity, acceleration in zip(state.body_velocity, body, strict=True):
@@ -186,7 +193,6 @@ def derivative(
         asked = xp.fmin(xp.fmax(command[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
         rows.append((asked - state.damping[i]) / corner.damper_lag_s)
     rows += _actuator_rates(parameters, state, command, xp)
-    travel, rate = _rattle(parameters, state)
     for i, corner in enumerate(parameters.corners):
         share = corner.share(state.damping[i])
         rows += corner.damper.inner_rates(share, travel[i], rate[i], state.inner[i], xp)

@@ -92,8 +92,7 @@ def observe(
     xp = equations.FLOATS if isinstance(x, list) else np
     height, velocity = road
     state = equations.motion(parameters, x)
-    acting = equations.forces(parameters, x, height, velocity, xp)
-    travel, rate = equations.rattle(parameters, x, xp)
+    travel, rate, acting = equations.act(parameters, state, height, velocity, xp)
     body, wheel = equations.accelerations(parameters, acting, forward_acc)
     zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]

@@ -1,0 +1,87 @@
+"""The two proving-ground bumps of Theunissen et al., what passive cars do on them and what control changes.
+
+`python -m benchmarks.tables.proving_ground [--vehicles half,suv] [--seed 0] [--json FILE]`
+
+J. Theunissen et al., Regionless explicit model predictive control of active suspension systems with preview,
+IEEE Trans. Industrial Electronics 67(6), 2020, judge ride by heave and pitch acceleration below 4 Hz, the
+primary ride. That is told here beside the Wk-weighted RMS of the seats: RMS over the whole drive of what lies
+below 4 Hz, by Parseval's theorem. Each car also drives with slow-active actuators beside its dampers, because
+the car of the paper has hydraulic actuators.
+"""
+
+import argparse
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.atomic import write_text
+from scenarios.cases import Case
+from scenarios.clock import TICKS_PER_SECOND
+from scenarios.closed_loop import simulate
+from scenarios.loading import load
+from scenarios.runfolder import environment, to_json
+
+BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
+PRIMARY_RIDE_HZ = 4.0
+LADDER = (("passive", "none"), ("skyhook", "none"), ("mpc_reactive", "none"), ("mpc_preview", "oracle"))
+ACTIVE = ("vehicle.parameters.actuator={kind: slow_active}",)
+
+
+class Ride(NamedTuple):
+    """One drive: Wk RMS and peak at the seats, heave (m/s²) and pitch (rad/s²) RMS below 4 Hz."""
+
+    vehicle: str
+    actuator: bool
+    bump: str
+    controller: str
+    wk_rms: float
+    peak_acc: float
+    heave: float
+    pitch: float
+
+
+def primary_ride(acceleration: NDArray[np.float64]) -> float:
+    """RMS of what lies below 4 Hz of an acceleration at every tick."""
+    spectrum = np.fft.rfft(acceleration) / len(acceleration)
+    below = np.fft.rfftfreq(len(acceleration), 1.0 / TICKS_PER_SECOND) < PRIMARY_RIDE_HZ
+    power = 2.0 * np.abs(spectrum[below]) ** 2
+    power[0] /= 2.0
+    return float(np.sqrt(power.sum()))
+
+
+def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: str, seed: int) -> Ride:
+    """Drive one car over one bump."""
+    scenario = load(bump, [f"vehicle.model={vehicle}", *(ACTIVE if actuator else ())])
+    run = simulate(Case(scenario, controller, perception, seed))
+    heave, pitch = (primary_ride(run.signals[name]) for name in ("cg_acc", "pitch_acc"))
+    metrics = run.metrics["wk_rms"], run.metrics["peak_acc"]
+    return Ride(vehicle, actuator, bump, controller, *metrics, heave, pitch)
+
+
+def main() -> None:
+    """Drive, print the table, and write JSON where asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--vehicles", default="half,suv")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--json", type=Path)
+    asked = parser.parse_args()
+    rides = []
+    print("| car | bump | controller | Wk RMS | peak | heave < 4 Hz | pitch < 4 Hz |")
+    print("|---|---|---|---|---|---|---|")
+    for vehicle in asked.vehicles.split(","):
+        for actuator in (False, True):
+            for bump in BUMPS:
+                for controller, perception in LADDER[2 if actuator else 0 :]:
+                    ride = drive(vehicle, actuator, bump, controller, perception, asked.seed)
+                    car = f"{vehicle}, slow-active" if actuator else vehicle
+                    numbers = f"{ride.wk_rms:.3f} | {ride.peak_acc:.2f} | {ride.heave:.3f} | {ride.pitch:.3f}"
+                    print(f"| {car} | {bump} | {controller} | {numbers} |", flush=True)
+                    rides.append(ride._asdict())
+    if asked.json:
+        write_text(asked.json, to_json({"schema": 1, "manifest": environment(), "rides": rides}) + "\n")
+
+
+if __name__ == "__main__":
+    main()
