@@ -117,6 +117,13 @@ def oracle_preview(
     if len(profiles) != len(wheel_x_m):
         raise InputError(f"profiles must be one a wheel ({len(wheel_x_m)}), got {len(profiles)}")
     distance = distance_grid() if distance_m is None else distance_m
-    height = np.stack([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
-    zero = np.zeros_like(height)
-    return RoadPreview(time_s, distance, height, zero, zero, np.ones_like(height))
+    height = np.array([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
+    sure, real = _constant(height.shape, 0.0), _constant(height.shape, 1.0)
+    return RoadPreview(time_s, distance, height, sure, sure, real)
+
+
+@lru_cache(maxsize=8)
+def _constant(shape: tuple[int, int], value: float) -> np.ndarray:
+    rows = np.full(shape, value)
+    rows.setflags(write=False)
+    return rows
