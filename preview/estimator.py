@@ -14,6 +14,7 @@ from preview.gauge import Gauge
 from preview.horizon import RoadPreview, distance_grid
 from preview.memory import Memory, expectations, recall, remember
 from preview.motion import EgoMotion, Measurement
+from preview.path import Path
 from preview.settings import Settings
 from preview.track import Track
 from preview.tracker import Tracker
@@ -70,13 +71,18 @@ class Estimator:
         return self.tracker.events
 
     def update_motion(
-        self, time_s: float, measurement: Measurement, road_height_m: np.ndarray | None = None
+        self,
+        time_s: float,
+        measurement: Measurement,
+        road_height_m: np.ndarray | None = None,
+        yaw_rate: float = 0.0,
     ) -> None:
         """Take in one set of sensor readings; call at the controller's rate, in order of time.
 
         road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
+        yaw_rate: rad/s, positive to the left, of a car that has the sensor: the wheels' path bends with it.
         """
-        state = self.motion.update(time_s, measurement, self._on_plane())
+        state = self.motion.update(time_s, measurement, self._on_plane(), yaw_rate)
         height = self.motion.road_m if road_height_m is None else float(road_height_m[0])
         self._front.update(state.x_m + self.axle_x_m[0], height)
         for track in self.tracker.tracks:
@@ -98,7 +104,9 @@ class Estimator:
         """
         state = self.motion.at(exposure_s)
         pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad, roll=state.roll_rad)
-        self.tracker.update(view_of(exposure_s, self.camera, pose, detections, self.settings), detections)
+        path = Path(state.curvature_1_m, self.mount.x_m - min(self.axle_x_m))
+        view = view_of(exposure_s, self.camera, pose, detections, self.settings, path)
+        self.tracker.update(view, detections)
         if self._gauge is not None and image is not None:
             for track in self._gauge.measure(pose, image, second, self.tracker.tracks):
                 self.tracker.refit(track)

@@ -12,6 +12,7 @@ import numpy as np
 
 from files.errors import InputError
 from preview.body import HEAVE, PITCH, Body
+from preview.path import curvature
 from preview.roll import Roll
 from preview.settings import Settings
 
@@ -46,7 +47,10 @@ class Measurement(Protocol):
 
 @dataclass(frozen=True)
 class EgoState:
-    """The sprung mass at one moment: odometer, heave, pitch and roll relative to the local road plane."""
+    """The sprung mass at one moment: odometer, heave, pitch and roll relative to the local road plane.
+
+    curvature_1_m: of the path, positive to the left.
+    """
 
     time_s: float
     x_m: float
@@ -54,6 +58,7 @@ class EgoState:
     pitch_rad: float
     speed_m_s: float
     roll_rad: float = 0.0
+    curvature_1_m: float = 0.0
 
 
 class EgoMotion:
@@ -86,10 +91,13 @@ class EgoMotion:
         self._times: list[float] = []
         self._states: list[EgoState] = []
 
-    def update(self, time_s: float, measurement: Measurement, on_plane: bool = True) -> EgoState:
+    def update(
+        self, time_s: float, measurement: Measurement, on_plane: bool = True, yaw_rate: float = 0.0
+    ) -> EgoState:
         """Take one measurement in; time must advance, else `InputError`.
 
-        on_plane: False while a wheel is known to be on an object, and so off the road plane.
+        on_plane: False while a wheel is known to be on an object, and so off the road plane. yaw_rate: rad/s,
+        positive to the left.
         """
         previous = self._states[-1] if self._states else None
         step = 0.0 if previous is None else time_s - previous.time_s
@@ -114,7 +122,8 @@ class EgoMotion:
             self._roll.level(of_wheels, self._body.roughness_m)
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
-        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad)
+        bend = curvature(yaw_rate, measurement.speed_m_s)
+        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad, bend)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:
@@ -150,6 +159,7 @@ class EgoMotion:
             mix(a.pitch_rad, b.pitch_rad),
             mix(a.speed_m_s, b.speed_m_s),
             mix(a.roll_rad, b.roll_rad),
+            mix(a.curvature_1_m, b.curvature_1_m),
         )
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:

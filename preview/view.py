@@ -10,6 +10,7 @@ from preview.calibration import Gaussian
 from preview.distance import depression, depression_sigma, locate, row_of
 from preview.edge_bias import edge_bias
 from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
+from preview.path import STRAIGHT, Path
 from preview.settings import Settings
 from preview.straighten import straightened
 from preview.track import Edge, Track
@@ -24,7 +25,8 @@ class View(NamedTuple):
     """One frame, straightened: as an ideal lens would show it with the horizon level.
 
     camera, pose: of that lens, without roll, at exposure; boxes (n, 4) with known biases taken off; cut
-    (n, 4): edges that lie on the image border or bonnet; limit_row: first row that shows no road.
+    (n, 4): edges that lie on the image border or bonnet; limit_row: first row that shows no road; path: of
+    the wheels.
     """
 
     time_s: float
@@ -33,6 +35,7 @@ class View(NamedTuple):
     boxes: Array
     cut: Array
     limit_row: float
+    path: Path
     settings: Settings
 
 
@@ -47,7 +50,12 @@ class Expected(NamedTuple):
 
 
 def view_of(
-    time_s: float, camera: Camera, pose: CameraPose, detections: Detections, settings: Settings
+    time_s: float,
+    camera: Camera,
+    pose: CameraPose,
+    detections: Detections,
+    settings: Settings,
+    path: Path = STRAIGHT,
 ) -> View:
     """Return the frame as the tracker wants it."""
     biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
@@ -57,7 +65,7 @@ def view_of(
     cut = (boxes <= [border, border, -np.inf, -np.inf]) | (boxes >= most)
     straight = straightened(camera, pose, boxes, cut, detections.classes)
     (_, limit), *_ = camera.straightened([camera.cx, limit]).tolist()
-    return View(time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, settings)
+    return View(time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, path, settings)
 
 
 def sight_of(view: View, number: int) -> Sight:
@@ -89,7 +97,7 @@ def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
     box = view.boxes[number]
     scale = ahead_m / view.camera.focal_px
     variance = (2.0 * view.settings.pixel_sigma * scale) ** 2 + _YAW_DRIFT_M**2
-    left, right = view.pose.y + scale * (view.camera.cx - box[[0, 2]])
+    left, right = view.pose.y + view.path.beside(ahead_m, scale * (view.camera.cx - box[[0, 2]]))
     left_cut, right_cut = view.cut[number][[0, 2]]
     return (
         Edge(float(right), np.inf if right_cut else variance),
@@ -122,7 +130,7 @@ def expected(view: View, track: Track) -> Expected:
 
 
 def _between_borders(view: View, track: Track, ahead: float) -> bool:
-    centre = track.centre_y_m - view.pose.y
+    centre = view.path.left_of_camera(ahead, track.centre_y_m - view.pose.y)
     half = 0.5 * max(track.left.y_m - track.right.y_m, 0.0)
     reach = (
         0.5 * view.camera.width_px / view.camera.focal_px * (ahead + 0.5 * float(track.best.state[LENGTH]))
