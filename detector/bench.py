@@ -53,19 +53,24 @@ def cases(args: argparse.Namespace) -> list[Case]:
 
 
 def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path | None) -> dict[Case, Path]:
-    """ONNX files of all rows, written into a folder; needs torch."""
+    """ONNX files of all rows, written into a folder; needs torch.
+
+    weights: of `detector train`, for rows of its model; random ones for all others. data: folder with images/
+    to calibrate 8-bit graphs on; smooth noise without.
+    """
     import torch
 
-    from detector.checkpoint import save_weights
-    from detector.export import check_images, export
+    from detector.checkpoint import DEFAULT_MODEL, save_weights
+    from detector.export import CALIBRATION_IMAGES, check_images, export
     from detector.models import build
 
-    images = check_images(data)
+    whole = any(row.precision == "int8" for row in rows)
+    images = check_images(data, CALIBRATION_IMAGES if whole and data else 4)
     files: dict[tuple[str, str, str], Path] = {}
     for row in rows:
         kind = (row.model, row.graph, file_precision(row))
         if kind not in files:
-            source = weights if weights and row.model == "sbp-yolo" else folder / f"{row.model}.pt"
+            source = weights if weights and row.model == DEFAULT_MODEL else folder / f"{row.model}.pt"
             if not source.exists():
                 torch.manual_seed(0)
                 save_weights(source, build(row.model), {"model": row.model})

@@ -1,0 +1,150 @@
+"""Table 4 of arXiv 2508.01339: SBP-YOLO beside other detectors, trained on the same images.
+
+`python -m benchmarks.tables.detectors --data DIR --out FOLDER --passes 60000 [--rows a,b] [--json FILE]`
+
+DIR holds train/ and val/. Every row starts from random weights and is trained for the same image passes at
+the same size; all are judged by the same code on DIR/val. Ours and D-FINE-N see the same batches; the rows of
+the package ultralytics, which the user has to install, use its own augmentation. A broken run can be started
+again.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from benchmarks.tables import dfine, with_ultralytics
+from detector.checkpoint import load_network
+from detector.complexity import parameters
+from detector.crops import whole_view
+from detector.dataset import Sample, read_samples
+from detector.deploy import Deployed
+from detector.detection import Detections
+from detector.metrics import judge, summarise
+from detector.models import Network
+from detector.nms import OVERLAP, select
+from detector.progress import Progress
+from detector.schedule import Stage, parse_stages
+from detector.train import main as train
+from files.atomic import write_text
+from files.errors import InputError
+
+OURS = ("sbp-yolo", "yolo11n")
+ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)
+
+
+class Trained(NamedTuple):
+    """A detector after training: learned numbers, image passes seen, and the function that detects."""
+
+    parameters: int
+    passes: int
+    detect: Callable[[NDArray[np.uint8]], Detections]
+
+
+def trained(name: str, stage: Stage, args: argparse.Namespace) -> Trained:
+    """Train the row of that name, unless its folder is complete. Raises InputError."""
+    out = args.out / name
+    if name in OURS:
+        return _ours(name, stage, out, args)
+    if name == "d-fine-n":
+        model = dfine.train(args.data / "train", stage, out, args.batch, args.seed)
+        return Trained(sum(p.numel() for p in model.parameters()), stage.passes, dfine.detector(model))
+    yolo, passes = with_ultralytics.train(name, args.data, stage, out, args.batch, args.seed)
+    return Trained(with_ultralytics.parameters(yolo), passes, with_ultralytics.detector(yolo))
+
+
+def _ours(name: str, stage: Stage, out: Path, args: argparse.Namespace) -> Trained:
+    if not (out / "weights.pt").exists():
+        words = ["--data", args.data, "--out", out, "--stages", stage, "--seed", args.seed, "--model", name]
+        words += ["--batch", args.batch, "--threads", args.threads, "--validate-every", stage.passes]
+        if (out / "checkpoint.pt").exists():
+            words.append("--resume")
+        if train([str(word) for word in words]):
+            raise InputError(f"{name}: training failed")
+    model, made = load_network(out / "weights.pt")
+    return Trained(parameters(model), int(made["passes"]), detector(model))
+
+
+def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
+    """A function from an image to detections by one of our networks."""
+    deployed = Deployed(model)
+
+    def detect(image: NDArray[np.uint8]) -> Detections:
+        with torch.inference_mode():
+            boxes, scores = deployed(torch.from_numpy(image)[None])
+        return select(boxes[0].numpy(), scores[0].numpy(), 0.001, OVERLAP)
+
+    return detect
+
+
+def judged(
+    detect: Callable[[NDArray[np.uint8]], Detections], samples: Sequence[Sample], stage: Stage
+) -> dict:
+    """Metrics of a detector on whole images at the stage's size."""
+    results = []
+    with Progress(len(samples)) as progress:
+        for sample in samples:
+            image, classes, boxes = whole_view(sample, stage.width, stage.height)
+            asked = classes >= 0
+            results.append(judge(detect(np.ascontiguousarray(image)), boxes[asked], classes[asked]))
+            progress.show(len(results), "judging")
+    return summarise(results, 0.25)
+
+
+def table(args: argparse.Namespace) -> list[dict]:
+    """Train, judge and print every row asked for. Raises InputError."""
+    names = args.rows.split(",")
+    for name in names:
+        if name not in ROWS:
+            raise InputError(f"--rows: must be of {', '.join(ROWS)}, got {name!r}")
+        if name in with_ultralytics.YOLOS:
+            with_ultralytics.package(name)
+    (stage,) = parse_stages(f"{args.size}:{args.passes}")
+    torch.set_num_threads(args.threads)
+    samples = list(read_samples(args.data / "val", max(stage.width, stage.height, 640)))
+    rows = []
+    print("| detector | parameters M | passes | mAP50 | mAP50-95 | P | R |\n|---|---|---|---|---|---|---|")
+    for name in names:
+        row = trained(name, stage, args)
+        found = judged(row.detect, samples, stage)
+        kept = ("map50", "map50_95", "precision", "recall", "images", "per_class")
+        rows.append({"row": name, "parameters": row.parameters, "passes": row.passes, "size": args.size})
+        rows[-1] |= {key: found[key] for key in kept}
+        numbers = " | ".join("-" if found[k] is None else f"{found[k]:.3f}" for k in kept[:4])
+        print(f"| {name} | {row.parameters / 1e6:.2f} | {row.passes} | {numbers} |", flush=True)
+        if args.json:
+            write_text(args.json, json.dumps(rows, indent=1) + "\n")
+    return rows
+
+
+def parser() -> argparse.ArgumentParser:
+    p = argparse.ArgumentParser(description=__doc__)
+    p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
+    p.add_argument("--out", type=Path, required=True, help="folder for the run folders of the rows")
+    p.add_argument("--rows", default="sbp-yolo,yolo11n,d-fine-n", help=f"of {', '.join(ROWS)}")
+    p.add_argument("--passes", type=int, default=60000, help="image passes of every row")
+    p.add_argument("--size", default="640x384")
+    p.add_argument("--batch", type=int, default=16)
+    p.add_argument("--seed", type=int, default=0)
+    p.add_argument("--threads", type=int, default=2)
+    p.add_argument("--json", type=Path)
+    return p
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    try:
+        table(parser().parse_args(arguments))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

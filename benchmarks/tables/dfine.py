@@ -1,0 +1,135 @@
+"""D-FINE-N (Peng et al., arXiv 2410.13842) by the package transformers (Apache-2.0), trained from scratch.
+
+Needs the extra rivals. It sees the very batches that our models see: same images, views and order.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from detector.checkpoint import Average, load, save
+from detector.dataset import read_samples
+from detector.detection import CLASS_NAMES, Detections
+from detector.loader import Batch, batches
+from detector.progress import Progress
+from detector.schedule import Stage, rate_factor
+from files.errors import InputError
+
+RATE, WEIGHT_DECAY, CLIP, WARM_UP = 4e-4, 1e-4, 0.1, 2000
+"""Of the authors' configuration for the size N; the rate is half of theirs, as a batch is 16, not 128."""
+LEAST_PIXELS = 61440
+"""Its 300 queries are chosen from as many points at strides 16 and 32."""
+KEPT = ("model", "average", "optimiser", "passes")
+
+
+def build() -> nn.Module:
+    """The network with random weights. Raises InputError where transformers is not installed."""
+    try:
+        from transformers import DFineConfig, DFineForObjectDetection, HGNetV2Config
+    except ImportError as error:
+        raise InputError(
+            f"row d-fine-n: needs the package transformers (pip install 'foreride[rivals]'): {error}"
+        ) from None
+    backbone = HGNetV2Config(
+        stem_channels=[3, 16, 16],
+        stage_in_channels=[16, 64, 256, 512],
+        stage_mid_channels=[16, 32, 64, 128],
+        stage_out_channels=[64, 256, 512, 1024],
+        stage_num_blocks=[1, 1, 2, 1],
+        stage_numb_of_layers=[3, 3, 3, 3],
+        hidden_sizes=[64, 256, 512, 1024],
+        use_learnable_affine_block=True,
+        out_indices=[3, 4],
+    )
+    config = DFineConfig(
+        backbone_config=backbone,
+        freeze_backbone_batch_norms=False,
+        num_labels=len(CLASS_NAMES),
+        encoder_in_channels=[512, 1024],
+        feat_strides=[16, 32],
+        encoder_hidden_dim=128,
+        encoder_ffn_dim=512,
+        encode_proj_layers=[1],
+        hidden_expansion=0.34,
+        depth_mult=0.5,
+        d_model=128,
+        decoder_in_channels=[128, 128],
+        decoder_ffn_dim=512,
+        decoder_layers=3,
+        decoder_n_points=[6, 6],
+        num_feature_levels=2,
+    )
+    return DFineForObjectDetection(config)
+
+
+def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> nn.Module:
+    """Train on a folder to the end of the stage, or go on from `out`/checkpoint.pt; gives the averaged model."""
+    if stage.width * stage.height < LEAST_PIXELS:
+        raise InputError(
+            f"row d-fine-n: needs images of {LEAST_PIXELS} pixels or more, got {stage.width}x{stage.height}"
+        )
+    torch.manual_seed(seed)
+    model = build().train()
+    samples = list(read_samples(folder, max(stage.width, stage.height, 640)))
+    average = Average(model)
+    optimiser = torch.optim.AdamW(model.parameters(), lr=RATE, weight_decay=WEIGHT_DECAY)
+    parts: dict[str, Any] = {"model": model, "average": average.model, "optimiser": optimiser}
+    passes, file = 0, out / "checkpoint.pt"
+    if file.exists():
+        content = load(file, KEPT)
+        passes = content["passes"]
+        for name, part in parts.items():
+            part.load_state_dict(content[name])
+    out.mkdir(parents=True, exist_ok=True)
+    with Progress(stage.passes, passes) as progress:
+        for number, made in enumerate(batches(samples, (stage,), batch, passes, seed, workers=1), 1):
+            torch.manual_seed(seed + made.passes)  # for the noise it learns to remove: the same after a break
+            for group in optimiser.param_groups:
+                group["lr"] = RATE * rate_factor((stage,), made.passes, WARM_UP)
+            loss = model(pixel_values=made.images.float() / 255, labels=targets(made)).loss
+            optimiser.zero_grad()
+            loss.backward()
+            nn.utils.clip_grad_norm_(model.parameters(), CLIP)
+            optimiser.step()
+            passes = made.passes + batch
+            average.update(model, passes // batch)
+            if number % 20 == 0:
+                save(file, {name: part.state_dict() for name, part in parts.items()} | {"passes": passes})
+            progress.show(passes, f"d-fine-n loss {loss.item():.2f}")
+    save(file, {name: part.state_dict() for name, part in parts.items()} | {"passes": passes})
+    return average.model.eval()
+
+
+def targets(batch: Batch) -> list[dict[str, Tensor]]:
+    """Per image classes, and boxes as fractions, centre and size, of the objects large enough to ask for."""
+    count, _, height, width = batch.images.shape
+    asked = batch.truths.where(batch.truths.classes >= 0)
+    scale = torch.tensor([width, height, width, height])
+    low, high = (asked.boxes / scale).float().split(2, 1)
+    boxes = torch.cat(((low + high) / 2, high - low), 1)
+    mine = [asked.image == i for i in range(count)]
+    return [{"class_labels": asked.classes[m].long(), "boxes": boxes[m]} for m in mine]
+
+
+def detector(model: nn.Module) -> Callable[[NDArray[np.uint8]], Detections]:
+    """A function from an image to detections; the network needs no suppression."""
+
+    def detect(image: NDArray[np.uint8]) -> Detections:
+        height, width = image.shape[:2]
+        with torch.inference_mode():
+            found = model(pixel_values=torch.from_numpy(image).permute(2, 0, 1)[None].float() / 255)
+        scores = found.logits[0].sigmoid()
+        best = scores.flatten().topk(100).indices
+        centre, size = found.pred_boxes[0].split(2, 1)
+        boxes = torch.cat((centre - size / 2, centre + size / 2), 1) * torch.tensor([width, height] * 2)
+        classes = len(CLASS_NAMES)
+        return Detections(
+            boxes[best // classes].numpy(), scores.flatten()[best].numpy(), (best % classes).numpy()
+        )
+
+    return detect

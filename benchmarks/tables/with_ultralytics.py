@@ -1,0 +1,98 @@
+"""The YOLO family by the package `ultralytics`, where the user has installed it.
+
+It is under the AGPL-3.0, so it is no dependency of this project, is never installed with it, and is imported
+only when one of its rows is asked for by name. Its own augmentation and schedule are used.
+"""
+
+import importlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from detector.dataset import image_paths
+from detector.detection import CLASS_NAMES, Detections
+from detector.nms import OVERLAP
+from detector.schedule import Stage
+from files.atomic import write_text
+from files.errors import InputError
+
+YOLOS = {
+    "yolov5n": "yolov5n.yaml",
+    "yolov6n": "yolov6n.yaml",
+    "yolov8n": "yolov8n.yaml",
+    "yolov9t": "yolov9t.yaml",
+    "yolov10n": "yolov10n.yaml",
+    "yolov11n": "yolo11n.yaml",
+    "yolov12n": "yolo12n.yaml",
+}
+"""Rows of Table 4 and the package's names of their architectures, with random weights."""
+
+
+def package(row: str) -> Any:
+    """The module. Raises InputError where it is not installed."""
+    try:
+        return importlib.import_module("ultralytics")
+    except ImportError:
+        raise InputError(
+            f"row {row}: needs the package ultralytics; as it is under the AGPL-3.0 it never comes with this "
+            "project; to use it on your own account: pip install ultralytics"
+        ) from None
+
+
+def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple[Any, int]:
+    """Train a row on `data`/train, or go on where it was broken off; gives the model and its image passes.
+
+    Whole epochs are run, over a share of the images if need be.
+    """
+    yolo, last = package(row).YOLO, out / "run" / "weights" / "last.pt"
+    images = len(image_paths(data / "train"))
+    epochs = math.ceil(stage.passes / images)
+    share = stage.passes / (epochs * images)
+    passes = epochs * round(share * images)
+    if (out / "done").exists():
+        return yolo(last), passes
+    described = out / "data.yaml"
+    out.mkdir(parents=True, exist_ok=True)
+    folders = {"path": str(data.resolve()), "train": "train/images", "val": "val/images"}
+    write_text(described, yaml.safe_dump(folders | {"names": dict(enumerate(CLASS_NAMES))}))
+    if last.exists():
+        yolo(last).train(resume=True)
+    else:
+        yolo(YOLOS[row]).train(
+            data=str(described),
+            epochs=epochs,
+            fraction=share,
+            imgsz=max(stage.width, stage.height),
+            batch=batch,
+            seed=seed,
+            pretrained=False,
+            device="cpu",
+            project=str(out.resolve()),
+            name="run",
+            exist_ok=True,
+        )
+    write_text(out / "done", f"{passes}\n")
+    return yolo(last), passes
+
+
+def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:
+    """A function from an image to detections."""
+
+    def detect(image: NDArray[np.uint8]) -> Detections:
+        size = image.shape[:2]
+        bgr = np.ascontiguousarray(image[..., ::-1])
+        found = model.predict(bgr, imgsz=size, conf=0.001, iou=OVERLAP, max_det=300, verbose=False)[0].boxes
+        boxes, scores, classes = (np.asarray(part.cpu()) for part in (found.xyxy, found.conf, found.cls))
+        return Detections(boxes, scores.clip(0, 1), classes)
+
+    return detect
+
+
+def parameters(model: Any) -> int:
+    """Learned numbers."""
+    return sum(p.numel() for p in model.model.parameters())
