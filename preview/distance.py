@@ -54,24 +54,38 @@ def locate(
     pitch_sigma: float,
     height_sigma: float,
     z: float = 0.0,
+    roll_sigma: float = 0.0,
 ) -> GroundPoints:
     """Return the points of the plane at height `z` seen at `pixels` (n, 2), with first-order covariance.
 
-    pixel_sigma (px, both axes), pitch_sigma (rad) and height_sigma (m, of camera over plane) are independent.
+    pixel_sigma (px, both axes, behind the lens), pitch_sigma and roll_sigma (rad, about the optical axis) and
+    height_sigma (m, of camera over plane) are independent.
     """
     points = ground_point(camera, pose, pixels, z)
     direction = rays(camera, pose, pixels)
-    left, up = pose.rotation[:, 1], pose.rotation[:, 2]
+    right, down = _for_a_pixel(camera, pose, np.asarray(pixels, float).reshape(-1, 2))
     lateral_axis = np.array([-np.sin(pose.yaw), np.cos(pose.yaw), 0.0])
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = (z - pose.z) / direction[:, 2]
         turns = (
-            np.broadcast_to(-left / camera.focal_px, direction.shape),  # one pixel to the right
-            np.broadcast_to(-up / camera.focal_px, direction.shape),  # one pixel down
+            right,
+            down,
             np.cross(lateral_axis, direction),  # pitch nose-down
+            np.cross(pose.rotation[:, 0], direction),  # roll
         )
         columns = [reach[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in turns]
         columns.append(-direction / direction[:, 2:])  # camera rises, measured in the plane
     jacobian = np.stack(columns, axis=2)[:, :2]
-    variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, height_sigma]) ** 2
+    variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, roll_sigma, height_sigma]) ** 2
     return GroundPoints(points[:, :2], np.einsum("nij,j,nkj->nik", jacobian, variance, jacobian))
+
+
+def _for_a_pixel(camera: Camera, pose: CameraPose, pixels: Array) -> tuple[Array, Array]:
+    """Return how far rays (n, 3) turn for one pixel to the right and one down."""
+    if camera.is_pinhole:
+        sides = (-pose.rotation[:, axis] / camera.focal_px for axis in (1, 2))
+        right, down = (np.broadcast_to(side, (len(pixels), 3)) for side in sides)
+        return right, down
+    steps = np.array([[0.5, 0.0], [0.0, 0.5]])
+    right, down = (rays(camera, pose, pixels + step) - rays(camera, pose, pixels - step) for step in steps)
+    return right, down
