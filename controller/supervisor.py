@@ -50,7 +50,7 @@ class Supervised:
             controller.reset()
         self._acting: Controller | None = None
         self._last = np.zeros(len(self._low))
-        self._offset = np.zeros(len(self._low))
+        self._offset, self._fading = np.zeros(len(self._low)), False
         self._book = Book()
 
     @property
@@ -108,10 +108,12 @@ class Supervised:
     def _transfer(self, acting: Controller, wanted: np.ndarray) -> np.ndarray:
         """Bring the command to where who acts now wants it, without a jump where another one acted before."""
         if self._acting is not None and acting is not self._acting:
-            self._offset = self._last - wanted
+            self._offset, self._fading = self._last - wanted, True
         self._acting = acting
-        self._offset = self._fade * self._offset
-        if not np.any(np.abs(self._offset) > 1.0):
+        if self._fading:
+            self._offset = self._fade * self._offset
+            self._fading = bool((np.abs(self._offset) > 1.0).any())
+        if not self._fading:
             self._last = wanted
             return wanted.copy()
         self._last = np.clip(wanted + self._offset, self._low, self._high)
