@@ -42,9 +42,14 @@ class Rows(NamedTuple):
 
 @dataclass
 class Elevation:
-    """The samples of the newest frames. shift_sigma_m: standard deviation of what shifts all positions."""
+    """The samples of the newest frames.
+
+    shift_sigma_m: standard deviation of what shifts all positions. absolute: they rest on triangulation, not
+    on the plane under the wheels.
+    """
 
     shift_sigma_m: float
+    absolute: bool = True
     frames: deque[Rows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
 
     def rows(self) -> Rows:

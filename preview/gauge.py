@@ -77,7 +77,7 @@ class Gauge:
         if track.elevation is None:
             sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
             ragged = 1.0 if track.best.kind.sign > 0 else _RIM
-            track.elevation = Elevation(ragged * sigma)
+            track.elevation = Elevation(ragged * sigma, stereo)
         track.elevation.frames.append(samples)
         return True
 

@@ -28,6 +28,11 @@ def read(path: Path) -> tuple[Array, Array, Array]:
 
     Raises InputError naming the file, line and value.
     """
+    return profile_of(path, *read_table(path))
+
+
+def read_table(path: Path) -> tuple[list[str], Array]:
+    """Names of the columns and the numbers (lines, columns) below them; InputError as `read`."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -37,8 +42,15 @@ def read(path: Path) -> tuple[Array, Array, Array]:
     if not texts:
         raise InputError(f"{path}: is empty; the first line must be {_ALLOWED}")
     rows = [[cell.strip() for cell in text.split(",")] for _, text in texts]
-    places = _places(path, rows[0])
+    if rows[0][0] != "x_m":
+        _places(path, rows[0])
     table = np.array([_numbers(path, texts[k][0], rows[k], rows[0]) for k in range(1, len(rows))])
+    return rows[0], table
+
+
+def profile_of(path: Path, header: list[str], table: Array) -> tuple[Array, Array, Array]:
+    """What `read` returns, from a table whose columns are all stations or heights."""
+    places = _places(path, header)
     if not len(table):
         raise InputError(f"{path}: has a header, but no stations")
     order = np.argsort(places)

@@ -7,7 +7,7 @@ from controller.registry import sees_ahead
 from files.errors import InputError
 from scenarios.schema import Scenario
 
-PERCEPTIONS = ("none", "oracle", "boxes", "camera")
+PERCEPTIONS = ("none", "oracle", "map", "boxes", "camera")
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,7 @@ class Run:
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:
     """Independent generators for each source of chance, so that adding one never shifts another."""
-    names = ("sensors", "boxes", "mounting", "image", "oracle", "faults")
+    names = ("sensors", "boxes", "mounting", "image", "oracle", "faults", "map")
     children = np.random.SeedSequence(seed).spawn(len(names))
     return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
 

@@ -18,6 +18,7 @@ from road.camera import CameraMount, CameraPose, pose_of
 from road.envelope import WheelProfile
 from road.render import Scene
 from scenarios.cases import Case
+from scenarios.mapped import build_map
 from scenarios.oracle import build_oracle
 from scenarios.perception import Blind, Look, Perception, Seeing
 from scenarios.schema import Scenario
@@ -40,6 +41,8 @@ def build_perception(
     if case.perception == "oracle":
         rng, enveloping = streams["oracle"], scenario.enveloping
         return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping), None
+    if case.perception == "map":
+        return build_map(scenario, streams["map"]), None
     nominal = scenario.camera.mount(max(car.axle_x_m))
     mount = true_mount(scenario, nominal, streams["mounting"])
     weights = None
@@ -104,9 +107,7 @@ def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) ->
     return look
 
 
-def camera_eye(
-    scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator
-) -> Eye:
+def camera_eye(scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator) -> Eye:
     """Render what the camera, or the pair of cameras, sees and run the detector on the first image."""
     setup = scenario.camera
     seed = int(rng.integers(2**31))

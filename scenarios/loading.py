@@ -44,6 +44,7 @@ def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: st
     mapping.setdefault("name", path.stem)
     mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
     _fill_in_road(mapping, path)
+    _find_map(mapping, path)
     _fill_in_tuned(mapping)
     scenario = strict.structure(Scenario, mapping, f"{source} (with --set)" if overrides else source)
     assert isinstance(scenario, Scenario)
@@ -129,6 +130,14 @@ def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:
         mapping["road"] = road_block.fill_in(mapping.get("road"), scenario.parent, track_m)
     except InputError as error:
         raise InputError(f"{scenario}: road.file: {error}") from None
+
+
+def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
+    """Name the map's file as found beside the scenario's, if it is there."""
+    wanted = mapping.get("map")
+    if isinstance(wanted, dict) and isinstance(wanted.get("file"), str):
+        beside = scenario.parent / wanted["file"]
+        mapping["map"] = wanted | ({"file": str(beside)} if beside.is_file() else {})
 
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:

@@ -83,6 +83,21 @@ class Detection:
 
 
 @dataclass(frozen=True)
+class MapSetup:
+    """A map of the road for the perception `map`.
+
+    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: how well the
+    car knows where on the map it is; the error is drawn once a drive.
+    """
+
+    file: str
+    localisation_sigma_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        _within("localisation_sigma_m", self.localisation_sigma_m, 0.0, 5.0, "m")
+
+
+@dataclass(frozen=True)
 class Control:
     """How often the controller is asked, how much later its command acts, and the controllers' settings."""
 
@@ -124,6 +139,7 @@ class Scenario:
     faults: tuple[Fault, ...] = ()
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     memory: str | None = None
+    map: MapSetup | None = None
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)
     tyre_load_weight: float = 3.0

@@ -52,9 +52,9 @@ def test_a_pair_measures_edge_and_height(feature: Feature, height: float) -> Non
 
 
 def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
-    tilted = CameraMount(pitch_deg=MOUNT.pitch_deg + 0.5)
+    tilted = CameraMount(pitch_deg=MOUNT.pitch_deg + 0.4)
     alone, pair = (drive(BUMP, unbiased(), base, tilted).stats()[0] for base in (0.0, BASE_M))
-    assert pair["x_m"] == pytest.approx(BUMP.start_m, abs=0.06)
+    assert pair["x_m"] == pytest.approx(BUMP.start_m, abs=0.08)
     assert pair["sigma_m"] < 0.5 * alone["sigma_m"]
 
 

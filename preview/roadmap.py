@@ -1,0 +1,117 @@
+"""A preview from a map: heights of the road that someone else has measured, with their uncertainty.
+
+Any perception that knows the road's surface may come this way (LiDAR, a survey, the cloud, other cars): as
+CSV with one line a station,
+
+    x_m,left_m,right_m,height_sigma_m,position_sigma_m,existence
+    0.00,0.0000,0.0000,0.004,0.05,1
+    0.05,0.0004,0.0001,0.004,0.05,1
+
+where the height columns are those of `road.csv_profile` and the last three are optional, or as ASAM OpenCRG,
+which has no uncertainty.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from files.errors import InputError
+from preview.horizon import RoadPreview, distance_grid
+from road import csv_profile, opencrg
+from road.envelope import PATCH_M, STEP_M, WheelProfile
+from road.enveloping import Enveloping, RigidWheel
+from road.measured import FORMATS, MeasuredSurface, surface
+
+Array = np.ndarray
+_QUALITY = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
+"""Columns that tell how good the map is, and what holds where they are missing."""
+
+
+@dataclass(frozen=True)
+class RoadMap:
+    """Heights of a road by station, and what their maker says of them; stations are odometer positions.
+
+    surface: heights over x and y. height_sigma_m, position_sigma_m, existence: (n,) at `surface.x_m`, as in
+    `RoadPreview`.
+    """
+
+    surface: MeasuredSurface
+    height_sigma_m: Array
+    position_sigma_m: Array
+    existence: Array
+
+    def __post_init__(self) -> None:
+        for name in _QUALITY:
+            values = getattr(self, name)
+            if values.shape != self.surface.x_m.shape:
+                raise InputError(f"{name} must have one value a station, got shape {values.shape}")
+            if not (values >= 0).all():
+                raise InputError(f"{name} must be >= 0, got {values.min():g}")
+        if not (self.existence <= 1).all():
+            raise InputError(f"existence must be <= 1, got {self.existence.max():g}")
+
+
+def read(path: Path | str) -> RoadMap:
+    """The map in a .csv or .crg file. Raises InputError naming the file and what is wrong."""
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"{path}: a map must end in {' or '.join(FORMATS)}")
+    if path.suffix.lower() == ".crg":
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
+        x, y, heights = opencrg.read(path)
+        told = {}
+    else:
+        header, table = csv_profile.read_table(path)
+        kept = [k for k, name in enumerate(header) if name not in _QUALITY]
+        x, y, heights = csv_profile.profile_of(path, [header[k] for k in kept], table[:, kept])
+        told = {name: table[:, header.index(name)] for name in _QUALITY if name in header}
+    quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _QUALITY.items()}
+    try:
+        return RoadMap(surface(x, y, heights, str(path)), **quality)
+    except InputError as error:
+        message = str(error)
+        raise InputError(message if message.startswith(str(path)) else f"{path}: {message}") from None
+
+
+def wheel_tracks(
+    road_map: RoadMap, wheel_y_m: Sequence[float], radius_m: float, enveloping: Enveloping | None = None
+) -> list[WheelProfile]:
+    """What a tyre of this radius feels on each track: the map's heights, enveloped."""
+    x = np.arange(0.0, road_map.surface.length_m + STEP_M / 2, STEP_M)
+    tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
+    heights = (road_map.surface.height(x, y) for y in wheel_y_m)
+    return [WheelProfile(0.0, STEP_M, tyre.effective_height(z, STEP_M, radius_m)) for z in heights]
+
+
+def map_preview(
+    road_map: RoadMap,
+    tracks: Sequence[WheelProfile],
+    wheel_x_m: Array,
+    localisation_sigma_m: float,
+    time_s: float,
+    distance_m: Array | None = None,
+) -> RoadPreview:
+    """The map ahead of wheels that believe to stand at `wheel_x_m`, good to `localisation_sigma_m`.
+
+    Beyond the ends of the map the road is flat and nothing is known: existence 0.
+    """
+    distance = distance_grid() if distance_m is None else distance_m
+    at = np.asarray(wheel_x_m, float)[:, None] + distance
+    known = (at >= 0.0) & (at <= road_map.surface.length_m)
+    stations = road_map.surface.x_m
+
+    def along(values: Array) -> Array:
+        return np.where(known, np.interp(at, stations, values), 0.0)
+
+    height = np.stack([track.height(x) for track, x in zip(tracks, at, strict=True)])
+    return RoadPreview(
+        time_s,
+        distance,
+        height,
+        np.hypot(along(road_map.position_sigma_m), localisation_sigma_m),
+        along(road_map.height_sigma_m),
+        along(road_map.existence),
+    )

@@ -1,0 +1,44 @@
+"""`map`: the road ahead as a map has it, seen from where the car believes to be on it."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from files.errors import InputError
+from preview.horizon import RoadPreview
+from preview.roadmap import RoadMap, map_preview, read, wheel_tracks
+from road.envelope import WheelProfile
+from scenarios.perception import Blind
+from scenarios.schema import Scenario
+from vehicle.parameters import Car
+from vehicle.state import VehicleState
+
+
+class Mapped(Blind):
+    """A map and a place on it that is wrong by `error_m` during the whole drive."""
+
+    def __init__(
+        self, road_map: RoadMap, tracks: Sequence[WheelProfile], car: Car, sigma_m: float, error_m: float
+    ) -> None:
+        super().__init__()
+        self._map, self._tracks = road_map, tracks
+        self._sigma_m, self._error_m = sigma_m, error_m
+        self._axles = np.asarray(car.axle_x_m)
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
+        """The map ahead now."""
+        wheels = float(state().x_m) + self._error_m + self._axles
+        return map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
+
+
+def build_map(scenario: Scenario, rng: np.random.Generator) -> Mapped:
+    """The perception `map` of a scenario, its place on the map drawn from `rng`; InputError without a map."""
+    if scenario.map is None:
+        raise InputError(f"{scenario.name}: perception map needs the field map with a file, got none")
+    car, sigma, known = (
+        scenario.vehicle.parameters,
+        scenario.map.localisation_sigma_m,
+        read(scenario.map.file),
+    )
+    tracks = wheel_tracks(known, car.wheel_y_m, car.wheel_radius_m, scenario.enveloping)
+    return Mapped(known, tracks, car, sigma, sigma * float(rng.standard_normal()))
