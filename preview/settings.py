@@ -40,8 +40,8 @@ class Settings:
     detection_probability: float = 0.8
     false_repeat_probability: float = 0.1  # that a false box meets a track again
     confusion_probability: float = 0.1  # that a box names the wrong class
-    bump_real_probability: float = 0.98  # of what is seen again and again as a bump
-    pothole_real_probability: float = 0.95  # stains and patches look like holes in every frame
+    bump_real_probability: float = 0.99  # of what is seen again and again as a bump
+    pothole_real_probability: float = 0.97  # stains and patches look like holes in every frame
     birth_range_m: float = 35.0
     confirm_existence: float = 0.8
     death_existence: float = 0.05
