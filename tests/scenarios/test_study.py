@@ -105,6 +105,10 @@ def test_malformed_studies_are_refused_in_one_line(
         assert part in message
 
 
-def test_the_example_study_is_valid() -> None:
-    samples = read(Path(__file__).resolve().parents[2] / "examples" / "sweep" / "latency_and_speed.yaml")
-    assert len(samples) == 64 * 2 * 3 * 3
+@pytest.mark.parametrize(
+    ("name", "drives"), [("latency_and_speed", 64 * 2 * 3 * 3), ("quarter_car_map", 10_000)]
+)
+def test_the_example_studies_are_valid(name: str, drives: int) -> None:
+    samples = read(Path(__file__).resolve().parents[2] / "examples" / "sweep" / f"{name}.yaml")
+    assert len(samples) == drives
+    assert all(sample.case().controller == sample.controller for sample in samples[:: drives // 4])
