@@ -89,6 +89,7 @@ def open_session(
     options.intra_op_num_threads = threads
     options.inter_op_num_threads = 1
     options.log_severity_level = 4
+    options.enable_mem_reuse = False  # its plan of buffers costs 7 % of the time, and 20 MiB
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     if size is None:
         options.graph_optimization_level = ort.GraphOptimizationLevel.ORT_DISABLE_ALL

@@ -35,7 +35,7 @@ def build() -> nn.Module:
         raise InputError(
             f"row d-fine-n: needs the package transformers (pip install 'foreride[rivals]'): {error}"
         ) from None
-    backbone = HGNetV2Config(
+    backbone = HGNetV2Config(  # type: ignore[call-arg]
         stem_channels=[3, 16, 16],
         stage_in_channels=[16, 64, 256, 512],
         stage_mid_channels=[16, 32, 64, 128],
@@ -49,7 +49,7 @@ def build() -> nn.Module:
     config = DFineConfig(
         backbone_config=backbone,
         freeze_backbone_batch_norms=False,
-        num_labels=len(CLASS_NAMES),
+        id2label=dict(enumerate(CLASS_NAMES)),
         encoder_in_channels=[512, 1024],
         feat_strides=[16, 32],
         encoder_hidden_dim=128,
@@ -68,7 +68,7 @@ def build() -> nn.Module:
 
 
 def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> nn.Module:
-    """Train on a folder to the end of the stage, or go on from `out`/checkpoint.pt; gives the averaged model."""
+    """Train to the end of the stage, going on from `out`/checkpoint.pt; gives the averaged model."""
     if stage.width * stage.height < LEAST_PIXELS:
         raise InputError(
             f"row d-fine-n: needs images of {LEAST_PIXELS} pixels or more, got {stage.width}x{stage.height}"
