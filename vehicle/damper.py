@@ -135,7 +135,8 @@ class MrTanhDamper:
 
     force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
     A novel hysteretic model for magnetorheological fluid dampers and parameter identification using particle
-    swarm optimization, Sensors and Actuators A 132, 2006, fit for a LORD RD-1005). The sign is smoothed over
+    swarm optimization, Sensors and Actuators A 132, 2006, fit for a LORD RD-1005). The paper's linear
+    stiffness and constant gas force are left out: they belong to the car's spring. The sign is smoothed over
     `switch_m`. The model gives energy back where beta·|v| < delta: a run's audit tells how much.
     """
 

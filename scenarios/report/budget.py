@@ -19,7 +19,8 @@ def error_budget_section(path: Path) -> str:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
         events = [_event(event) for event in document["table"]]
-        told = f"{document['vehicle']} car, means over {len(document['seeds'])} seed(s)"
+        seeds = len(document["seeds"])
+        told = f"{document['vehicle']} car, {f'means over {seeds} seeds' if seeds > 1 else 'one seed'}"
     except (OSError, ValueError, KeyError, TypeError) as error:
         problem = " ".join(f"{type(error).__name__}: {error}".split())
         raise InputError(f"{path}: is no comfort budget ({problem})") from None
@@ -33,17 +34,17 @@ def error_budget_section(path: Path) -> str:
 
 def _event(event: dict[str, Any]) -> str:
     reactive, whole, exact, kept, rest = (float(event[name]) for name in _NUMBERS)
-    lines = [["reactive MPC, no preview", "", f"{reactive:.3f}", ""]]
+    lines = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
     most = max([abs(float(source["cost"])) for source in event["sources"]] + [1e-9])
     for source in sorted(event["sources"], key=lambda source: -source["cost"]):
         cost = float(source["cost"])
-        bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>{cost:.1%}'
+        bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>'
         name = f"{escape(source['source'])} exact <small>{escape(source['replaced_by'])}</small>"
-        lines.append([name, bar, f"{float(source['objective']):.3f}", ""])
+        lines.append([name, bar, f"{cost:.1%}", f"{float(source['objective']):.3f}", ""])
     lines += [
-        ["not of a single source", f"{rest:.1%}", "", ""],
-        ["whole chain as it drives", "", f"{whole:.3f}", f"{kept:.0%}"],
-        ["all of it exact", "", f"{exact:.3f}", "100%"],
+        ["not of a single source", "", f"{rest:.1%}", "", ""],
+        ["whole chain as it drives", "", "", f"{whole:.3f}", f"{kept:.0%}"],
+        ["all of it exact", "", "", f"{exact:.3f}", "100%"],
     ]
-    heads = ["drive with", "cost of its error", "J / passive", "kept of the gain"]
+    heads = ["drive with", "", "cost of its error", "J / passive", "kept of the gain"]
     return f"<h3>{escape(event['event'])}</h3>{table(heads, lines, 1)}"
