@@ -68,9 +68,14 @@ class Fit(NamedTuple):
         return Gaussian(self.state[SHARED], self.covariance[SHARED, SHARED])
 
 
+def table(sights: list[Sight] | Array) -> Array:
+    """Return sights as rows (n, 7), columns as in `Sight`."""
+    return np.asarray(sights, dtype=float).reshape(-1, len(Sight._fields))
+
+
 def fit(
     kind: Kind,
-    sights: list[Sight],
+    sights: list[Sight] | Array,
     start: Array,
     shared: Gaussian,
     directs: list[Direct],
@@ -78,7 +83,7 @@ def fit(
     iterations: int = 3,
     elevation: Elevation | None = None,
 ) -> Fit:
-    """Return the most probable state for all `sights`, from `start`.
+    """Return the most probable state for all `sights` (or their `table`), from `start`.
 
     kind and shared hold the priors; directs are further measurements of single states, such as where a
     wheel struck; elevation is what the images showed of its height.
@@ -91,7 +96,7 @@ def fit(
     known = np.array(priors)
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
-    data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
+    data = table(sights)
     profile = None if elevation is None else elevation.rows()
     state = start.copy()
     for _ in range(iterations):

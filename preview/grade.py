@@ -8,19 +8,18 @@ whatever the detector's noise is. A change that lies ahead of the camera still c
 
 import numpy as np
 
-from preview.fit import GROUND, OFFSET, Sight, X
+from preview.fit import GROUND, OFFSET, Sight, X, table
 
 _BLOCK = 5  # frames
 _LEAST_BLOCKS = 3
 
 
-def strain(sights: list[Sight], state: np.ndarray) -> float:
+def strain(sights: list[Sight] | np.ndarray, state: np.ndarray) -> float:
     """Variance ratio of the residuals of near edges, about 1 on a plane road; 0 for too few sights.
 
     Scatter within blocks counts as no less than what each sight claims of itself.
     """
-    data = np.array(sights, dtype=float).reshape(-1, len(Sight._fields))
-    _, camera_x, camera_z, bottom, _, sigma, _ = data.T
+    _, camera_x, camera_z, bottom, _, sigma, _ = table(sights).T
     model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)
     residual = (bottom + state[OFFSET] - model) / sigma
     residual = residual[np.isfinite(residual)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from preview.calibration import Gaussian
 from preview.elevation import Elevation
-from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit
+from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, table
 from preview.grade import strain
 from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
@@ -139,14 +139,15 @@ class Track:
     def refit(self, shared: Gaussian, settings: Settings) -> None:
         """Fit every kind still in question to all sights, each from where its last fit ended."""
         del self.sights[: -settings.max_boxes]
+        sights = table(self.sights)
         fits = [
-            fit(old.kind, self.sights, old.state, shared, self.directs, settings, 2, self.elevation)
+            fit(old.kind, sights, old.state, shared, self.directs, settings, 2, self.elevation)
             for old in self.fits
         ]
         least = min(candidate.cost for candidate in fits)
         sure = len(self.sights) >= _LEAST_SIGHTS
         self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
-        self.strain = strain(self.sights, self.best.state)
+        self.strain = strain(sights, self.best.state)
 
     def place(self, x_m: float, sigma_m: float) -> None:
         """Put the near edge where something else than the boxes' fit says, with its standard deviation."""
