@@ -83,7 +83,13 @@ class Detector:
             if len(self._sessions) > KEPT_SIZES:
                 self._sessions.popitem(last=False)
         self._sessions.move_to_end(size)
-        return self._sessions[size](image)
+        boxes, scores = self._sessions[size](image)
+        if boxes.shape[1:] != (4,) or scores.shape != (len(boxes), len(CLASS_NAMES)):
+            raise InputError(
+                f"{self.path}: expected boxes K x 4 and scores K x {len(CLASS_NAMES)}, "
+                f"got {boxes.shape} and {scores.shape}"
+            )
+        return boxes, scores
 
 
 def fit_for(width: int, height: int, longest: int) -> Fit:

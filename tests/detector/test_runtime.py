@@ -99,6 +99,13 @@ def altered(tmp_path: Path, change: str) -> Path:
             node.input[:] = ["picture" if name == "image" else name for name in node.input]
     elif change == "outputs":
         del model.graph.output[1]
+    elif change == "opset":
+        model.opset_import[0].version = 999
+    elif change == "swapped":
+        other = {"boxes": "scores", "scores": "boxes"}
+        for node in model.graph.node:
+            node.output[:] = [other.get(name, name) for name in node.output]
+            node.input[:] = [other.get(name, name) for name in node.input]
     elif change == "shape":
         model.graph.input[0].type.tensor_type.shape.dim[3].dim_value = 1
     else:
@@ -113,6 +120,8 @@ def altered(tmp_path: Path, change: str) -> Path:
     [
         ("input", "expected one input image"),
         ("shape", "shape 1 x height x width x 3|not an ONNX model"),
+        ("opset", r"model\.onnx: not an ONNX model that onnxruntime [\d.]+ can run"),
+        ("swapped", r"model\.onnx: expected boxes K x 4 and scores K x 2, got \(300, 2\) and \(300, 4\)"),
         ("outputs", "expected the outputs boxes and scores"),
         ("names", "metadata names must be"),
         ("width", "metadata width must be"),
@@ -120,7 +129,7 @@ def altered(tmp_path: Path, change: str) -> Path:
 )
 def test_names_a_model_of_another_kind(tmp_path: Path, change: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        Detector(altered(tmp_path, change))
+        Detector(altered(tmp_path, change))(np.zeros((96, 96, 3), np.uint8))
 
 
 def test_sessions_for_other_sizes_do_not_pile_up() -> None:
