@@ -1,5 +1,6 @@
 """The estimator: ego motion and boxes in, `RoadPreview` out."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -112,12 +113,16 @@ class Estimator:
                 self.tracker.refit(track)
         self._newest_frame_s = max(self._newest_frame_s, exposure_s)
 
-    def preview(self, time_s: float) -> RoadPreview:
-        """Return the road ahead of each wheel as known at `time_s` (`compose` says what its fields mean)."""
+    def preview(self, time_s: float, correct: Callable[[Track], Track] | None = None) -> RoadPreview:
+        """Return the road ahead of each wheel as known at `time_s` (`compose` says what its fields mean).
+
+        correct: what is to be taken for each track in its place.
+        """
+        tracks = self.tracker.tracks if correct is None else [correct(track) for track in self.tracker.tracks]
         x = self.motion.at(time_s).x_m
         age = max(time_s - self._newest_frame_s, 0.0) if np.isfinite(self._newest_frame_s) else 0.0
         wheels = self.axle_x_m, self.wheel_y_m
-        return compose(self.tracker.tracks, x, *wheels, self.distance_m, self.settings, time_s, age)
+        return compose(tracks, x, *wheels, self.distance_m, self.settings, time_s, age)
 
     def stats(self) -> list[dict[str, Any]]:
         """Return one row for each living track: what it is, where, how sure."""

@@ -22,6 +22,7 @@ from scenarios.mapped import build_map
 from scenarios.oracle import build_oracle
 from scenarios.perception import Blind, Look, Perception, Seeing
 from scenarios.schema import Scenario
+from scenarios.told import corrector
 from vehicle.state import VehicleState
 
 Eye = Callable[[int, VehicleState], Look]
@@ -63,7 +64,8 @@ def build_perception(
         stereo_base_m=scenario.camera.stereo_base_m,
     )
     setup = scenario.camera
-    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images), weights
+    correct = corrector(scenario.road.features, scenario.told)
+    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct), weights
 
 
 def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:

@@ -18,6 +18,7 @@ from preview.estimator import Estimator
 from preview.horizon import RoadPreview
 from preview.memory import Memory
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from scenarios.told import Correct
 from vehicle.sensors import Measurement
 from vehicle.state import VehicleState
 
@@ -116,7 +117,7 @@ class Seeing:
 
     `eye` turns the car's state at exposure into a `Look`. It runs in a thread of its own while simulated
     time goes on; its result is waited for at the tick where it is due, so real time never changes a result.
-    `looks` holds the first camera's images only with `keep_images`.
+    `looks` holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
     """
 
     def __init__(
@@ -126,9 +127,10 @@ class Seeing:
         rate_hz: int,
         latency_s: float,
         keep_images: bool = False,
+        correct: Correct | None = None,
     ) -> None:
         self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
-        self._keep_images = keep_images
+        self._keep_images, self._correct = keep_images, correct
         self._latency = ticks(latency_s)
         self._pool = ThreadPoolExecutor(max_workers=1)
         self._pending: deque[tuple[int, Future[Look]]] = deque()
@@ -177,8 +179,11 @@ class Seeing:
         self._estimator.update_motion(measurement.time_s, measurement)
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
-        """The estimator's road ahead."""
-        return self._estimator.preview(time_s)
+        """The estimator's road ahead, with what it is told exactly."""
+        if (correct := self._correct) is None:
+            return self._estimator.preview(time_s)
+        drift_m = self._estimator.motion.at(time_s).x_m - float(state().x_m)
+        return self._estimator.preview(time_s, lambda track: correct(track, drift_m))
 
     def stats(self) -> dict[str, Any]:
         """Frames, boxes and tracks."""

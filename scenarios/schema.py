@@ -86,8 +86,8 @@ class Detection:
 class MapSetup:
     """A map of the road for the perception `map`.
 
-    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: how well the
-    car knows where on the map it is; the error is drawn once a drive.
+    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: how well
+    the car knows where on the map it is; the error is drawn once a drive.
     """
 
     file: str
@@ -118,6 +118,7 @@ class Scenario:
     braking steadily between them. Its centre of gravity starts at `start_m`; the run ends when the front axle
     reaches the road's end.
     `enveloping` is the tyre's way over obstacles shorter than itself.
+    `told` lists what the estimator is given exactly of the objects that it finds, to see what errors cost.
     `memory` is the memory.yaml that an earlier drive over the same road left in its run folder.
     `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
@@ -138,6 +139,7 @@ class Scenario:
     oracle: OracleErrors = field(default_factory=OracleErrors)
     faults: tuple[Fault, ...] = ()
     estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
+    told: tuple[Literal["distance", "shape"], ...] = ()
     memory: str | None = None
     map: MapSetup | None = None
     appearance: Appearance = field(default_factory=Appearance)

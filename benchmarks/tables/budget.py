@@ -1,0 +1,112 @@
+"""The comfort budget: what each source of error costs of the gain that a perfect preview has.
+
+`python -m benchmarks.tables.budget [--events SCENARIO ...] [--vehicle half] [--seeds 0,1,2] [--json FILE]`
+
+The whole chain (rendered image, detector, estimator, observer, latency, solver in its real-time setting) is
+driven with `mpc_preview`; then one source at a time is replaced by the truth. The gain of reference is that
+of `mpc_preview` with the true road ahead and the true state over `mpc_reactive` as it would drive.
+
+    cost of a source = (J of the whole chain - J with this source true) / (J reactive - J all true)
+
+so 0.05 means: without this error 5 % of the possible gain would be kept in addition. Costs need not add up to
+what the whole chain loses, because errors hide one another; `rest` is the difference. J is relative to
+passive.
+
+JSON: {"schema": 1, "manifest": {...}, "vehicle": "half", "seeds": [0, ...], "events": ["hump_flat_30", ...],
+       "table": [{"event": "hump_flat_30" | "mean",
+                  "reactive": J, "whole": J, "all_true": J, "kept": share of the gain that the chain keeps,
+                  "rest": share,
+                  "sources": [{"source": "detector" | "distance" | "shape" | "latency" | "observer" |
+                               "solver", "replaced_by": "exact boxes of all objects in sight",
+                               "objective": J with it true, "cost": share of the gain}, ...]}, ...]}
+
+Every J is the mean over the seeds; the row "mean" holds means over the events.
+"""
+
+import numpy as np
+
+from benchmarks.tables.runs import Variant, arguments, metric, run_all
+from files.atomic import write_text
+from scenarios.runfolder import environment, to_json
+from scenarios.sets import load_all
+
+EXACT_BOXES = [
+    "boxes.pixel_sigma=0",
+    "boxes.miss_probability=0",
+    "boxes.min_height_px=0",
+    *(f"{block}.{edge}_bias_px=[0, 0]" for block in ("boxes", "estimator") for edge in ("bottom", "top")),
+]
+LONG_PLAN = ["control.settings.mpc.horizon_s=0.5", "control.settings.mpc.fine_s=0.5"]
+SOURCES: dict[str, tuple[str, str, list[str]]] = {
+    "detector": ("exact boxes of all objects in sight", "boxes", EXACT_BOXES),
+    "distance": ("the true near edge of what was found", "camera", ["told=[distance]"]),
+    "shape": ("the true kind, length and height of what was found", "camera", ["told=[shape]"]),
+    "latency": ("boxes at the moment of exposure", "camera", ["camera.latency_s=0"]),
+    "observer": ("the true state of the car", "camera", ["observer=truth"]),
+    "solver": ("a plan of 0.5 s, each period of it planned", "camera", LONG_PLAN),
+}
+"""Each source: by what it is replaced, the perception that does it, the fields that are set."""
+EVENTS = ["hump_flat_30", "pothole_60x8_40", "bump_8x40_30"]
+
+
+def table(done: dict[str, np.ndarray], events: list[str]) -> list[dict]:
+    """One row an event and one of their means; `done`: J over passive of each line, (seeds, events)."""
+    mean = {name: values.mean(axis=0) for name, values in done.items()}
+    rows = [
+        _row(event, {name: float(values[k]) for name, values in mean.items()})
+        for k, event in enumerate(events)
+    ]
+    return [*rows, _row("mean", {name: float(values.mean()) for name, values in mean.items()})]
+
+
+def _row(event: str, j: dict[str, float]) -> dict:
+    gain = j["reactive"] - j["all_true"]
+    sources = [
+        {"source": name, "replaced_by": by, "objective": j[name], "cost": (j["whole"] - j[name]) / gain}
+        for name, (by, _, _) in SOURCES.items()
+    ]
+    lost = (j["whole"] - j["all_true"]) / gain
+    rest = lost - sum((j["whole"] - j[name]) / gain for name in SOURCES)
+    return {
+        "event": event,
+        **{name: j[name] for name in ("reactive", "whole", "all_true")},
+        "kept": 1.0 - lost,
+        "rest": rest,
+        "sources": sources,
+    }
+
+
+def main() -> None:
+    parser = arguments("what each source of error costs", seeds="0,1,2")
+    parser.set_defaults(events=EVENTS)
+    asked = parser.parse_args()
+    common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
+    plain = load_all(asked.events, common)
+    exact = load_all(asked.events, [*common, "observer=truth", *LONG_PLAN])
+    variants = [
+        Variant("passive", "passive", "none", plain),
+        Variant("reactive", "mpc_reactive", "none", plain),
+        Variant("all_true", "mpc_preview", "oracle", exact),
+        Variant("whole", "mpc_preview", "camera", plain),
+    ]
+    for name, (_, perception, fields) in SOURCES.items():
+        variants.append(Variant(name, "mpc_preview", perception, load_all(asked.events, [*common, *fields])))
+    seeds = [int(seed) for seed in asked.seeds.split(",")]
+    done = {name: metric(rows, "objective") for name, rows in run_all(variants, seeds).items()}
+    passive = done.pop("passive")
+    rows = table({name: values / passive for name, values in done.items()}, [one.name for one in plain])
+    print(f"\n{asked.vehicle} car, seeds {asked.seeds}; J / passive, and share of the possible gain\n")
+    print(f"| event | reactive | camera | all true | kept | {' | '.join(SOURCES)} | rest |")
+    print("|---" * (6 + len(SOURCES)) + "|")
+    for row in rows:
+        cells = [f"{row[name]:.3f}" for name in ("reactive", "whole", "all_true")] + [f"{row['kept']:.0%}"]
+        cells += [f"{source['cost']:+.1%}" for source in row["sources"]] + [f"{row['rest']:+.1%}"]
+        print(f"| {row['event']} | {' | '.join(cells)} |")
+    if asked.json:
+        names = {"vehicle": asked.vehicle, "seeds": seeds, "events": [one.name for one in plain]}
+        document = {"schema": 1, "manifest": environment(), **names, "table": rows}
+        write_text(asked.json, to_json(document) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""The estimator's tracks with one thing made exact, which tells what the error of it costs."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from preview.elevation import Elevation
+from preview.fit import HEIGHT, LENGTH, X
+from preview.shape import BUMP, HUMP, POTHOLE, TABLE, Kind
+from preview.track import Track
+from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+
+_NEAR_M = 2.0
+_KINDS: dict[type, Kind] = {HalfSineBump: BUMP, WattsHump: HUMP, FlatTopHump: TABLE, Pothole: POTHOLE}
+
+Correct = Callable[[Track, float], Track]
+"""A track and the odometer's error (odometer minus truth, m) at that moment give the corrected track."""
+
+
+def corrector(features: Sequence[Feature], told: Sequence[str]) -> Correct | None:
+    """What makes `distance` (the near edge) or `shape` (kind, length, height) exact; None for nothing told.
+
+    A track far from any feature of its class stays as it is, as does the shape of kinds without a template.
+    """
+    if not told:
+        return None
+
+    def correct(track: Track, drift_m: float) -> Track:
+        alike = [feature for feature in features if feature.cls == track.cls]
+        offsets = [abs(feature.start_m + drift_m - track.start_m) for feature in alike]
+        if not offsets or min(offsets) > _NEAR_M:
+            return track
+        return _corrected(track, alike[offsets.index(min(offsets))], drift_m, told)
+
+    return correct
+
+
+def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[str]) -> Track:
+    best, elevation = track.best, track.elevation
+    state, kind = best.state.copy(), best.kind
+    if "distance" in told:
+        state[X] = feature.start_m + drift_m
+    if "shape" in told and type(feature) in _KINDS:
+        kind = _KINDS[type(feature)]
+        state[LENGTH] = feature.end_m - feature.start_m
+        state[HEIGHT] = feature.depth_m if isinstance(feature, Pothole) else feature.height_m  # type: ignore[union-attr]
+        elevation = elevation or Elevation(1.0)  # a hole is as deep as measured
+    return replace(track, fits=[best._replace(kind=kind, state=state)], elevation=elevation)
