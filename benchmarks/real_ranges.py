@@ -1,0 +1,92 @@
+"""A contact sheet of photographs with the ranges that flat-road geometry gives to the boxes on them.
+
+`python -m benchmarks.real_ranges --data DIR [--count 12] [--height-m 1.3] [--focal 0.8] [--horizon 0.28]
+--out FILE.png`, DIR with `images/` and `labels/` (YOLO).
+
+Nobody knows how these cameras sat. Assumed, and printed on the sheet: the camera's height over the road,
+its focal length in image widths, and where the horizon lies in image heights (below 0: over the image). Lines
+across the road mark 5, 10 and 20 m; a range can be judged by lane widths and vehicles near it, no more.
+"""
+
+import argparse
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from detector.imagefile import read_image
+from files.atomic import write_bytes
+from files.errors import InputError
+from preview.distance import depression, distance_of, row_of
+from road.camera import Camera
+
+TILE_PX = (420, 280)
+COLUMNS = 4
+MARKS_M = (5.0, 10.0, 20.0)
+
+
+def ranges(camera: Camera, horizon_row: float, height_m: float, rows: np.ndarray) -> np.ndarray:
+    """Distance along the road (m) of image rows, nan above the horizon, which tells the pitch."""
+    pitch = -depression(camera, horizon_row)
+    return distance_of(height_m, depression(camera, rows) + pitch)
+
+
+def tile(image: np.ndarray, boxes: np.ndarray, height_m: float, focal: float, horizon: float) -> np.ndarray:
+    """The photograph with its boxes (n, 4) xyxy px, their ranges and the marks."""
+    height, width = image.shape[:2]
+    camera = Camera(width, height, focal * width)
+    row = horizon * height
+    shown = image.copy()
+    for metres in MARKS_M:
+        at = float(row_of(camera, np.arctan2(height_m, metres) + depression(camera, row)))
+        cv2.line(shown, (0, round(at)), (width, round(at)), (90, 200, 90), 1)
+        cv2.putText(
+            shown, f"{metres:g} m", (3, round(at) - 2), cv2.FONT_HERSHEY_SIMPLEX, width / 1100, (90, 200, 90)
+        )
+    for box, metres in zip(boxes, ranges(camera, row, height_m, boxes[:, 3]), strict=True):
+        left, top, right, bottom = (round(float(value)) for value in box)
+        cv2.rectangle(shown, (left, top), (right, bottom), (255, 170, 0), max(1, width // 300))
+        where = (left, max(top - 4, 12))
+        told = f"{metres:.1f} m" if np.isfinite(metres) else "over the horizon"
+        cv2.putText(shown, told, where, cv2.FONT_HERSHEY_SIMPLEX, width / 700, (255, 60, 0), 2)
+    return cv2.resize(shown, TILE_PX, interpolation=cv2.INTER_AREA)
+
+
+def labelled(path: Path, width: int, height: int) -> np.ndarray:
+    """Boxes (n, 4) xyxy px of a YOLO label file."""
+    rows = np.array(path.read_text().split(), float).reshape(-1, 5)
+    centre, size = rows[:, 1:3] * (width, height), rows[:, 3:5] * (width, height)
+    return np.concatenate([centre - size / 2, centre + size / 2], axis=1)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="ranges on photographs")
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--count", type=int, default=12)
+    parser.add_argument("--height-m", type=float, default=1.3)
+    parser.add_argument("--focal", type=float, default=0.8, help="in image widths")
+    parser.add_argument("--horizon", type=float, default=0.28, help="in image heights from the top")
+    parser.add_argument("--out", type=Path, required=True)
+    asked = parser.parse_args()
+    images = sorted((asked.data / "images").glob("*.jpg"))
+    if not images:
+        raise InputError(f"{asked.data}: has no images/*.jpg")
+    chosen = images[:: max(1, len(images) // asked.count)][: asked.count]
+    tiles = []
+    for path in chosen:
+        image = read_image(path)
+        boxes = labelled(asked.data / "labels" / f"{path.stem}.txt", image.shape[1], image.shape[0])
+        tiles.append(tile(image, boxes, asked.height_m, asked.focal, asked.horizon))
+    tiles += [np.zeros_like(tiles[0])] * (-len(tiles) % COLUMNS)
+    sheet = np.vstack([np.hstack(tiles[k : k + COLUMNS]) for k in range(0, len(tiles), COLUMNS)])
+    told = f"assumed: camera {asked.height_m:g} m high, focal length {asked.focal:g} widths"
+    told += f", horizon at {asked.horizon:g} of the height"
+    head = np.full((28, sheet.shape[1], 3), 255, np.uint8)
+    cv2.putText(head, told, (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.6, (0, 0, 0), 1, cv2.LINE_AA)
+    png = cv2.imencode(".png", cv2.cvtColor(np.vstack([head, sheet]), cv2.COLOR_RGB2BGR))[1]
+    write_bytes(asked.out, png.tobytes())
+    print(f"{len(chosen)} photographs: {asked.out}")
+
+
+if __name__ == "__main__":
+    main()
