@@ -25,7 +25,7 @@ class Constraints:
 
     def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
         n, corners = state_size(vehicle), vehicle.corners
-        self._wheels, self._n, self._step_s = vehicle.wheels, n, grid.step_s
+        self._wheels, self._n = vehicle.wheels, n
         self._low, self._high = plan_limits(vehicle)
         active = input_size(vehicle) > vehicle.wheels
         self._forces = ForceLimits(vehicle, grid, settings) if active else None
@@ -33,12 +33,9 @@ class Constraints:
         def column(name: str) -> np.ndarray:
             return np.array([[getattr(corner, name)] for corner in corners])
 
-        self._travel, _ = rattle(vehicle, np.eye(n))
+        self._gauge = np.vstack([rattle(vehicle, np.eye(n))[0], motion(vehicle, np.eye(n)).wheel])
         self._jounce, self._rebound = -column("stop_gap_m"), column("rebound_gap_m")
-        self._stiffness, self._damping = column("tyre_n_m"), column("tyre_damping_ns_m")
-        moving = motion(vehicle, np.eye(n))
-        self._wheel = self._stiffness * moving.wheel + self._damping * moving.wheel_velocity
-        self._static = column("static_tyre_n")
+        self._deflection = column("static_tyre_deflection_m")
 
     def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows | None:
         """Limits of corrections of a plan that leads through `states` (n_x, steps + 1), beside bounds."""
@@ -64,8 +61,8 @@ class Constraints:
         return tuple(name for name in NAMES if name in found and found[name].any())
 
     def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
-        travel = self._travel @ states
+        """On the stops; in the air, as far as the tyre's spring decides it."""
+        place = self._gauge @ states
+        travel, wheel = place[: self._wheels], place[self._wheels :]
         stopped = (travel < self._jounce) | (travel > self._rebound)
-        push = (self._stiffness * road - self._wheel @ states)[:, 1:]
-        push += self._damping * np.diff(road, axis=1) / self._step_s
-        return {TRAVEL: stopped, LIFT: push <= -self._static}
+        return {TRAVEL: stopped, LIFT: wheel - road >= self._deflection}

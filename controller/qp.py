@@ -40,17 +40,21 @@ def solve_box(
     with np.errstate(invalid="ignore"):
         if not np.isfinite(gradient @ hessian @ gradient):
             return Solution(np.zeros(n), "not finite")
-    matrix, least, most = rows or Rows(np.zeros((0, n)), np.zeros(0), np.zeros(0))
-    working = np.zeros(n + len(least), dtype=np.intc)
+    matrix, below, above = np.zeros((0, n)), low, high
+    if rows is not None:
+        matrix = rows.matrix
+        below, above = np.concatenate([low, rows.low]), np.concatenate([high, rows.high])
+    working = np.zeros(len(below), dtype=np.intc)
     working[:n][low > -AT_BOUND] = _AT_LOW
     working[:n][high < AT_BOUND] = _AT_HIGH
-    above, below = np.concatenate([high, most]), np.concatenate([low, least])
     x, _, status, _ = daqp.solve(hessian, gradient, matrix, above, below, working)
     if status != 1:
         return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
     inside = np.minimum(np.maximum(x, low), high)
-    along = matrix @ inside
-    error = max(np.abs(inside - x).max(), np.maximum(along - most, least - along).max(initial=0.0))
+    error = np.abs(inside - x).max()
+    if rows is not None:
+        along = matrix @ inside
+        error = max(error, np.maximum(along - rows.high, rows.low - along).max(initial=0.0))
     if not error <= INSIDE:
         return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
     return Solution(inside, None)

@@ -41,6 +41,7 @@ class RoadAhead:
     def __init__(self, wheels: int, settings: RoadSettings):
         self._wheels, self._settings = wheels, settings
         self._ways = len(WAYS) if settings.uncertainty == "scenarios" else 1
+        self._certain = np.eye(1, self._ways)[0]
         self.reset()
 
     def reset(self) -> None:
@@ -59,7 +60,8 @@ class RoadAhead:
         self._see(preview)
         before = self._before
         since = estimate.time_s - before.time_s if before is not None else 0.0
-        past, now = np.moveaxis(self._previewed(np.array([-since, 0.0])), 2, 0)
+        seen = self._previewed(np.array([-since, 0.0]))
+        past, now = seen[..., 0], seen[..., 1]
         excess = estimate.road_height - now
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
         slope = estimate.road_velocity
@@ -83,17 +85,17 @@ class RoadAhead:
         return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * carried
 
     def _see(self, preview: RoadPreview | None) -> None:
-        self.weights = np.eye(1, self._ways)[0]
+        self.weights = self._certain
         if preview is None:
             self._grid, self._expected = np.array([0.0, 1.0]), np.zeros((self._ways, self._wheels, 2))
             return
         self._grid = preview.distance_m
         rows = [self._roads(preview, wheel, alignment) for wheel, alignment in enumerate(self._alignments)]
-        self._expected = np.stack(rows, axis=1)
+        self._expected = np.array(rows).swapaxes(0, 1)
         if self._ways > 1:
             likely = _likelihood(preview)
-            self.weights = likely * _POSITION if preview.position_sigma_m.any() else likely * self.weights
-            self.weights[-1] = 1.0 - likely
+            position = _POSITION if preview.position_sigma_m.any() else self._certain
+            self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
     def _roads(self, preview: RoadPreview, wheel: int, alignment: Alignment) -> np.ndarray:
         """Heights (roads, n) of one wheel's roads on the preview's grid."""
