@@ -43,16 +43,17 @@ class Gauge:
     """
 
     def __init__(self, camera: Camera, base_m: float, settings: Settings) -> None:
-        self.camera, self.base_m, self.settings = camera, base_m, settings
+        self.camera, self.base_m, self.settings = camera.pinhole, base_m, settings
+        self._straight = None if camera.is_pinhole else _straightening(camera)
         self._shots: deque[Shot] = deque(maxlen=_KEPT)
 
     def measure(
         self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
     ) -> list[Track]:
         """Look at one frame, images (H, W, 3) RGB; returns the tracks about which there is something new."""
-        shot = Shot(pose, cv2.cvtColor(image, cv2.COLOR_RGB2GRAY))
+        shot = Shot(pose, self.grey(image))
         if second is not None:
-            other = Shot(second_pose(pose, self.base_m), cv2.cvtColor(second, cv2.COLOR_RGB2GRAY))
+            other = Shot(second_pose(pose, self.base_m), self.grey(second))
         else:
             earlier = [s for s in self._shots if pose.x - s.pose.x >= _MONO_BASE_M]
             self._shots.append(shot)
@@ -61,6 +62,11 @@ class Gauge:
             other = earlier[-1]
         stereo = second is not None
         return [track for track in tracks if self._measure_one(shot, other, stereo, track, tracks)]
+
+    def grey(self, image: Array) -> Array:
+        """The image (H, W, 3) RGB in grey levels (H, W), as an ideal lens would show it."""
+        grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+        return grey if self._straight is None else cv2.remap(grey, *self._straight, cv2.INTER_LINEAR)
 
     def _measure_one(self, shot: Shot, other: Shot, stereo: bool, track: Track, tracks: list[Track]) -> bool:
         rows = self._rows_of(shot.pose, track)
@@ -142,6 +148,13 @@ class Gauge:
             3.0 * forward * slant / self.camera.focal_px,
             slant,
         )
+
+
+def _straightening(camera: Camera) -> tuple[Array, Array]:
+    """Columns and rows (for `cv2.remap`) at which the lens shows what an ideal one shows at each pixel."""
+    v, u = np.mgrid[: camera.height_px, : camera.width_px] + 0.5
+    bent = camera.bent(np.stack([u.ravel(), v.ravel()], axis=1)).astype(np.float32) - np.float32(0.5)
+    return bent[:, 0].reshape(u.shape), bent[:, 1].reshape(u.shape)
 
 
 def _strip(track: Track, pose: CameraPose) -> tuple[float, float]:

@@ -7,6 +7,7 @@ import pytest
 
 from detector.detection import Detections
 from preview.estimator import Estimator
+from preview.gauge import Gauge
 from preview.settings import Settings
 from preview.stereo import second_pose
 from road.appearance import Appearance
@@ -68,3 +69,14 @@ def test_without_images_nothing_is_measured() -> None:
         estimator.update_boxes(0.0, box)
     assert estimator.tracker.tracks[0].confirmed
     assert estimator.tracker.tracks[0].elevation is None
+
+
+def test_images_are_seen_as_through_an_ideal_lens() -> None:
+    bent = Camera(distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))
+    scene, pose = Scene(Road(60.0, (BUMP,)), Appearance(), 2), pose_of(MOUNT, 25.0, 0.0, 0.0)
+    images = [scene.render(camera, pose, 0).image for camera in (CAMERA, bent)]
+    ideal, crooked, straight = (
+        Gauge(camera, 0.2, unbiased()).grey(image)[200:380, 60:580].astype(float)
+        for camera, image in ((CAMERA, images[0]), (CAMERA, images[1]), (bent, images[1]))
+    )
+    assert np.abs(straight - ideal).mean() < 0.5 * np.abs(crooked - ideal).mean()
