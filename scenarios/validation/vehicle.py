@@ -95,7 +95,7 @@ def _one_tick(car: Car) -> tuple[Array, Array]:
     held[0, :wheels] = [corner.damping_passive_ns_m for corner in car.corners]
 
     def after(row: Array, control_row: Array) -> Array:
-        return engine.advance(row, control_row)[0, engine.order][:moving]
+        return engine.advance(row, control_row, np.empty((1, engine.size)))[engine.order][:moving]
 
     state, drive_in = np.zeros((moving, moving)), np.zeros((moving, wheels))
     for j in range(moving):
