@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from detector.backends import Run, open_network, open_session, require
 from detector.detection import CLASS_NAMES, Detections
+from detector.edges import sharpen
 from detector.nms import OVERLAP, select
 from files.errors import InputError
 
@@ -65,7 +66,8 @@ class Detector:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
         An image whose sides are multiples of 32 from 64 on goes in as it is; any other is scaled so that
-        its longer side has the training width, and padded. Raises InputError for another kind of array.
+        its longer side has the training width, and padded. The rows of wide bumps are found again in the
+        image. Raises InputError for another kind of array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
@@ -73,7 +75,7 @@ class Detector:
         boxes, scores = self.candidates(lay_out(image, fit))
         found = select(boxes / fit.scale, scores, self.confidence, self.iou)
         found.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=found.boxes)
-        return found
+        return sharpen(image, found)
 
     def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """The network alone: boxes (K, 4) in pixels and scores (K, classes) of an image that fits it."""
