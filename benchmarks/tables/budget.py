@@ -80,6 +80,8 @@ def main() -> None:
     parser = arguments("what each source of error costs", seeds="0,1,2")
     parser.set_defaults(events=EVENTS)
     asked = parser.parse_args()
+    if asked.read:
+        parser.error("--read: a budget is driven in one piece")
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
     plain = load_all(asked.events, common)
     exact = load_all(asked.events, [*common, "observer=truth", *LONG_PLAN])
