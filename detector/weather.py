@@ -41,14 +41,14 @@ def rain(image: Image, strength: float, rng: Generator) -> Image:
     angle = slant + rng.normal(0, 2, count) * DEGREES
     start = rng.random((count, 2)) * (columns, rows)
     end = start + length[:, None] * np.stack((np.sin(angle), np.cos(angle)), 1)
-    veil = np.zeros((rows, columns), np.uint8)
+    veil: Image = np.zeros((rows, columns), np.uint8)
     for part in np.array_split(np.argsort(near), 4):  # four brightnesses, the nearest on top
         if len(part):
             shade = 60 + 150 * float(near[part].mean())
             lines = np.stack((start[part], end[part]), 1) * 16
             cv2.polylines(veil, list(lines.astype(np.int32)), False, shade, 1, cv2.LINE_AA, 4)
-    veil = cv2.GaussianBlur(veil, (0, 0), 0.6)
-    dull = fog(cv2.convertScaleAbs(image, alpha=1 - 0.25 * strength), 0.4 * strength, rng)
+    veil = cv2.GaussianBlur(veil, (0, 0), 0.6).astype(np.uint8, copy=False)
+    dull = fog((image * (1 - 0.25 * strength)).astype(np.uint8), 0.4 * strength, rng)
     return _over(dull, veil, 0.35 + 0.35 * strength, _lit(image, 215.0))
 
 
@@ -59,14 +59,15 @@ def snow(image: Image, strength: float, rng: Generator) -> Image:
     near = rng.random(count) ** 4
     radius = (0.6 + 5.0 * near) * rows / 384
     centre = rng.random((count, 2)) * (columns, rows)
-    veil = np.zeros((rows, columns), np.uint8)
+    veil: Image = np.zeros((rows, columns), np.uint8)
     for (x, y), r, depth in zip((centre * 16).astype(int), radius, near, strict=True):
         cv2.circle(veil, (int(x), int(y)), int(r * 16), 235 - 110 * float(depth), -1, cv2.LINE_AA, 4)
     length, angle = rng.uniform(1.5, 4.0) * rows / 384, rng.uniform(50, 130)
-    veil = cv2.filter2D(veil, -1, _line(length, angle))
-    level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (rows // 40 + 1, rows // 40 + 1))
+    veil = cv2.filter2D(veil, -1, _line(length, angle)).astype(np.uint8, copy=False)
+    window = rows // 40 + 1, rows // 40 + 1
+    level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), window).astype(np.uint8, copy=False)
     cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # of each grey level
-    lying = _over(image, cv2.LUT(level, cover.astype(np.uint8)), 0.5 * strength, _lit(image, 235.0))
+    lying = _over(image, cover.astype(np.uint8)[level], 0.5 * strength, _lit(image, 235.0))
     return _over(fog(lying, 0.4 * strength, rng), veil, 0.85, _lit(image, 245.0))
 
 
