@@ -40,8 +40,9 @@ class Native:
 
     def __init__(self, parameters: Car) -> None:
         model = build_model(parameters)
-        self._models, self._data = [model], [mujoco.MjData(model)]
-        self._control = self._data[0].ctrl
+        self._model, self._only = model, mujoco.MjData(model)
+        self._models, self._data = [self._model], [self._only]
+        self._control = self._only.ctrl
         self._rollout = Rollout(nthread=0)  # on the calling thread
         self.size = mujoco.mj_stateSize(model, _PHYSICS)
         self.order = _state_order(parameters)
@@ -50,24 +51,25 @@ class Native:
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
 
-        Returns the last one. A single tick that goes on from there is quicker without a rollout.
+        Returns the last one. Rows of one tick may be (size,) and (columns,): if it goes on from the last
+        row, that is quicker without a rollout.
         """
-        if len(rows) == 1 and row is self._reached:
-            model, data = self._models[0], self._data[0]
-            self._control[:] = control[0]
-            mujoco.mj_step(model, data)
-            mujoco.mj_getState(model, data, rows[0], _PHYSICS)
-        else:
-            state = rows[None]
-            self._rollout.rollout(
-                self._models,
-                self._data,
-                row[None],
-                control[None],
-                nstep=len(rows),
-                state=state,
-                skip_checks=True,
-            )
+        if rows.ndim == 1 and row is self._reached:
+            self._control[:] = control
+            mujoco.mj_step(self._model, self._only)
+            mujoco.mj_getState(self._model, self._only, rows, _PHYSICS)
+            self._reached = rows
+            return rows
+        control, rows = np.atleast_2d(control, rows)
+        self._rollout.rollout(
+            self._models,
+            self._data,
+            row[None],
+            control[None],
+            nstep=len(rows),
+            state=rows[None],
+            skip_checks=True,
+        )
         self._reached = rows[-1]
         return self._reached
 
@@ -96,8 +98,9 @@ class Stepped:
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
 
-        Returns the last one.
+        Returns the last one. Rows of one tick may be (size,) and (columns,).
         """
+        control, rows = np.atleast_2d(control, rows)
         mujoco.mj_setState(self._model, self._data, row[: self._physics], _PHYSICS)
         settings = row[self._physics : self._physics + self._wheels].tolist()
         flat, before = (

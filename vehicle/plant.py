@@ -43,6 +43,9 @@ class Plant:
         self._order = self._engine.order
         self._inputs, self._wheels = input_size(parameters), parameters.wheels
         self._columns = self._inputs + self._wheels + (len(parameters.body_inertia) > 1)
+        self._shape = (self._inputs,)
+        self._dampers = np.s_[..., : self._wheels]
+        self._forces = np.s_[..., 2 * self._wheels : self._wheels + self._inputs]
 
     def reset(self, profiles: Sequence[Profile], x_m: float, speed: float | SpeedProfile) -> None:
         """Put the car with its centre of gravity at x_m on the road of `profiles`, one a wheel, front first.
@@ -91,12 +94,17 @@ class Plant:
             self._finish_leg()
             self._prepare(self._motion, self._x_m, ticks)
             first, last = 0, ticks
-        asked = self._command(command)
-        control, rows, wheels = self._control[first:last], self._rows[first:last], self._wheels
-        control[:, :wheels] = asked[:wheels]
-        if self._inputs > wheels:
-            control[:, 2 * wheels : wheels + self._inputs] = asked[wheels:]
-        self._row = self._engine.advance(self._row, control, rows)
+        asked = np.array(command, float)
+        if asked.shape != self._shape:
+            asked = self._without_force(asked)
+        which = first if ticks == 1 else slice(first, last)
+        control, wheels = self._control[which], self._wheels
+        if self._inputs == wheels:
+            control[self._dampers] = asked
+        else:
+            control[self._dampers] = asked[:wheels]
+            control[self._forces] = asked[wheels:]
+        self._row = self._engine.advance(self._row, control, self._rows[which])
         self._used, self._tick, self._seen = last, self._tick + ticks, None
         self._commands.append(asked)
         self._counts.append(ticks)
@@ -146,17 +154,12 @@ class Plant:
         road = road_under(self.parameters, self._profiles, x_m, speed_m_s)
         return observe(self.parameters, time_s, x_m, speed_m_s, x, command, road, acc)
 
-    def _command(self, command: ArrayLike) -> Array:
-        """The command with all inputs; forces that are not given are zero."""
-        given = np.array(command, float)
-        if given.shape == (self._inputs,):
-            return given
+    def _without_force(self, given: Array) -> Array:
+        """The command with all inputs that one of damper settings alone stands for."""
         if given.shape != (self._wheels,):
             wanted = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
             raise InputError(f"command must hold {wanted} values, got shape {given.shape}")
-        full = np.zeros(self._inputs)
-        full[: len(given)] = given
-        return full
+        return np.concatenate([given, np.zeros(self._inputs - self._wheels)])
 
     def _finish_leg(self) -> None:
         """Put what was driven of the prepared road on record."""
