@@ -60,9 +60,9 @@ class Elevation:
 
 
 def equations(kind: Kind, rows: Rows, shift_sigma_m: float, state: Array) -> tuple[Array, Array, float]:
-    """Information (5, 5), gradient (5,) and half the squared error that samples add to a fit.
+    """Information (6, 6), gradient (6,) and half the squared error that samples add to a fit.
 
-    state: [X, b, z, L, H] of `preview.fit`; pitch offset and ground height do not matter here.
+    state: [X, b, z, L, H, d] of `preview.fit`; b, z and d do not matter here.
     """
     shape = np.array([state[0], state[3], state[4]])
     model = seen(kind, rows, *shape)
@@ -71,7 +71,7 @@ def equations(kind: Kind, rows: Rows, shift_sigma_m: float, state: Array) -> tup
         for step in np.diag(_STEP)
     )
     zero = np.zeros_like(model)
-    jacobian = np.stack([by_x, zero, zero, by_length, by_height], axis=1)
+    jacobian = np.stack([by_x, zero, zero, by_length, by_height, zero], axis=1)
     centre = state[0] + 0.5 * state[3]
     nuisance = np.stack([np.ones_like(model), rows.x_m - centre, by_x], axis=1)
     prior = np.diag([_OFFSET_SIGMA_M**-2, _SLOPE_SIGMA**-2, shift_sigma_m**-2])
@@ -81,9 +81,9 @@ def equations(kind: Kind, rows: Rows, shift_sigma_m: float, state: Array) -> tup
     cross = (nuisance * weight[:, None]).T @ jacobian
     aside = (nuisance * weight[:, None]).T @ residual
     solved = np.linalg.solve(own, np.column_stack([cross, aside]))
-    information = (jacobian * weight[:, None]).T @ jacobian - cross.T @ solved[:, :5]
-    gradient = (jacobian * weight[:, None]).T @ residual - cross.T @ solved[:, 5]
-    cost = 0.5 * (float(weight @ residual**2) - float(aside @ solved[:, 5]))
+    information = (jacobian * weight[:, None]).T @ jacobian - cross.T @ solved[:, :-1]
+    gradient = (jacobian * weight[:, None]).T @ residual - cross.T @ solved[:, -1]
+    cost = 0.5 * (float(weight @ residual**2) - float(aside @ solved[:, -1]))
     return information, gradient, cost
 
 

@@ -57,7 +57,8 @@ class Estimator:
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
         by_marks = self.settings.distance == "cross_ratio"
-        self.tracker = Tracker(self.settings, marks_of(camera, mount) if by_marks else None)
+        marks = marks_of(camera, mount) if by_marks else None
+        self.tracker = Tracker(self.settings, camera.focal_px, marks)
         if memory is not None:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))

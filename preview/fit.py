@@ -1,8 +1,9 @@
 """Gauss-Newton over all boxes of one object: where it is, and what offset the camera's pitch has.
 
-State s = [X, b, z, L, H]: near edge X (m), pitch offset b (rad), ground height z at the object over the
-local road plane (m), length L and height or depth H (m). A box seen from a camera at (x_c, h) says
-    bottom row:  depression + pitch + b = atan2(h - z, X - x_c)
+State s = [X, b, z, L, H, d]: near edge X (m), pitch offset b (rad), ground height z at the object over the
+local road plane (m), length L and height or depth H (m), angle d (rad) by which the detector draws bottom
+edges too low. A box seen from a camera at (x_c, h) says
+    bottom row:  depression + pitch + b - d = atan2(h - z, X - x_c)
     top row:     depression + pitch + b = the smallest atan2(h - z - H p(t), X + t L - x_c) over t in 0..1
 with p the relief of the kind: the top of the box is the silhouette of crest or far edge. Gaussian priors
 close the problem; a Cauchy loss bounds what one wrong box can do (Triggs et al., Bundle adjustment, 2000).
@@ -18,11 +19,12 @@ from preview.settings import Settings
 from preview.shape import Kind, relief
 
 Array = np.ndarray
-X, OFFSET, GROUND, LENGTH, HEIGHT = range(5)
-SHARED = slice(OFFSET, LENGTH)  # offset and ground height, of which objects have a part in common
+X, OFFSET, GROUND, LENGTH, HEIGHT, LOW = range(6)
+SHARED = np.array([OFFSET, GROUND, LOW])  # of which objects have a part in common
+_BOTH = np.ix_(SHARED, SHARED)
 _SHARE = np.linspace(0.0, 1.0, 21)
-_LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01])
-_MOST = np.array([np.inf, 0.1, 0.2, 6.0, 0.3])
+_LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
+_MOST = np.array([np.inf, 0.1, 0.2, 6.0, 0.3, 0.03])
 _CAUCHY = 2.5  # residuals of so many standard deviations count half
 
 
@@ -50,7 +52,7 @@ class Direct(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Result: state (5,), covariance (5, 5), and the negative log evidence to compare kinds by."""
+    """Result: state (6,), covariance (6, 6), and the negative log evidence to compare kinds by."""
 
     kind: Kind
     state: Array
@@ -64,8 +66,14 @@ class Fit(NamedTuple):
 
     @property
     def shared(self) -> Gaussian:
-        """Marginal of pitch offset and ground height."""
-        return Gaussian(self.state[SHARED], self.covariance[SHARED, SHARED])
+        """Marginal of pitch offset, ground height and rows' error."""
+        return Gaussian(self.state[SHARED], self.covariance[_BOTH])
+
+
+def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) -> Array:
+    """Return the state (6,) of an object of which no more than this is known."""
+    offset, ground, low = shared.mean
+    return np.array([x_m, offset, ground, length_m, height_m, low])
 
 
 def table(sights: list[Sight] | Array) -> Array:
@@ -105,7 +113,7 @@ def fit(
             added = equations(kind, profile, elevation.shift_sigma_m, state)
             information, gradient, cost = information + added[0], gradient + added[1], cost + added[2]
         away = shared.mean - state[SHARED]
-        information[SHARED, SHARED] += shared_information
+        information[_BOTH] += shared_information
         gradient[SHARED] += shared_information @ away
         cost += 0.5 * float(away @ shared_information @ away)
         normal = (known[:, 1] - state[index]) / known[:, 2]
@@ -135,7 +143,7 @@ def silhouette(kind: Kind, state: Array, camera_x: Array, camera_z: Array) -> tu
 def _normal_equations(
     kind: Kind, data: Array, state: Array, settings: Settings
 ) -> tuple[Array, Array, float]:
-    """Return information (5, 5), gradient (5,) and half the robust squared error of the boxes."""
+    """Return information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
     camera_x, camera_z = data[:, 1], data[:, 2]
     ahead, below, share = silhouette(kind, state, camera_x, camera_z)
     ahead = np.concatenate([state[X] - camera_x, ahead])
@@ -145,13 +153,14 @@ def _normal_equations(
     measured = np.concatenate([data[:, 3], data[:, 4]])
     sigma = np.concatenate([data[:, 5], data[:, 6]])
 
-    residual = measured + state[OFFSET] - np.arctan2(below, ahead)
+    bottom = np.concatenate([np.ones(len(data)), np.zeros(len(data))])
+    residual = measured + state[OFFSET] - bottom * state[LOW] - np.arctan2(below, ahead)
     seen = np.isfinite(residual)
     square = ahead**2 + below**2
     by_ahead, by_below = -below / square, ahead / square  # of the modelled angle
     # Rows of the Jacobian of (model - measured); at the silhouette the share itself does not matter.
     jacobian = np.stack(
-        [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise], axis=1
+        [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise, bottom], axis=1
     )
     normal = np.where(seen, residual / sigma, 0.0)
     robust = 1.0 + (normal / _CAUCHY) ** 2

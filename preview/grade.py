@@ -8,7 +8,7 @@ whatever the detector's noise is. A change that lies ahead of the camera still c
 
 import numpy as np
 
-from preview.fit import GROUND, OFFSET, Sight, X, table
+from preview.fit import GROUND, LOW, OFFSET, Sight, X, table
 
 _BLOCK = 5  # frames
 _LEAST_BLOCKS = 3
@@ -21,7 +21,7 @@ def strain(sights: list[Sight] | np.ndarray, state: np.ndarray) -> float:
     """
     _, camera_x, camera_z, bottom, _, sigma, _ = table(sights).T
     model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)
-    residual = (bottom + state[OFFSET] - model) / sigma
+    residual = (bottom + state[OFFSET] - state[LOW] - model) / sigma
     residual = residual[np.isfinite(residual)]
     count = len(residual) // _BLOCK
     if count < _LEAST_BLOCKS:

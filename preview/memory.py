@@ -1,7 +1,8 @@
-"""What a drive leaves for the next one: how the camera really sits, and what lies where on this road.
+"""What a drive leaves for the next one: how the camera sits, what the detector's rows mean, what lies where.
 
-A file of it (YAML) belongs to one car on one road. Positions are those of the odometer, so both drives must
-start at the same place; what the odometer drifts meanwhile widens what is remembered.
+A file of it (YAML) belongs to one car on one road; without its objects it serves on any. Positions are
+those of the odometer, so both drives must start at the same place; what the odometer drifts meanwhile widens
+what is remembered.
 """
 
 from dataclasses import dataclass
@@ -10,12 +11,11 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from detector.detection import CLASS_NAMES
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError
-from preview.calibration import Calibration
-from preview.fit import HEIGHT, LENGTH, Direct, X, fit
+from preview.calibration import MOUNTING, ROWS, Calibration
+from preview.fit import HEIGHT, LENGTH, Direct, X, fit, start_state
 from preview.settings import Settings
 from preview.shape import KINDS
 from preview.track import Edge, Track
@@ -40,6 +40,20 @@ class Mounting:
                 "pitch_variance and height_variance must be >= 0 and bound the covariance, got "
                 f"{variances[0]:g}, {variances[1]:g} and {self.covariance:g}"
             )
+
+
+@dataclass(frozen=True)
+class Rows:
+    """How far down the detector draws bottom edges, of bumps and of potholes (px), with their covariance.
+
+    with_pitch (rad px), with_height (m px): covariance of each with the errors of the mounting.
+    """
+
+    bottom_px: tuple[float, float]
+    variance: tuple[float, float]
+    covariance: float
+    with_pitch: tuple[float, float]
+    with_height: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -72,10 +86,20 @@ class Remembered:
 
 @dataclass(frozen=True)
 class Memory:
-    """The mounting as learned, and the objects met, in the order in which they were passed."""
+    """Mounting and rows as learned, and the objects met, in the order in which they were passed.
+
+    rows: None in files from before they were learned.
+    """
 
     mounting: Mounting
     objects: tuple[Remembered, ...] = ()
+    rows: Rows | None = None
+
+    def __post_init__(self) -> None:
+        covariance = _covariance(self.mounting, self.rows) if self.rows else np.eye(4)
+        scale = np.sqrt(np.diag(covariance).clip(1e-30))
+        if np.linalg.eigvalsh(covariance / np.outer(scale, scale)).min() < -1e-6:
+            raise InputError(f"rows.variance must be >= 0 and bound the covariances, got {self.rows!r}")
 
 
 def read(path: Path | str) -> Memory:
@@ -92,19 +116,25 @@ def write(path: Path, memory: Memory) -> None:
 
 def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
     """What is worth keeping of a drive: the calibration and all confirmed `tracks`."""
-    (pitch, cross), (_, height) = calibration.covariance.tolist()
-    offset, lift = calibration.mean.tolist()
-    mounting = Mounting(offset, lift, pitch, cross, height)
-    return Memory(mounting, tuple(_remembered(track) for track in tracks if track.confirmed))
+    (pitch, cross, *with_pitch), (_, height, *with_height) = calibration.covariance[MOUNTING].tolist()
+    (bump, both), (_, hole) = calibration.covariance[ROWS, ROWS].tolist()
+    offset, lift, *rows = calibration.mean.tolist()
+    return Memory(
+        Mounting(offset, lift, pitch, cross, height),
+        tuple(_remembered(track) for track in tracks if track.confirmed),
+        Rows(tuple(rows), (bump, hole), both, tuple(with_pitch), tuple(with_height)),
+    )
 
 
 def recall(calibration: Calibration, memory: Memory) -> None:
-    """Start from the mounting as it was learned."""
+    """Start from mounting and rows as they were learned."""
     kept = memory.mounting
-    calibration.mean = np.array([kept.pitch_rad, kept.height_m])
-    calibration.covariance = np.array(
-        [[kept.pitch_variance, kept.covariance], [kept.covariance, kept.height_variance]]
-    )
+    calibration.mean[MOUNTING] = kept.pitch_rad, kept.height_m
+    if memory.rows is None:
+        calibration.covariance[MOUNTING, MOUNTING] = _of_mounting(kept)
+    else:
+        calibration.mean[ROWS] = memory.rows.bottom_px
+        calibration.covariance = _covariance(kept, memory.rows)
 
 
 def expectations(
@@ -115,6 +145,17 @@ def expectations(
         _expected(number, place, calibration, settings, x_m)
         for number, place in enumerate(memory.objects, first)
     ]
+
+
+def _of_mounting(kept: Mounting) -> np.ndarray:
+    return np.array([[kept.pitch_variance, kept.covariance], [kept.covariance, kept.height_variance]])
+
+
+def _covariance(mounting: Mounting, rows: Rows) -> np.ndarray:
+    """Covariance (4, 4) of the states of `preview.calibration`."""
+    across = np.array([rows.with_pitch, rows.with_height])
+    (bump, hole), both = rows.variance, rows.covariance
+    return np.block([[_of_mounting(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]])
 
 
 def _remembered(track: Track) -> Remembered:
@@ -146,13 +187,13 @@ def _expected(
         Direct(LENGTH, place.length_m, place.length_sigma_m),
         Direct(HEIGHT, place.height_m, place.height_sigma_m),
     ]
-    prior = calibration.prior()
-    start = np.array([place.x_m, *prior.mean, place.length_m, place.height_m])
+    prior = calibration.prior(kind.cls)
+    start = start_state(place.x_m, prior, place.length_m, place.height_m)
     best = fit(kind, [], start, prior, directs, settings)
     variance = place.y_sigma_m**2
     track = Track(
         identity,
-        CLASS_NAMES.index("pothole" if kind.sign < 0 else "speed_bump"),
+        kind.cls,
         0.0,
         float(np.log(place.existence / (1 - place.existence))),
         Edge(place.y_min_m, variance),

@@ -22,6 +22,8 @@ class Settings:
     # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards
     bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX
     top_bias_px: tuple[float, float] = TOP_BIAS_PX
+    # How little is known of the former, beside what moves the boxes of all classes alike
+    edge_sigma_px: tuple[float, float] = (0.3, 0.5)
     border_px: float = 2.0  # edges this near to the image border or bonnet are cut, not seen
     bonnet_row_px: float = 1e9  # first image row that the bonnet hides
     max_boxes: int = 48  # of one track, the newest are kept
@@ -85,7 +87,7 @@ class Settings:
             value = getattr(self, field.name)
             if "bias" in field.name or isinstance(value, bool | str):
                 continue
-            if not value > 0:
+            if not (min(value) if isinstance(value, tuple) else value) > 0:
                 raise InputError(f"{field.name} must be > 0, got {value}")
             if ("probability" in field.name or "existence" in field.name) and value >= 1:
                 raise InputError(f"{field.name} must be < 1, got {value}")

@@ -8,7 +8,7 @@ import numpy as np
 
 from preview.calibration import Gaussian
 from preview.elevation import Elevation
-from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, table
+from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, start_state, table
 from preview.grade import strain
 from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
@@ -173,7 +173,7 @@ class Track:
 
         It is as deep as was measured, or else as its length suggests.
         """
-        _, _, _, length, height = self.best.state.tolist()
+        length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
         if self.best.kind is not POTHOLE:
             return Section(self.start_m, length, height)
         beside = y_m - self.centre_y_m
@@ -192,7 +192,7 @@ def _normal_cdf(value: float) -> float:
 
 
 def _first_fit(kind: Kind, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
-    state = np.array([x_m, *shared.mean, kind.length_m, kind.height_m])
-    covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m]) ** 2
-    covariance[SHARED, SHARED] = shared.covariance
+    state = start_state(x_m, shared, kind.length_m, kind.height_m)
+    covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m, 1.0]) ** 2
+    covariance[np.ix_(SHARED, SHARED)] = shared.covariance
     return Fit(kind, state, covariance, -float(np.log(kind.share)))

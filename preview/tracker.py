@@ -25,11 +25,11 @@ class Tracker:
     `marks` the last box alone places an object, by `preview.cross_ratio`.
     """
 
-    def __init__(self, settings: Settings, marks: Marks | None = None) -> None:
+    def __init__(self, settings: Settings, focal_px: float, marks: Marks | None = None) -> None:
         self.settings, self.marks = settings, marks
         self.tracks: list[Track] = []
         self.passed: list[Track] = []
-        self.calibration = Calibration(settings)
+        self.calibration = Calibration(settings, focal_px)
         self.events: list[dict[str, Any]] = []
         self._next_identity = 0
 
@@ -58,7 +58,8 @@ class Tracker:
             if track.confirmed:
                 self.passed.append(track)
                 if track.sights and not track.strained:
-                    self.calibration.learn(track.best.shared, self.calibration.prior())
+                    self.refit(track)  # on today's prior, which is what `learn` takes off again
+                    self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
 
     def expect(self, tracks: list[Track]) -> None:
@@ -68,7 +69,7 @@ class Tracker:
 
     def refit(self, track: Track) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""
-        track.refit(self.calibration.prior(), self.settings)
+        track.refit(self.calibration.prior(track.cls), self.settings)
 
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
@@ -99,7 +100,7 @@ class Tracker:
         return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
 
     def _hit(self, track: Track, view: View, number: int, cls: int) -> None:
-        track.classify(cls, self.calibration.prior(), self.settings)
+        track.classify(cls, self.calibration.prior(cls), self.settings)
         track.sights.append(sight_of(view, number))
         track.hits += 1
         track.weigh(True, self.settings)
@@ -125,7 +126,7 @@ class Tracker:
 
     def _birth(self, view: View, number: int, score: float, cls: int) -> None:
         sight = sight_of(view, number)
-        prior = self.calibration.prior()
+        prior = self.calibration.prior(cls)
         x, sigma = ground_of(view, number, prior)
         if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return

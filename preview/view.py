@@ -9,7 +9,7 @@ from detector.detection import Detections
 from preview.calibration import Gaussian
 from preview.distance import depression, depression_sigma, locate, row_of
 from preview.edge_bias import edge_bias
-from preview.fit import GROUND, LENGTH, OFFSET, Sight, X, silhouette
+from preview.fit import GROUND, LENGTH, LOW, OFFSET, Sight, X, silhouette
 from preview.path import STRAIGHT, Path
 from preview.settings import Settings
 from preview.straighten import straightened
@@ -84,8 +84,9 @@ def sight_of(view: View, number: int) -> Sight:
 def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
     """Return where the middle of a box's bottom meets the road: x and its sigma (m); nan above horizon."""
     box = view.boxes[number]
-    pitch, ground = shared.mean.tolist()
-    pitch_sigma, ground_sigma = np.sqrt(np.diag(shared.covariance)).tolist()
+    turn, lift = np.array([1.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
+    pitch, ground = float(turn @ shared.mean), float(lift @ shared.mean)
+    pitch_sigma, ground_sigma = (float(np.sqrt(row @ shared.covariance @ row)) for row in (turn, lift))
     turned = replace(view.pose, pitch=view.pose.pitch + pitch)
     pixel = np.array([[0.5 * (box[0] + box[2]), box[3]]])
     found = locate(view.camera, turned, pixel, view.settings.pixel_sigma, pitch_sigma, ground_sigma, ground)
@@ -112,13 +113,13 @@ def expected(view: View, track: Track) -> Expected:
     turn = pose.pitch + state[OFFSET]
     ahead = max(float(state[X]) - pose.x, _LEAST_AHEAD_M)
     below = pose.z - float(state[GROUND])
-    bottom_angle = np.arctan2(below, ahead) - turn
+    bottom_angle = np.arctan2(below, ahead) - turn + float(state[LOW])
     far, deep, _ = silhouette(best.kind, state, np.array([pose.x]), np.array([pose.z]))
     top_angle = np.arctan2(deep[0], max(far[0], _LEAST_AHEAD_M)) - turn
     bottom, top = row_of(view.camera, np.clip([bottom_angle, top_angle], -1.2, 1.2))
     square = ahead**2 + below**2
-    slope = np.array([-below / square, -1.0, -ahead / square])
-    used = np.ix_([X, OFFSET, GROUND], [X, OFFSET, GROUND])
+    slope = np.array([-below / square, -1.0, -ahead / square, 1.0])
+    used = np.ix_([X, OFFSET, GROUND, LOW], [X, OFFSET, GROUND, LOW])
     angle_sigma = np.sqrt(slope @ covariance[used] @ slope)
     focal = view.camera.focal_px
     bottom_sigma = focal * (1.0 + np.tan(bottom_angle) ** 2) * angle_sigma

@@ -14,7 +14,8 @@ SETTINGS = Settings()
 
 
 def track(kind, x, sigma=0.06):
-    fits = [f for f in first_fits(kind.cls, x, sigma, Calibration(SETTINGS).prior()) if f.kind is kind]
+    prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
+    fits = [f for f in first_fits(kind.cls, x, sigma, prior) if f.kind is kind]
     found = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
     found.confirmed = True
     return found

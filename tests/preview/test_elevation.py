@@ -5,7 +5,7 @@ import pytest
 
 from preview.calibration import Calibration
 from preview.elevation import Elevation, Rows, equations, seen
-from preview.fit import Fit, fit
+from preview.fit import Fit, fit, start_state
 from preview.settings import Settings
 from preview.shape import BUMP, HUMP, POTHOLE, TABLE, Kind, relief
 
@@ -27,8 +27,8 @@ def measured(kind: Kind, start: float, length: float, height: float, noise: floa
 
 
 def fitted(kind: Kind, elevation: Elevation, near: float) -> Fit:
-    prior = Calibration(SETTINGS).prior()
-    state = np.array([near, *prior.mean, kind.length_m, kind.height_m])
+    prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
+    state = start_state(near, prior, kind.length_m, kind.height_m)
     return fit(kind, [], state, prior, [], SETTINGS, 12, elevation)
 
 
@@ -67,7 +67,7 @@ def test_old_frames_are_forgotten_and_variances_inflated() -> None:
 )
 def test_a_fit_finds_edge_length_and_height_of_a_profile(kind: Kind, length: float, height: float) -> None:
     found = fitted(kind, measured(kind, 30.0, length, height), 30.12)
-    start, _, _, fitted_length, fitted_height = found.state
+    start, _, _, fitted_length, fitted_height, _ = found.state
     assert start == pytest.approx(30.0, abs=0.04)
     assert fitted_length == pytest.approx(length, abs=0.08 + 0.03 * length)
     assert fitted_height == pytest.approx(height, rel=0.08)

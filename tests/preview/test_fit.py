@@ -2,22 +2,35 @@ import numpy as np
 import pytest
 
 from preview.calibration import Gaussian
-from preview.fit import GROUND, HEIGHT, LENGTH, OFFSET, Direct, Sight, X, _normal_equations, fit, silhouette
+from preview.fit import (
+    GROUND,
+    HEIGHT,
+    LENGTH,
+    LOW,
+    OFFSET,
+    Direct,
+    Sight,
+    X,
+    _normal_equations,
+    fit,
+    silhouette,
+)
 from preview.settings import Settings
 from preview.shape import BUMP, HUMP, POTHOLE, relief
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0
 GROUND_SIGMA = 0.015
-PRIOR = Gaussian(np.zeros(2), np.diag([np.deg2rad(0.25), GROUND_SIGMA]) ** 2)
-FROZEN = Gaussian(np.zeros(2), np.diag([1e-6, GROUND_SIGMA]) ** 2)
+LOW_SIGMA = 0.3 / 457.0
+PRIOR = Gaussian(np.zeros(3), np.diag([np.deg2rad(0.25), GROUND_SIGMA, LOW_SIGMA]) ** 2)
+FROZEN = Gaussian(np.zeros(3), np.diag([1e-6, GROUND_SIGMA, 1e-6]) ** 2)
 
 
 def sights_of(kind, state, camera_x, noise=0.0, rng=None):
     """Sights that an exact camera 1.3 m up would have of an object in `state`."""
     camera_z = np.full(len(camera_x), 1.3)
     ahead, below, _ = silhouette(kind, state, camera_x, camera_z)
-    bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET]
+    bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET] + state[LOW]
     top = np.arctan2(below, ahead) - state[OFFSET]
     if rng is not None:
         bottom, top = bottom + noise * rng.normal(size=len(top)), top + noise * rng.normal(size=len(top))
@@ -28,12 +41,12 @@ def sights_of(kind, state, camera_x, noise=0.0, rng=None):
 
 
 def start_of(kind, x):
-    return np.array([x, 0.0, 0.0, kind.length_m, kind.height_m])
+    return np.array([x, 0.0, 0.0, kind.length_m, kind.height_m, 0.0])
 
 
 @pytest.mark.parametrize("kind", [BUMP, HUMP, POTHOLE])
 def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
-    true = np.array([30.0, np.deg2rad(0.2), 0.0, kind.length_m, kind.height_m])
+    true = np.array([30.0, np.deg2rad(0.2), 0.0, kind.length_m, kind.height_m, 0.0])
     found = fit(
         kind,
         sights_of(kind, true, np.linspace(5.0, 26.0, 40)),
@@ -49,7 +62,7 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
 
 def test_without_the_offset_state_the_edge_is_wrong():
     """0.2 degrees at 4 m is 4-5 cm: what the state is there to remove."""
-    true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m])
+    true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m, 0.0])
     sights = sights_of(BUMP, true, np.linspace(5.0, 26.0, 40))
     frozen = fit(BUMP, sights, start_of(BUMP, 30.0), FROZEN, [], SETTINGS, iterations=8)
     free = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [], SETTINGS, iterations=8)
@@ -60,12 +73,12 @@ def test_without_the_offset_state_the_edge_is_wrong():
 def test_gradient_agrees_with_differences_of_the_cost(kind):
     """The Cauchy cost's gradient, by central differences, is minus the weighted gradient of the step."""
     settings = Settings(correlation=1.0)
-    true = np.array([30.0, 0.002, 0.005, kind.length_m * 1.1, kind.height_m])
+    true = np.array([30.0, 0.002, 0.005, kind.length_m * 1.1, kind.height_m, 0.001])
     data = np.array(sights_of(kind, true, np.linspace(10.0, 26.0, 9)))
     state = start_of(kind, 30.04)
     _, gradient, _ = _normal_equations(kind, data, state, settings)
-    for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT):
-        step = np.zeros(5)
+    for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT, LOW):
+        step = np.zeros(6)
         step[entry] = 1e-6
         rise = _normal_equations(kind, data, state + step, settings)[2]
         fall = _normal_equations(kind, data, state - step, settings)[2]
@@ -100,6 +113,7 @@ def test_claimed_sigma_covers_the_scatter_and_is_not_vain():
         true[LENGTH] += BUMP.length_sigma_m * rng.normal()
         true[HEIGHT] += BUMP.height_sigma_m * rng.normal()
         true[GROUND] = GROUND_SIGMA * rng.normal()
+        true[LOW] = LOW_SIGMA * rng.normal()
         sights = sights_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
         found = fit(BUMP, sights, start_of(BUMP, 29.7), PRIOR, [], SETTINGS, 6)
         nees.append((found.state[X] - 30.0) ** 2 / found.covariance[X, X])

@@ -9,7 +9,7 @@ from preview.shape import BUMP
 from preview.track import Edge, Track, first_fits
 
 SETTINGS = Settings()
-PRIOR = Gaussian(np.zeros(2), np.diag([np.deg2rad(0.25), 0.018]) ** 2)
+PRIOR = Gaussian(np.zeros(3), np.diag([np.deg2rad(0.25), 0.018, 1e-3]) ** 2)
 OBJECT_M, PIXEL = 50.0, 1.0 / 457.0
 CAMERA_M = np.arange(25.0, 45.9, 0.5)  # 10 m/s, 20 Hz, to where the front wheel is 2.5 m away
 
@@ -66,8 +66,8 @@ def test_a_change_of_grade_that_was_driven_over_is_flagged_and_widens_sigma(chan
 
 def test_a_few_sights_tell_nothing():
     sights = approach(10.0, 0.02, np.random.default_rng(0))
-    assert strain(sights[:14], np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075])) == 0.0
-    assert strain([], np.zeros(5)) == 0.0
+    assert strain(sights[:14], np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])) == 0.0
+    assert strain([], np.zeros(6)) == 0.0
 
 
 def test_strain_is_the_variance_ratio_of_the_residuals():
@@ -79,12 +79,12 @@ def test_strain_is_the_variance_ratio_of_the_residuals():
         Sight(0.0, x, 1.3, angle + 0.002 * r, np.nan, 0.002, 0.002)
         for x, angle, r in zip(CAMERA_M[:30], model, wave, strict=True)
     ]
-    state = np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075])
+    state = np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])
     assert state[OFFSET] == 0.0
     assert strain(sights, state) == pytest.approx(5 * 4.0 / 1.0)
 
 
 def test_the_fit_itself_is_not_touched():
     sights = approach(10.0, 0.0, np.random.default_rng(4))
-    start = np.array([OBJECT_M, 0.0, 0.0, BUMP.length_m, BUMP.height_m])
+    start = np.array([OBJECT_M, 0.0, 0.0, BUMP.length_m, BUMP.height_m, 0.0])
     assert fit(BUMP, sights, start, PRIOR, [], SETTINGS).state[X] == pytest.approx(OBJECT_M, abs=0.15)

@@ -10,7 +10,13 @@ def test_biases_may_have_any_sign():
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("pixel_sigma", 0.0), ("offset_sigma_deg", -1.0), ("detection_probability", 1.0), ("hit_sigma_m", 0.0)],
+    [
+        ("pixel_sigma", 0.0),
+        ("offset_sigma_deg", -1.0),
+        ("detection_probability", 1.0),
+        ("hit_sigma_m", 0.0),
+        ("edge_sigma_px", (0.3, 0.0)),
+    ],
 )
 def test_names_the_field_out_of_range(field, value):
     with pytest.raises(InputError, match=f"^{field} must be"):

@@ -10,7 +10,7 @@ SETTINGS = Settings()
 
 
 def track(right=-0.3, left=0.3, variance=0.01):
-    fits = first_fits(1, 20.0, 0.5, Gaussian(np.zeros(2), np.diag([0.004, 0.01]) ** 2))
+    fits = first_fits(1, 20.0, 0.5, Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2))
     return Track(0, 1, 0.0, 0.0, Edge(right, variance), Edge(left, variance), fits)
 
 
@@ -63,7 +63,7 @@ def test_boxes_alone_never_make_an_object_certain():
 
 def test_the_class_follows_bayes_rule_and_turns_with_the_evidence():
     t = track()
-    prior = Gaussian(np.zeros(2), np.diag([0.004, 0.01]) ** 2)
+    prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
     for seen in (1, 1, 0, 0):
         t.classify(seen, prior, SETTINGS)
     assert (t.cls, t.class_log_odds) == (1, pytest.approx(0.0, abs=1e-12))

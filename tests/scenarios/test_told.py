@@ -13,7 +13,7 @@ FEATURES = (HalfSineBump(30.0, 0.08, 0.5), WattsHump(60.0, 0.09, 3.6), Pothole(3
 
 
 def track(cls: int, x_m: float) -> Track:
-    fits = first_fits(cls, x_m, 0.1, Calibration(Settings()).prior())
+    fits = first_fits(cls, x_m, 0.1, Calibration(Settings(), 457.0).prior(cls))
     return Track(1, cls, 0.0, 2.0, Edge(-1.0, 0.01), Edge(0.5, 0.01), fits)
 
 
