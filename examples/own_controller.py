@@ -1,31 +1,25 @@
 """An own controller: a two-state damper that also softens just before the road rises or falls.
 
 foreride compare hump_flat_30 --controllers passive,examples/own_controller.py:Anticipating
+Numbers in `control.settings.user` reach it as keyword arguments; `step` returns N·s/m for each wheel.
 """
 
 import numpy as np
 
-from controller.base import Estimate, Timing
 from controller.corners import corners
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
 
 
 class Anticipating:
-    """Called as Anticipating(vehicle, timing, **settings); settings come from `control.settings.user`."""
-
-    def __init__(self, vehicle: Car, timing: Timing, stiff_ns_m: float = 2500.0, look_s: float = 0.05):
+    def __init__(self, vehicle, timing, stiff_ns_m=2500.0, look_s=0.05):
         self.vehicle, self.stiff_ns_m, self.look_s = vehicle, stiff_ns_m, look_s
 
-    def reset(self) -> None:
-        """Nothing is remembered."""
+    def reset(self):
+        pass
 
-    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Stiff where the damper brakes the body and the road ahead is level; N·s/m, one for each wheel."""
+    def step(self, estimate, preview):
         at = corners(self.vehicle, estimate.x)
-        stiff = at.body * at.relative > 0.0
+        stiff = at.body * at.relative > 0.0  # where the damper brakes the body
         if preview is not None:
             ahead = np.linspace(0.0, self.look_s, 6) * estimate.speed_m_s
-            rises = [np.ptp(preview.height(wheel, ahead)) for wheel in range(self.vehicle.wheels)]
-            stiff &= np.array(rises) < 0.02
+            stiff &= [np.ptp(preview.height(wheel, ahead)) < 0.02 for wheel in range(self.vehicle.wheels)]
         return np.where(stiff, self.stiff_ns_m, 300.0)
