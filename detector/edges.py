@@ -17,10 +17,10 @@ SEGMENTS = 16
 STEP_PX, RISE_STEP_PX = 0.5, 1.0
 STEEPEST = 0.03  # slope of a line in the image, from roll and yaw
 INWARD_PX = 1.0  # boxes are drawn too tall rather than too flat
-SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.15  # of the network's edges
+SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # of the network's edges
 STANDING_OUT = 3.0  # a line over the median of its surroundings
 LEAST_CHANGE = 6.0  # of a line, summed over red, green and blue
-LEAST_LEFT = 0.4  # of the height: otherwise both edges have found the same line
+LEAST_LEFT = 0.5  # of the height: otherwise both edges have found the same line
 _MARGIN = 0.06  # of the width, at either side
 
 

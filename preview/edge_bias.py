@@ -7,7 +7,7 @@ rows `detector.edges` has found again in the image. Potholes: medians over rende
 import numpy as np
 
 BOTTOM_BIAS_PX = (-0.15, 0.1)
-TOP_BIAS_PX = (0.1, 0.1)
+TOP_BIAS_PX = (0.2, 0.1)
 
 
 def edge_bias(classes: np.ndarray, top_px: tuple[float, float], bottom_px: tuple[float, float]) -> np.ndarray:
