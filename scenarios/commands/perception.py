@@ -3,9 +3,6 @@
 import argparse
 from itertools import product
 
-from rich import box
-from rich.table import Table
-
 from files.atomic import write_text
 from files.errors import InputError
 from scenarios.cases import Case
@@ -15,12 +12,14 @@ from scenarios.commands.options import (
     add_output_options,
     comma_list,
     console,
+    jobs_of,
     overrides_of,
     seeds_of,
     simulate_all,
 )
 from scenarios.course.roads import COURSES, LOOKS, course
 from scenarios.course.summary import summarise
+from scenarios.course.table import error_table, use_table
 from scenarios.loading import load
 from scenarios.report.perception import write_error_figure
 from scenarios.runfolder import environment, to_json
@@ -53,6 +52,9 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "--seeds", type=comma_list, metavar="0,1,...", help="of a scenario; first of a course"
     )
+    command.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
+    )
     add_field_options(command)
     add_output_options(command)
     command.set_defaults(execute=execute)
@@ -60,10 +62,11 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Drive, judge, print; `--out` draws error over distance, `--json` writes the rows."""
+    jobs = jobs_of(arguments)
     groups = _courses(arguments) if arguments.courses else _scenarios(arguments)
-    runs = {name: simulate_all(cases) for name, cases in groups.items()}
-    rows = [_row(name, members) for name, members in runs.items()]
-    console.print(_table(rows))
+    rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups.items()]
+    console.print(use_table(rows))
+    console.print(error_table(rows))
     if arguments.out:
         path = arguments.out / "perception.png"
         write_error_figure(path, rows)
@@ -114,32 +117,3 @@ def _row(name: str, runs: list[Run]) -> dict:
         "seeds": [run.case.seed for run in runs],
         **summarise(runs),
     }
-
-
-_COLUMNS = (
-    ("events", "events", "d", 1),
-    ("missed", "missed", "d", 1),
-    ("false\ntracks", "false_tracks", "d", 1),
-    ("first seen\nm (median)", "first_confirmed_median_m", ".1f", 1),
-    ("bias\ncm", "bias_m", "+.1f", 100),
-    ("sigma\ncm", "sigma_m", ".1f", 100),
-    ("timing\nms (95 %)", "timing_ms_95", ".1f", 1),
-    ("error² /\nclaimed", "nees", ".2f", 1),
-    ("height\nerror %", "height_error_rms", ".0f", 100),
-    ("right\nkind %", "right_kind", ".0f", 100),
-    ("estimator\nms", "estimator_median_ms", ".2f", 1),
-)
-
-
-def _table(rows: list[dict]) -> Table:
-    table = Table(title="near edge 2.5 m before the front wheel", box=box.SIMPLE_HEAD, title_justify="left")
-    table.add_column("", no_wrap=True)
-    for title, _, _, _ in _COLUMNS:
-        table.add_column(title, justify="right", no_wrap=True)
-    for row in rows:
-        cells = [
-            "-" if row[key] is None else format(row[key] * factor, style)
-            for _, key, style, factor in _COLUMNS
-        ]
-        table.add_row(row["name"], *cells)
-    return table

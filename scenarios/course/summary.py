@@ -11,6 +11,7 @@ from scenarios.closed_loop import Run
 from scenarios.course.judge import Belief, Passage, false_tracks, passages
 
 BINS_M = (2.5, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
+_IN_ORDER = ("bias_m", "sigma_m", "timing_ms_95")
 
 
 def summarise(runs: Sequence[Run]) -> dict[str, Any]:
@@ -18,25 +19,34 @@ def summarise(runs: Sequence[Run]) -> dict[str, Any]:
 
     At the distance of use: `bias_m`, `sigma_m` of the near edge, `timing_ms_95` (95 % of |error| / speed),
     `nees` (mean squared error over claimed variance) with the band in which 95 % of such means lie if the
-    claim is true. `height_error_rms` is relative. `by_distance` holds bias and sigma for bins of distance.
-    None stands for what no passage tells.
+    claim is true. `height_error_rms` is relative. `by_distance` holds bias and sigma for bins of distance,
+    `by_order` those and the timing for the first, second, ... obstacle of a drive, from which the estimator
+    learns. None stands for what no passage tells.
     """
-    met = [passage for run in runs for passage in passages(run)]
-    used = [(passage, belief) for passage in met if (belief := passage.used) is not None]
+    drives = [passages(run) for run in runs]
+    met = [passage for drive in drives for passage in drive]
+    used = _used(met)
+    false = sum(false_tracks(run) for run in runs)
     km = sum(float(run.signals["x_m"][-1] - run.signals["x_m"][0]) for run in runs) / 1000
     first = [passage.first_confirmed_m for passage in met if passage.first_confirmed_m is not None]
     return {
         "events": len(met),
         "missed": len(met) - len(used),
-        "false_tracks": sum(false_tracks(run) for run in runs),
+        "false_tracks": false,
+        "false_per_km": false / km if km > 0 else None,
         "distance_km": km,
         "first_confirmed_median_m": float(np.median(first)) if first else None,
         "first_confirmed_10_m": float(np.percentile(first, 10)) if first else None,
         **_at_use(used),
         **_shape(used),
         "by_distance": _by_distance(met),
+        "by_order": _by_order(drives),
         "estimator_median_ms": _estimator_ms(runs),
     }
+
+
+def _used(met: Sequence[Passage]) -> list[tuple[Passage, Belief]]:
+    return [(passage, belief) for passage in met if (belief := passage.used) is not None]
 
 
 def _at_use(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
@@ -74,6 +84,16 @@ def _by_distance(met: Sequence[Passage]) -> list[dict[str, Any]]:
         if len(error) > 1:
             bias, sigma = float(error.mean()), float(error.std(ddof=1))
             rows.append({"from_m": near, "to_m": far, "bias_m": bias, "sigma_m": sigma, "count": len(error)})
+    return rows
+
+
+def _by_order(drives: Sequence[Sequence[Passage]]) -> list[dict[str, Any]]:
+    rows = []
+    for order in range(max(map(len, drives), default=0)):
+        used = _used([drive[order] for drive in drives if len(drive) > order])
+        if len(used) > 1:
+            told = _at_use(used)
+            rows.append({"order": order + 1, "count": len(used)} | {key: told[key] for key in _IN_ORDER})
     return rows
 
 

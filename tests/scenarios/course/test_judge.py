@@ -82,6 +82,16 @@ def test_summary_of_known_errors() -> None:
     assert row["nees"] == pytest.approx(1.0)
     assert row["height_error_rms"] == pytest.approx(0.25)  # 0.1 m for a true 0.08 m
     assert row["right_kind"] == 1.0
+    (order,) = row["by_order"]
+    assert (order["order"], order["count"], order["timing_ms_95"]) == (1, 2, row["timing_ms_95"])
+    assert row["nees_band"][0] < 1.0 < row["nees_band"][1]
+
+
+def test_false_tracks_are_counted_by_kilometre() -> None:
+    """Three drives of 59.99 m with one and two tracks far from anything."""
+    row = summarise([drive({0: 0.0, 1: 9.0}), drive({0: 9.0, 1: 12.0}), drive({})])
+    assert row["false_tracks"] == 3
+    assert row["false_per_km"] == pytest.approx(3 / (3 * 0.05999), rel=1e-6)
 
 
 def test_confirmation_distance_is_that_of_the_front_wheel() -> None:
