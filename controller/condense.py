@@ -57,6 +57,7 @@ class Condenser:
         self._linearise = model.linearise.bind(self._points, self._results, padded)
         self._entries = _entries(model)
         self._hessian = np.zeros((intervals * inputs, intervals * inputs))
+        self._diagonal = self._hessian.reshape(-1)[:: intervals * inputs + 1]
         self._gradient = np.zeros(intervals * inputs)
 
     @property
@@ -73,7 +74,7 @@ class Condenser:
         roads = n_x + plan.shape[1]
         points = self._points
         points[:n_x, 0] = state
-        points[n_x:roads, :steps] = plan.T[:, self._interval]
+        points[n_x:roads, :steps] = plan.take(self._interval, axis=0).T
         points[roads : roads + wheels, :steps] = road[:, :-1]
         points[roads + wheels : roads + 2 * wheels, :steps] = road[:, 1:]
         self._advance()
@@ -91,7 +92,7 @@ class Condenser:
             self._gradient,
         )
         self._gradient += self._input_weights * (plan.ravel() - self._nominal)
-        self._hessian.flat[:: len(self._gradient) + 1] += self._input_weights
+        self._diagonal += self._input_weights
         return Condensed(self._hessian, self._gradient)
 
 

@@ -26,7 +26,8 @@ class Constraints:
     def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
         n, corners = state_size(vehicle), vehicle.corners
         self._wheels, self._n = vehicle.wheels, n
-        self._low, self._high = plan_limits(vehicle)
+        low, high = plan_limits(vehicle)
+        self._soft, self._hard = low + _NEAR, high - _NEAR
         active = input_size(vehicle) > vehicle.wheels
         self._forces = ForceLimits(vehicle, grid, settings) if active else None
 
@@ -50,15 +51,14 @@ class Constraints:
         on `road` heights (wheels, steps + 1), m.
         """
         w = self._wheels
-        soft, hard = plan[0] <= self._low + _NEAR, plan[0] >= self._high - _NEAR
-        found = {SOFT: soft[:w], HARD: hard[:w], FORCE: soft[w:] | hard[w:]}
+        soft, hard = plan[0] <= self._soft, plan[0] >= self._hard
+        found = {SOFT: soft[:w], HARD: hard[:w]} | self._of_car(states[: self._n], road)
         if rows is not None and self._forces is not None:
             along = rows.matrix @ change.ravel()
             held = (along <= rows.low + _NEAR) | (along >= rows.high - _NEAR)
             powered = self._forces.rate_rows
-            found |= {RATE: held[:powered][:w], POWER: held[powered:]}
-        found |= self._of_car(states[: self._n], road)
-        return tuple(name for name in NAMES if name in found and found[name].any())
+            found |= {FORCE: soft[w:] | hard[w:], RATE: held[:powered][:w], POWER: held[powered:]}
+        return tuple(name for name in NAMES if name in found and np.count_nonzero(found[name]))
 
     def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
         """On the stops; in the air, as far as the tyre's spring decides it."""

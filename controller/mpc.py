@@ -77,7 +77,7 @@ class PredictiveController:
         """
         self._plan = self._shift @ self._plan
         self.problem = self._improve(estimate, preview)
-        command = np.clip(KILO * self._plan[0], self._least, self._most)
+        command = np.minimum(np.maximum(KILO * self._plan[0], self._least), self._most)
         self._pipeline.issue(command)
         return command.copy()
 

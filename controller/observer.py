@@ -5,7 +5,7 @@ import numpy as np
 from controller.base import Estimate, Timing
 from controller.kinematics import kinematics
 from controller.sensor_watch import Checked
-from vehicle.equations import body_acceleration, damping_rows, forces, rest_state
+from vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 from vehicle.state import VehicleState
@@ -52,6 +52,8 @@ class Observer:
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
         lags = np.array([corner.damper_lag_s for corner in corners])
         self._follow = -np.expm1(-timing.period_s / lags)
+        moving = np.arange(2 * (len(vehicle.body_inertia) + vehicle.wheels)).reshape(2, -1).T.ravel()
+        self._order = np.append(moving, np.arange(moving.size, state_size(vehicle)))
         self._passive = rest_state(vehicle)[damping_rows(vehicle)]
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
         self.reset()
@@ -128,9 +130,9 @@ class Observer:
     def _vehicle_state(self) -> np.ndarray:
         w = self._wheels
         heights, velocities = self._motion[: 2 * w], self._motion[2 * w : 4 * w]
-        positions = np.concatenate([self._body @ heights[:w], heights[w:]])
-        rates = np.concatenate([self._body @ velocities[:w], velocities[w:]])
-        return np.concatenate([np.stack([positions, rates], axis=1).ravel(), self._damping, self._force])
+        body = self._body @ heights[:w], self._body @ velocities[:w]
+        parts = body[0], heights[w:], body[1], velocities[w:], self._damping, self._force
+        return np.concatenate(parts).take(self._order)
 
     def _smooth_speed(self, measured: float) -> float:
         speed = measured if self._speed is None else self._speed

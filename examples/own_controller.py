@@ -6,17 +6,20 @@ Numbers in `control.settings.user` reach it as keyword arguments; `step` returns
 
 import numpy as np
 
+from controller.base import Estimate, Timing
 from controller.corners import corners
+from preview.horizon import RoadPreview
+from vehicle.parameters import Car
 
 
 class Anticipating:
-    def __init__(self, vehicle, timing, stiff_ns_m=2500.0, look_s=0.05):
+    def __init__(self, vehicle: Car, timing: Timing, stiff_ns_m: float = 2500.0, look_s: float = 0.05):
         self.vehicle, self.stiff_ns_m, self.look_s = vehicle, stiff_ns_m, look_s
 
-    def reset(self):
+    def reset(self) -> None:
         pass
 
-    def step(self, estimate, preview):
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         at = corners(self.vehicle, estimate.x)
         stiff = at.body * at.relative > 0.0  # where the damper brakes the body
         if preview is not None:

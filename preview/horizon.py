@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -42,7 +43,7 @@ class RoadPreview:
         distance = np.asarray(self.distance_m, dtype=float)
         if distance.ndim != 1 or len(distance) < 2:
             raise InputError(f"distance_m must have shape (n,) with n >= 2, got {distance.shape}")
-        steps = np.diff(distance)
+        steps = distance[1:] - distance[:-1]
         if not (steps[0] > 0 and np.abs(steps - steps[0]).max() <= 1e-9 + 1e-5 * steps[0]):
             raise InputError("distance_m must ascend in equal steps, got unequal or descending ones")
         object.__setattr__(self, "distance_m", distance)
@@ -51,12 +52,13 @@ class RoadPreview:
             values = np.asarray(getattr(self, name), dtype=float)
             if wheels == 0 or values.shape != (wheels, len(distance)):
                 raise InputError(f"{name} must have shape (wheels, {len(distance)}), got {values.shape}")
-            if not np.isfinite(values).all():
+            low, high = values.min(), values.max()
+            if not -inf < low <= high < inf:
                 raise InputError(f"{name} must be finite, got NaN or infinity")
+            if low < 0.0 and name in ("position_sigma_m", "height_sigma_m"):
+                raise InputError("position_sigma_m and height_sigma_m must be >= 0, got a negative value")
             object.__setattr__(self, name, values)
-        if self.position_sigma_m.min() < 0 or self.height_sigma_m.min() < 0:
-            raise InputError("position_sigma_m and height_sigma_m must be >= 0, got a negative value")
-        if self.existence.min() < 0 or self.existence.max() > 1:
+        if low < 0 or high > 1:  # of existence, the last one
             raise InputError(
                 f"existence must lie in 0..1, got {self.existence.min()}..{self.existence.max()}"
             )

@@ -29,6 +29,7 @@ class WheelProfile:
     step_m: float
     heights: NDArray[np.float64]
     _table: list[float] = field(init=False, repr=False)
+    _rises: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         heights = np.asarray(self.heights)
@@ -37,6 +38,7 @@ class WheelProfile:
         check_number("x0_m", self.x0_m, -1e6, 1e6)
         check_number("step_m", self.step_m, 0.0, 10.0, open_low=True)
         object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
+        object.__setattr__(self, "_rises", np.diff(heights))
 
     @overload
     def height(self, x: float) -> float: ...
@@ -72,10 +74,9 @@ class WheelProfile:
 
     def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         last = len(self.heights) - 1
-        position = np.clip((x - self.x0_m) / self.step_m, 0.0, last)
+        position = np.minimum(np.maximum((x - self.x0_m) / self.step_m, 0.0), last)
         index = np.minimum(position.astype(np.int64), last - 1)
-        low = self.heights[index]
-        return low + (position - index) * (self.heights[index + 1] - low)
+        return self.heights.take(index) + (position - index) * self._rises.take(index)
 
     def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         last = len(self.heights) - 1

@@ -56,6 +56,7 @@ class Oracle(Blind):
     def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
         super().__init__()
         self._believed, self._errors = believed, errors
+        self._exact = errors == OracleErrors()
         self._axles = np.asarray(car.axle_x_m)
         self._speed_m_s = 0.0
         self._travelled_m = 0.0
@@ -72,7 +73,7 @@ class Oracle(Blind):
         if errors.latency_s > 0.0:
             x_m = self._carried_forward(time_s, x_m)
         seen = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s)
-        if errors == OracleErrors():
+        if self._exact:
             return seen
         height = errors.height_gain * seen.height_m
         return replace(

@@ -150,7 +150,10 @@ class Sensors:
 
     def _normal(self) -> Array:
         """A standard normal number for each channel."""
-        return np.append(self._rng.standard_normal(3 * self._wheels + 2), self._roll_rng.standard_normal())
+        numbers = np.empty(3 * self._wheels + 3)
+        self._rng.standard_normal(out=numbers[:-1])
+        numbers[-1] = self._roll_rng.standard_normal()
+        return numbers
 
     def _transmit(self, reading: Array) -> Array:
         """Round to steps, hold back, and keep the last value of channels that are lost."""
