@@ -24,7 +24,7 @@ SHARED = np.array([OFFSET, GROUND, LOW])  # of which objects have a part in comm
 _BOTH = np.ix_(SHARED, SHARED)
 _SHARE = np.linspace(0.0, 1.0, 21)
 _LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
-_MOST = np.array([np.inf, 0.1, 0.2, 6.0, 0.3, 0.03])
+_MOST = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
 _CAUCHY = 2.5  # residuals of so many standard deviations count half
 
 

@@ -1,4 +1,19 @@
-"""What kinds of object there are, what their profiles look like, and what a tyre makes of them."""
+"""What kinds of object there are, what their profiles look like, and what a tyre makes of them.
+
+Priors of size cover what road-design rules allow, length along the road by height:
+
+* bump: Indonesia, Permenhub PM 14/2021 art. 3: 0.35-0.39 m by 5-9 cm.
+* hump: the UK's round-top hump, 3.7 m, built 75 or 100 mm high (TRL 186; the Highways (Road Humps)
+  Regulations 1999, S.I. 1999/1025, ask for at least 0.9 m and 25-100 mm); Brazil, CONTRAN resolution 600/2016
+  as the road-safety manual of DER/SP gives it (p. 339): type A 3.70 m by 8-10 cm; USA: 12 ft by 3-4 in
+  (Redmond WA; Montgomery County MD 3 in). Brazil's type B, 1.50 m by 6-8 cm, lies below the prior.
+* table: the UK's flat-top humps are as high, with ramps of 1:10 to 1:15 (TRL 186). Those of the USA, up to
+  22 ft by 3 in (Valencia County NM, § 70.02), and of Indonesia, 6.6 m on top by 8-9 cm, lie above the prior.
+* pothole: the classes of ASTM D6433, read second-hand, end at a diameter of 0.75 m and begin their deepest at
+  50 mm; what is shallower matters little to a ride.
+
+Where an object lies off its prior, the boxes overrule it.
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache

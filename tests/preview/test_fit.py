@@ -16,7 +16,7 @@ from preview.fit import (
     silhouette,
 )
 from preview.settings import Settings
-from preview.shape import BUMP, HUMP, POTHOLE, relief
+from preview.shape import BUMP, HUMP, POTHOLE, TABLE, kinds_of, relief
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0
@@ -58,6 +58,21 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
     )
     assert found.state[X] == pytest.approx(30.0, abs=0.02)
     assert np.rad2deg(found.state[OFFSET]) == pytest.approx(0.2, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("kind", "length", "height"),
+    [(HUMP, 1.5, 0.07), (TABLE, 22 * 0.3048, 3.5 * 0.0254), (TABLE, 7.8, 0.085)],
+    ids=["Brazil, type B", "USA, 22 feet", "Indonesia, table"],
+)
+def test_boxes_overrule_the_prior_length_of_objects_that_rules_make_otherwise(kind, length, height):
+    true = np.array([30.0, 0.0, 0.0, length, height, 0.0])
+    sights = sights_of(kind, true, np.linspace(5.0, 26.0, 40))
+    fits = [fit(k, sights, start_of(k, 30.3), PRIOR, [], SETTINGS, iterations=12) for k in kinds_of(0)]
+    best = min(fits, key=lambda found: found.cost)
+    assert best.kind is kind
+    assert best.state[LENGTH] == pytest.approx(length, rel=0.12)
+    assert best.state[X] == pytest.approx(30.0, abs=0.05)
 
 
 def test_without_the_offset_state_the_edge_is_wrong():

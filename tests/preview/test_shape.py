@@ -53,3 +53,20 @@ def test_chord_of_an_ellipse():
     assert chord(0.8, 0.6, 0.0) == pytest.approx(0.8)
     assert chord(0.8, 0.6, 0.18) == pytest.approx(0.8 * 0.8)  # 3-4-5 triangle
     assert chord(0.8, 0.6, 0.4) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "lengths", "heights"),
+    [
+        (BUMP, (0.35, 0.39), (0.05, 0.09)),  # Indonesia, PM 14/2021
+        (HUMP, (3.7,), (0.075, 0.10)),  # UK, round-top
+        (HUMP, (3.7,), (0.08, 0.10)),  # Brazil, type A
+        (HUMP, (12 * 0.3048,), (3 * 0.0254, 4 * 0.0254)),  # USA, 12 feet
+    ],
+)
+def test_priors_cover_what_road_design_rules_allow(kind, lengths, heights):
+    """Within two standard deviations."""
+    for length in lengths:
+        assert abs(length - kind.length_m) < 2 * kind.length_sigma_m
+    for height in heights:
+        assert abs(height - kind.height_m) < 2 * kind.height_sigma_m
