@@ -1,6 +1,7 @@
 """What every controller is: estimate and preview in, one requested damping coefficient per wheel out."""
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Protocol
 
 import numpy as np
@@ -32,8 +33,8 @@ class Estimate:
 
     def is_finite(self) -> bool:
         """Whether every number of it is one."""
-        numbers = np.concatenate([self.x, self.road_height, self.road_velocity, [self.speed_m_s]])
-        return bool(np.isfinite(numbers).all())
+        numbers = np.concatenate([self.x, self.road_height, self.road_velocity])
+        return isfinite(self.speed_m_s) and bool(np.isfinite(numbers).all())
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ class Book:
         """A step ends: with an answer that constraints bound, or with the problem that made it fall back."""
         self._times_s.append(perf_counter() - self._started)
         self.problem, self.active = problem, active
-        self._bound.update(active)
+        if active:
+            self._bound.update(active)
         if problem:
             self._fallbacks[problem] += 1
 

@@ -48,7 +48,9 @@ def passive_command(vehicle: Car) -> np.ndarray:
 
 def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
     """The command (inputs,) that one of damper settings alone stands for: no force."""
-    return np.concatenate([command, np.zeros(input_size(vehicle) - len(command))])
+    full = np.zeros(input_size(vehicle))
+    full[: len(command)] = command
+    return full
 
 
 def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:

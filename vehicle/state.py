@@ -113,7 +113,7 @@ def observe(
         wheel_v=np.array(state.wheel_velocity),
         damping=np.array(state.damping),
         command=command[:wheels],
-        force_command=command[wheels:] if len(command) > wheels else np.zeros_like(command),
+        force_command=command[wheels:] if len(command) > wheels else np.zeros(command.shape),
         rattle_m=np.array(travel),
         rattle_velocity=np.array(rate),
         body_acc=np.array([equations.carried(corner.lever, body) for corner in parameters.corners]),
