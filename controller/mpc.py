@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from controller.base import Estimate, Timing
+from controller.blocking import Blocks
 from controller.comfort_filter import ComfortFilter
 from controller.condense import Condensed, Condenser
 from controller.constraints import Constraints
@@ -49,6 +50,9 @@ class PredictiveController:
         terminal = terminal_cost(self._model, period)
         self._condense = Condenser(self._model, terminal, grid, period, self._input_weights(vehicle))
         self._shift = grid.shift(period)
+        forces = input_size(vehicle) - vehicle.wheels
+        # The program of one wheel is small enough as it is.
+        self._blocks = Blocks(len(grid.intervals_s), vehicle.wheels, forces) if forces > 1 else None
         self._node_times = self._timing.delay_s + grid.nodes_s
         self._passive = passive_command(vehicle)
         self._least, self._most = command_limits(vehicle)
@@ -95,7 +99,10 @@ class PredictiveController:
         low, high = self._low - self._plan, self._high - self._plan
         rows = self._constraints.rows(self._plan, states)
         program = problem.hessian, problem.gradient, low.ravel(), high.ravel()
-        solution = solve_box(*program) if rows is None else solve_box(*program, rows)
+        if rows is None or self._blocks is None:
+            solution = solve_box(*program, rows)
+        else:
+            solution = self._blocks.solve(*program, rows)
         if solution.problem is None:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
         self.active = self._constraints.active(rows, solution.x, self._plan, states, roads[0])
