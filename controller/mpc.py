@@ -103,9 +103,11 @@ class PredictiveController:
             solution = solve_box(*program, rows)
         else:
             solution = self._blocks.solve(*program, rows)
-        if solution.problem is None:
+        if solution.problem is not None:
+            self.active = ()
+        else:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
-        self.active = self._constraints.active(rows, solution.x, self._plan, states, roads[0])
+            self.active = self._constraints.active(rows, solution.x, self._plan, states, roads[0])
         return solution.problem
 
     def _condensed(self, state: np.ndarray, roads: np.ndarray) -> Condensed:

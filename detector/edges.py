@@ -72,7 +72,7 @@ def _line(
     score = strength * np.exp(-0.5 * ((rows - row - shift) / spread) ** 2)[:, None]
     best, rise = np.unravel_index(np.argmax(score), score.shape)
     profile = strength[:, rise]
-    if profile[best] < max(STANDING_OUT * np.median(profile), LEAST_CHANGE):
+    if profile[best] < max(STANDING_OUT * np.median(change.mean(axis=1)), LEAST_CHANGE):
         return None
     near = rows[best] + np.arange(-1.5, 1.6, 0.25)
     weight = np.maximum(_along(change, near, rises[rise]) - 0.3 * profile[best], 0)
