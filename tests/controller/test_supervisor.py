@@ -132,7 +132,9 @@ def test_every_law_with_memory_of_nothing_can_be_the_reactive_one() -> None:
 
 
 def test_the_mpc_falls_back_when_its_solver_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mpc, "solve_box", lambda h, g, low, high, rows: Solution(np.zeros_like(g), "infeasible"))
+    monkeypatch.setattr(
+        mpc, "solve_box", lambda h, g, low, high, rows: Solution(np.zeros_like(g), "infeasible")
+    )
     supervised = build("mpc_preview", CAR, AT_ONCE)
     np.testing.assert_array_equal(supervised.step(MOVING, None), reactive())
     assert supervised.stats["reasons"] == {"infeasible": 1}  # type: ignore[attr-defined]
