@@ -20,7 +20,9 @@ INWARD_PX = 1.0  # boxes are drawn too tall rather than too flat
 SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # of the network's edges
 STANDING_OUT = 3.0  # a line over the median of its surroundings
 LEAST_CHANGE = 6.0  # of a line, summed over red, green and blue
-LEAST_LEFT = 0.5  # of the height: otherwise both edges have found the same line
+SAME_LINE_PX = 1.5  # what is nearer belongs to the same line
+INNERMOST = 0.6  # of the height, how far inside the box an edge may lie
+LEAST_LEFT = 0.4  # of the height, between the edges
 _MARGIN = 0.06  # of the width, at either side
 
 
@@ -30,15 +32,31 @@ def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
     for box, cls in zip(boxes, found.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
         if cls in LINED_CLASSES and width >= max(LEAST_WIDTH_PX, LEAST_ASPECT * height):
-            spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
-            change, first = _row_changes(image, box, 3 * spread)
-            lower = _line(change, box[3] - first, -INWARD_PX, spread, height / 2, width)
-            upper = _line(change, box[1] - first, INWARD_PX, spread, height / 2, width)
-            bottom = first + lower[0] + abs(lower[1]) if lower and box[3] < image.shape[0] - 1 else box[3]
-            top = first + upper[0] - abs(upper[1]) if upper and box[1] > 1 else box[1]
-            if bottom - top >= LEAST_LEFT * height:
-                box[1], box[3] = top, bottom
+            box[1], box[3] = _edges(image, box)
     return Detections(boxes, found.scores, found.classes)
+
+
+def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, float]:
+    """Top and bottom of the box: those two lines that together are strongest and nearest to the drawn ones."""
+    top, bottom = float(box[1]), float(box[3])
+    height = bottom - top
+    spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
+    change, first = _row_changes(image, box, 3 * spread)
+    rise = _rise(change, int(STEEPEST * float(box[2] - box[0]) / 2 / RISE_STEP_PX))
+    rows, strength = _lines(change, rise)
+    above, below = rows + first - abs(rise), rows + first + abs(rise)
+
+    def near(rows: NDArray, edge: float, outward: int) -> tuple[NDArray, NDArray]:
+        out = outward * (rows - edge)
+        weight = strength * np.exp(-0.5 * ((out + INWARD_PX) / spread) ** 2)
+        taken = (out <= 3 * spread) & (out >= -INNERMOST * height)
+        return (rows[taken], weight[taken]) if taken.any() else (np.array([edge]), np.ones(1))
+
+    tops, top_weights = near(above, top, -1) if top > 1 else (np.array([top]), np.ones(1))
+    bottoms, bottom_weights = near(below, bottom, 1) if bottom < len(image) - 1 else (np.array([bottom]), np.ones(1))
+    weights = top_weights[:, None] * bottom_weights * (bottoms - tops[:, None] >= LEAST_LEFT * height)
+    upper, lower = np.unravel_index(np.argmax(weights), weights.shape)
+    return (tops[upper], bottoms[lower]) if weights[upper, lower] > 0 else (top, bottom)
 
 
 def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[NDArray[np.float32], int]:
@@ -58,28 +76,28 @@ def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[
     return np.minimum(means, 2 * np.median(strongest)), first + 1
 
 
-def _line(
-    change: NDArray[np.float32], row: float, shift: float, spread: float, inner: float, width: float
-) -> tuple[float, float] | None:
-    """Row at the middle, and rise to the right end, of the strongest line about `row`; None without one."""
-    low, high = (row - inner, row + 3 * spread) if shift < 0 else (row - 3 * spread, row + inner)
-    rows = np.arange(max(low, 1), min(high, len(change) - 2), STEP_PX)
-    if len(rows) < 4:
-        return None
-    ends = int(STEEPEST * width / 2 / RISE_STEP_PX)
+def _rise(change: NDArray[np.float32], ends: int) -> float:
+    """How much the lines go down from the middle to the right end: where their changes gather in the fewest rows.
+
+    Both edges of a bump are parallel on the road, and too near each other for perspective to tell.
+    """
     rises = RISE_STEP_PX * np.arange(-ends, ends + 1)
-    strength = _along(change, rows[:, None] + np.zeros(len(rises)), rises)
-    score = strength * np.exp(-0.5 * ((rows - row - shift) / spread) ** 2)[:, None]
-    best, rise = np.unravel_index(np.argmax(score), score.shape)
-    profile = strength[:, rise]
-    if profile[best] < max(STANDING_OUT * np.median(change.mean(axis=1)), LEAST_CHANGE):
-        return None
-    near = rows[best] + np.arange(-1.5, 1.6, 0.25)
-    weight = np.maximum(_along(change, near, rises[rise]) - 0.3 * profile[best], 0)
-    return float((weight * near).sum() / weight.sum()), float(rises[rise])
+    strength = _along(change, np.arange(len(change))[:, None] + np.zeros(len(rises)), rises)
+    return float(rises[np.argmax((strength**2).sum(axis=0))])
 
 
-def _along(change: NDArray[np.float32], rows: NDArray, rises: NDArray) -> NDArray:
+def _lines(change: NDArray[np.float32], rise: float) -> tuple[NDArray, NDArray]:
+    """Rows at the middle, and strengths, of the lines that stand out."""
+    rows = np.arange(1, len(change) - 2, STEP_PX)
+    strength = _along(change, rows, rise)
+    least = max(STANDING_OUT * float(np.median(change.mean(axis=1))), LEAST_CHANGE)
+    crests = (strength >= least) & (strength >= np.roll(strength, 1)) & (strength > np.roll(strength, -1))
+    near = rows[crests, None] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
+    weight = np.maximum(_along(change, near, rise) - 0.3 * strength[crests, None], 0)
+    return (weight * near).sum(axis=1) / weight.sum(axis=1), strength[crests]
+
+
+def _along(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
     """Mean change along lines (...) through `rows` at the middle that go down by `rises` to the right end."""
     side = np.linspace(-1, 1, SEGMENTS)
     at = (rows[..., None] + np.asarray(rises)[..., None] * side).clip(0, len(change) - 1.001)
