@@ -37,7 +37,7 @@ def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
 
 
 def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, float]:
-    """Top and bottom of the box: those two lines that together are strongest and nearest to the drawn ones."""
+    """Top and bottom of the box: the two lines that together are strongest and nearest to the drawn ones."""
     top, bottom = float(box[1]), float(box[3])
     height = bottom - top
     spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
@@ -46,14 +46,15 @@ def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, f
     rows, strength = _lines(change, rise)
     above, below = rows + first - abs(rise), rows + first + abs(rise)
 
-    def near(rows: NDArray, edge: float, outward: int) -> tuple[NDArray, NDArray]:
+    def near(rows: NDArray, edge: float, outward: int, cut: bool) -> tuple[NDArray, NDArray]:
         out = outward * (rows - edge)
-        weight = strength * np.exp(-0.5 * ((out + INWARD_PX) / spread) ** 2)
         taken = (out <= 3 * spread) & (out >= -INNERMOST * height)
-        return (rows[taken], weight[taken]) if taken.any() else (np.array([edge]), np.ones(1))
+        if cut or not taken.any():
+            return np.array([edge]), np.ones(1)
+        return rows[taken], strength[taken] * np.exp(-0.5 * ((out[taken] + INWARD_PX) / spread) ** 2)
 
-    tops, top_weights = near(above, top, -1) if top > 1 else (np.array([top]), np.ones(1))
-    bottoms, bottom_weights = near(below, bottom, 1) if bottom < len(image) - 1 else (np.array([bottom]), np.ones(1))
+    tops, top_weights = near(above, top, -1, cut=top <= 1)
+    bottoms, bottom_weights = near(below, bottom, 1, cut=bottom >= len(image) - 1)
     weights = top_weights[:, None] * bottom_weights * (bottoms - tops[:, None] >= LEAST_LEFT * height)
     upper, lower = np.unravel_index(np.argmax(weights), weights.shape)
     return (tops[upper], bottoms[lower]) if weights[upper, lower] > 0 else (top, bottom)
@@ -77,7 +78,7 @@ def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[
 
 
 def _rise(change: NDArray[np.float32], ends: int) -> float:
-    """How much the lines go down from the middle to the right end: where their changes gather in the fewest rows.
+    """How much the lines go down from the middle to the right end: so that their changes gather in few rows.
 
     Both edges of a bump are parallel on the road, and too near each other for perspective to tell.
     """

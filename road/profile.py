@@ -1,4 +1,4 @@
-"""The road: features, roughness and measured heights on a plane."""
+"""The road: features, roughness and measured heights on a plane whose grade may change."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +10,7 @@ from files.errors import InputError
 from road.chain import Chain
 from road.checks import check_number
 from road.features import Feature, Step
+from road.grade import GradeChange, check_order, grade_height
 from road.measured import MeasuredSurface, read_surface
 from road.roughness import Roughness, RoughSurface, rough_surface
 
@@ -25,8 +26,10 @@ class Road:
     first FADE_IN_M, so that a car at rest there is in equilibrium; behind the start the road is flat, beyond
     the end the roughness goes on and the measured height stays. `file_sha256` pins the file's content; it is
     filled in when the file is read, so that a recorded road tells when its file is no longer the same.
+    `grades` are changes of grade in their order along the road; all else lies on top of them.
 
-    Raises InputError if a feature is not wholly inside [0, length_m] or the file is bad or too short.
+    Raises InputError if a feature or a change of grade is not wholly inside [0, length_m], changes of grade
+    overlap, or the file is bad or too short.
     """
 
     length_m: float
@@ -35,6 +38,7 @@ class Road:
     chains: tuple[Chain, ...] = ()
     file: str | None = None
     file_sha256: str | None = None
+    grades: tuple[GradeChange, ...] = ()
 
     def __post_init__(self) -> None:
         check_number("length_m", self.length_m, 0.0, 100_000.0, open_low=True)
@@ -46,6 +50,7 @@ class Road:
                     f"{name} ({feature.kind}) spans {feature.start_m:g} to {feature.end_m:g} m "
                     f"and must lie inside the road, 0 to length_m = {self.length_m:g} m"
                 )
+        check_order(self.grades, self.length_m)
         ordered = tuple(sorted(self.features + chained, key=lambda feature: feature.start_m))
         object.__setattr__(self, "features", ordered)
         object.__setattr__(self, "chains", ())
@@ -56,6 +61,8 @@ class Road:
         """Height of the road (m) at world points, broadcast over x and y."""
         x, y = np.asarray(x, float), np.asarray(y, float)
         z = np.zeros(np.broadcast_shapes(x.shape, y.shape))
+        if self.grades:
+            z += grade_height(self.grades, x)
         fade = np.clip(x / FADE_IN_M, 0.0, 1.0)
         for surface in (self._surface, self._measured):
             if surface is not None:
@@ -82,7 +89,7 @@ class Road:
     def is_flat_between_features(self) -> bool:
         """Whether the height is zero wherever no feature spans x."""
         steps = any(isinstance(feature, Step) for feature in self.features)
-        return self.roughness is None and self.file is None and not steps
+        return self.roughness is None and self.file is None and not steps and not self.grades
 
     @cached_property
     def _surface(self) -> RoughSurface | None:

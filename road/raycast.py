@@ -38,17 +38,19 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def trace(view, height, ids, mask, outlines, limits, drop, slope, hits, depth):  # type: ignore[no-untyped-def]
+def trace(view, height, ids, mask, outlines, limits, far, drop, slope, hits, depth):  # type: ignore[no-untyped-def]
     """Cast one ray per pixel; fills four (H, W) images.
 
     drop: how far below the camera the ray ends (m), 0 if it meets no ground. slope: dz/dx there, if a feature
     is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m), inf if none.
     outlines: (n, 5) per feature: 1 if its outline is the rectangle x0, x1, y0, y1, otherwise 0 and the map of
-    ids decides. limits: lowest and highest height of the map in view.
+    ids decides. limits: lowest and highest height of the map in view. far: height and grade of
+    the plane beyond it.
     """
     r, (px, py, pz) = view.rotation, view.position
     focal, cx, cy = view.focal, view.cx, view.cy
     bottom, top = limits
+    far_z, far_grade = far
     rows, cols = drop.shape
     for v in range(rows):
         for u in range(cols):
@@ -58,9 +60,9 @@ def trace(view, height, ids, mask, outlines, limits, drop, slope, hits, depth): 
             if dz > -1e-6 or reach * pz > -dz * HORIZON_M:
                 continue
             sx, sy, reach = dx / -dz, dy / -dz, reach / -dz
-            fall = pz
-            if pz * reach < FAR_M:
-                fall -= _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top)
+            fall = (pz - far_z + far_grade * FAR_M) / (1 + far_grade * sx)
+            if fall * reach < FAR_M:
+                fall = pz - _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top)
                 x, y = px + sx * fall, py + sy * fall
                 i, j = int((x - START_M) / CELL_M), int((y + HALF_WIDTH_M) / CELL_M)
                 inside = 0 < i < ids.shape[0] - 1 and 0 <= j < ids.shape[1]

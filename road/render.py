@@ -14,6 +14,7 @@ from road.block import CELL_M, START_M
 from road.camera import Camera, CameraPose
 from road.colour import Conditions, colour
 from road.features import Feature, ManholeCover, Pothole
+from road.grade import grade_at, grade_height
 from road.profile import Road
 from road.props import Prop
 from road.raycast import FAR_M, View, trace
@@ -161,10 +162,11 @@ class Scene:
         shape = (camera.height_px, camera.width_px)
         drop, slope, depth = (np.empty(shape, np.float32) for _ in range(3))
         hits = np.empty(shape, np.int16)
-        limits = surface.height_range(x, x + FAR_M)
+        limits, end, grades = surface.height_range(x, x + FAR_M), x + FAR_M, self.road.grades
+        far = float(grade_height(grades, end)), grade_at(grades, end)
         self._share_rows(
             lambda part, rows: trace(
-                part, surface.height, surface.ids, surface.mask, self._outlines, limits,
+                part, surface.height, surface.ids, surface.mask, self._outlines, limits, far,
                 drop[rows], slope[rows], hits[rows], depth[rows],
             ),
             view, camera.height_px,

@@ -17,7 +17,7 @@ from scenarios.commands.options import (
     seeds_of,
     simulate_all,
 )
-from scenarios.course.roads import COURSES, LOOKS, course
+from scenarios.course.roads import COURSES, LOOKS, MIXED, course
 from scenarios.course.summary import summarise
 from scenarios.course.table import error_table, use_table
 from scenarios.loading import load
@@ -45,7 +45,17 @@ def add(commands: argparse._SubParsersAction) -> None:
         help=f"seeded roads of many obstacles instead: {', '.join(COURSES)} (car and camera of SCENARIO)",
     )
     command.add_argument(
-        "--looks", type=comma_list, default=["day"], metavar="A,B,...", help=", ".join(LOOKS)
+        "--looks",
+        type=comma_list,
+        default=["day"],
+        metavar="A,B,...",
+        help=f"{', '.join(LOOKS)}, or {MIXED}: these in turn, road by road",
+    )
+    command.add_argument(
+        "--braking", type=float, default=0.0, metavar="M_S2", help="up to each obstacle of a course, m/s²"
+    )
+    command.add_argument(
+        "--grade", type=float, default=0.0, help="of a course, changed by so much before each obstacle (m/m)"
     )
     command.add_argument("--events", type=int, default=100, help="obstacles a course (default 100)")
     command.add_argument("--perception", choices=("boxes", "camera"), default="camera")
@@ -98,10 +108,11 @@ def _courses(arguments: argparse.Namespace) -> dict[str, list[Case]]:
         raise InputError(f"--events must lie in 1 ... 10000, got {arguments.events}")
     base = load((arguments.scenarios or [_BASE])[0], overrides_of(arguments))
     first = (seeds_of(arguments) or [0])[0]
+    terrain = {"braking_m_s2": arguments.braking, "grade": arguments.grade}
     roads = -(-arguments.events // _OBSTACLES_A_ROAD)
     return {
         f"{kind} {look}": [
-            Case(course(base, kind, look, seed), "passive", arguments.perception, seed)
+            Case(course(base, kind, look, seed, **terrain), "passive", arguments.perception, seed)
             for seed in range(first, first + roads)
         ]
         for kind, look in product(arguments.courses, arguments.looks)

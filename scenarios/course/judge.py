@@ -38,7 +38,7 @@ class Belief:
 
 @dataclass(frozen=True)
 class Passage:
-    """One obstacle of a drive, all beliefs of it, oldest first, and the speed when they are used."""
+    """One obstacle of a drive, all beliefs of it, oldest first, and the speed when a front wheel meets it."""
 
     feature: Feature
     speed_m_s: float
@@ -75,7 +75,7 @@ def passages(run: Run) -> list[Passage]:
     speed = run.signals["speed_m_s"]
     found = []
     for feature in _obstacles(run):
-        reached = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m - USE_M))
+        reached = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m))
         beliefs = tuple(_beliefs(run, feature, axle))
         found.append(Passage(feature, float(speed[min(reached, len(speed) - 1)]), beliefs))
     return found

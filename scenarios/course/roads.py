@@ -1,15 +1,19 @@
 """Seeded roads of many like obstacles, in some light and weather: what the estimator is measured on."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import cycle
 
 import numpy as np
 
 from files.errors import InputError
 from road.appearance import Appearance
 from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from road.grade import GradeChange
 from road.profile import Road
 from road.roughness import Roughness
 from scenarios.schema import Scenario
+from scenarios.speed import KM_H, SpeedPoint
 
 COURSES = ("bumps", "humps", "potholes", "plain")
 LOOKS = {
@@ -17,42 +21,92 @@ LOOKS = {
     "dusk": Appearance(light="sunset", weather="dry", sun_elevation_deg=8.0),
     "rain": Appearance(light="overcast", weather="rain"),
 }
+MIXED = "mixed"  # all of LOOKS in turn, road by road
+HARDEST_BRAKING_M_S2, STEEPEST_GRADE = 8.0, 0.05
 _FIRST_M = 40.0
 _SPACING_M = (24.0, 34.0)
+_BRAKING_M, _SLOW_M = 8.0, 6.0  # before an obstacle, and from its near edge on
+_GRADE_LEAD_M = (5.0, 15.0)  # from a change of grade to the obstacle behind it
 _PAINTS = ("plain", "yellow_black", "white_stripes", "white_triangles")
 
 
 def course(
-    base: Scenario, kind: str, look: str, seed: int, obstacles: int = 10, iso_class: str = "B"
+    base: Scenario,
+    kind: str,
+    look: str,
+    seed: int,
+    obstacles: int = 10,
+    *,
+    braking_m_s2: float = 0.0,
+    grade: float = 0.0,
 ) -> Scenario:
     """`base` on a road of `obstacles` obstacles of one of `COURSES`, seen in one of `LOOKS`, at 30-60 km/h.
 
-    Sizes, paint, lateral positions, distances, speed and roughness are drawn from `seed`. `plain` has no
-    obstacle on as long a road. Raises InputError for an unknown kind or look.
+    Sizes, paint, lateral positions, distances, speed and roughness (class B) are drawn from `seed`. `plain`
+    has no obstacle on as long a road; the look `mixed` is one of LOOKS, by the seed.
+
+    Args:
+        braking_m_s2: the car brakes so until its front wheels are at an obstacle, then speeds up again.
+        grade: the road's grade changes by this (m/m) before each obstacle: up, level, down, level.
+
+    Raises InputError for an unknown kind or look, or for more braking or grade than allowed.
     """
     if kind not in COURSES:
         raise InputError(f"course must be one of {', '.join(COURSES)}, got {kind!r}")
-    if look not in LOOKS:
-        raise InputError(f"look must be one of {', '.join(LOOKS)}, got {look!r}")
+    if look not in (*LOOKS, MIXED):
+        raise InputError(f"look must be one of {', '.join(LOOKS)}, {MIXED}, got {look!r}")
+    _check("braking", braking_m_s2, HARDEST_BRAKING_M_S2)
+    _check("grade", grade, STEEPEST_GRADE)
     rng = np.random.default_rng((seed, COURSES.index(kind)))
     speed_kmh = float(rng.uniform(30.0, 60.0))
-    starts = _FIRST_M + np.cumsum(rng.uniform(*_SPACING_M, obstacles))
-    wheel_y = -base.vehicle.parameters.track_m / 2
-    features = () if kind == "plain" else tuple(_draw(kind, float(x), wheel_y, rng) for x in starts)
-    road = Road(
-        length_m=float(starts[-1]) + 12.0,
-        features=features,
-        roughness=Roughness(iso_class, int(rng.integers(2**31)), track_m=base.vehicle.parameters.track_m),
-    )
+    starts = [float(x) for x in _FIRST_M + np.cumsum(rng.uniform(*_SPACING_M, obstacles))]
+    car = base.vehicle.parameters
+    wheel_y = -car.track_m / 2
+    features = () if kind == "plain" else tuple(_draw(kind, x, wheel_y, rng) for x in starts)
+    roughness = Roughness("B", int(rng.integers(2**31)), track_m=car.track_m)
     wear = float(rng.uniform(0.1, 0.6))
+    grades = _grades(starts, grade, rng) if grade else ()
+    shown = LOOKS[list(LOOKS)[seed % len(LOOKS)] if look == MIXED else look]
     return replace(
         base,
         name=f"{kind}_{look}",
         title=f"{kind}, {look}, seed {seed}",
-        road=road,
+        road=Road(length_m=starts[-1] + 12.0, features=features, roughness=roughness, grades=grades),
         speed_kmh=speed_kmh,
-        appearance=replace(LOOKS[look], wear=wear),
+        speed=_stops(starts, max(car.axle_x_m), speed_kmh, braking_m_s2) if braking_m_s2 else (),
+        appearance=replace(shown, wear=wear),
     )
+
+
+def _check(name: str, value: float, most: float) -> None:
+    if not 0.0 <= value <= most:
+        raise InputError(f"{name} must lie in 0 ... {most:g}, got {value:g}")
+
+
+def _stops(
+    starts: Sequence[float], axle_m: float, speed_kmh: float, braking_m_s2: float
+) -> tuple[SpeedPoint, ...]:
+    """Points of speed: less before each obstacle, but never below half, and back to `speed_kmh` after it."""
+    square = (speed_kmh * KM_H) ** 2
+    span = min(_BRAKING_M, 0.75 * square / (2 * braking_m_s2))
+    slow_kmh = float(np.sqrt(square - 2 * braking_m_s2 * span)) / KM_H
+    points = []
+    for start in starts:
+        at = start - axle_m
+        ways = (
+            (speed_kmh, at - span),
+            (slow_kmh, at),
+            (slow_kmh, at + _SLOW_M),
+            (speed_kmh, at + _SLOW_M + span),
+        )
+        points += [SpeedPoint(kmh, at_m=place) for kmh, place in ways]
+    return tuple(points)
+
+
+def _grades(starts: Sequence[float], grade: float, rng: np.random.Generator) -> tuple[GradeChange, ...]:
+    """One change before each obstacle; the road stays within a few decimetres of its first height."""
+    steps = zip(starts, cycle((grade, 0.0, -grade, 0.0)))
+    return tuple(GradeChange(start - float(rng.uniform(*_GRADE_LEAD_M)), to) for start, to in steps)
 
 
 def _draw(kind: str, x: float, wheel_y: float, rng: np.random.Generator) -> Feature:

@@ -65,7 +65,8 @@ def edge_of(estimator):
 def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     shots, _ = drive(Road(60.0, (feature,)), PERFECT)
     assert shots[0].error_m == pytest.approx(0.0, abs=0.03)
-    assert shots[0].existence > 0.94  # a stain may look like that, too
+    believed = unbiased().precision(1 if feature is POTHOLE else 0)  # a stain may look like that, too
+    assert shots[0].existence > 0.98 * believed
 
 
 WHITE_PIXELS = unbiased(relative_sigma=1e-6)

@@ -1,12 +1,15 @@
 """Seeded courses: repeatable, within their stated ranges, on the wheel's path."""
 
+import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from files.errors import InputError
-from scenarios.course.roads import COURSES, LOOKS, course
+from scenarios.course.roads import COURSES, LOOKS, MIXED, course
 from scenarios.loading import load
+from vehicle.speed import SpeedProfile
 
 BASE = load("mixed_40")
 
@@ -30,6 +33,39 @@ def test_obstacles_lie_apart_and_under_the_wheel(look: str) -> None:
 
 def test_plain_road_has_no_obstacle() -> None:
     assert course(BASE, "plain", "day", 0).road.features == ()
+
+
+def test_looks_take_turns() -> None:
+    shown = [course(BASE, "bumps", MIXED, seed).appearance.weather for seed in range(6)]
+    assert shown == [LOOKS[look].weather for look in LOOKS] * 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_car_brakes_until_its_front_wheels_meet_an_obstacle(seed: int) -> None:
+    made = course(BASE, "humps", "day", seed, obstacles=4, braking_m_s2=3.0)
+    drive, axle = made.motion, max(BASE.vehicle.parameters.axle_x_m)
+    time = np.arange(0.0, 40.0, 0.001)
+    assert isinstance(drive, SpeedProfile)
+    place, speed, acceleration = drive.at(time)
+    for feature in made.road.features:
+        before = np.searchsorted(place + axle, feature.start_m - 0.1)
+        assert acceleration[before] == pytest.approx(-3.0)
+        assert speed[before] >= made.speed_m_s / 2
+        assert acceleration[np.searchsorted(place + axle, feature.start_m + 0.1)] == 0.0
+
+
+def test_the_grade_changes_before_each_obstacle() -> None:
+    made = course(BASE, "bumps", "day", 2, obstacles=5, grade=0.02)
+    assert [change.grade for change in made.road.grades] == [0.02, 0.0, -0.02, 0.0, 0.02]
+    for change, feature in zip(made.road.grades, made.road.features, strict=True):
+        assert 5.0 <= feature.start_m - change.start_m <= 15.0
+    assert made.road.features == course(BASE, "bumps", "day", 2, obstacles=5).road.features
+
+
+@pytest.mark.parametrize("terrain", [{"braking_m_s2": 9.0}, {"grade": -0.01}, {"grade": math.nan}])
+def test_terrain_out_of_range_is_refused(terrain: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=r"must lie in 0 \.\.\."):
+        course(BASE, "bumps", "day", 0, **terrain)
 
 
 @pytest.mark.parametrize(("kind", "look"), [("bump", "day"), ("bumps", "noon")])

@@ -1,0 +1,63 @@
+"""Changes of grade along the road: a piecewise straight road joined by vertical curves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from files.errors import InputError
+from road.checks import check_number
+
+STEEPEST = 0.3
+
+
+@dataclass(frozen=True)
+class GradeChange:
+    """From `start_m` on the road climbs by `grade` (m/m, negative downhill), reached over `length_m`.
+
+    The vertical curve between is a parabola, as in road design. Raises InputError for a grade beyond
+    +-STEEPEST.
+    """
+
+    start_m: float
+    grade: float
+    length_m: float = 2.0
+
+    def __post_init__(self) -> None:
+        check_number("start_m", self.start_m, 0.0, 100_000.0)
+        check_number("grade", self.grade, -STEEPEST, STEEPEST)
+        check_number("length_m", self.length_m, 0.0, 10_000.0, open_low=True)
+
+
+def check_order(changes: tuple[GradeChange, ...], length_m: float) -> None:
+    """Raise InputError unless the vertical curves follow one another within the road of `length_m`."""
+    free_m = 0.0
+    for index, change in enumerate(changes):
+        end_m = change.start_m + change.length_m
+        if change.start_m < free_m or end_m > length_m:
+            raise InputError(
+                f"grades[{index}] spans {change.start_m:g} to {end_m:g} m and must lie after the one before "
+                f"it and inside the road, {free_m:g} to length_m = {length_m:g} m"
+            )
+        free_m = end_m
+
+
+def grade_height(changes: tuple[GradeChange, ...], x: ArrayLike) -> NDArray[np.float64]:
+    """Height (m) of the road at x, same shape, 0 before the first of the ordered `changes`."""
+    x = np.asarray(x, float)
+    z, before = np.zeros(x.shape), 0.0
+    for change in changes:
+        into = np.maximum(x - change.start_m, 0.0)
+        curve = np.minimum(into, change.length_m)
+        z += (change.grade - before) * (curve**2 / (2 * change.length_m) + (into - curve))
+        before = change.grade
+    return z
+
+
+def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
+    """Grade (m/m) of the road at one x."""
+    before = 0.0
+    for change in changes:
+        share = min(max((x - change.start_m) / change.length_m, 0.0), 1.0)
+        before += (change.grade - before) * share
+    return before

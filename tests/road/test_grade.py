@@ -1,0 +1,83 @@
+"""Changes of grade: heights by closed form, and as the camera sees them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from files.errors import InputError
+from road.appearance import Appearance
+from road.camera import Camera, CameraMount, pose_of, project
+from road.features import HalfSineBump
+from road.grade import GradeChange, grade_height
+from road.profile import Road
+from road.render import Scene
+
+UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
+
+
+def test_the_curve_is_a_parabola_between_straight_lines() -> None:
+    height = grade_height((UP, LEVEL), [0.0, 10.0, 11.0, 12.0, 20.0, 24.0, 100.0])
+    # y = (g2 - g1) x^2 / (2 L) on the curve, half of the change of grade times L at its end
+    np.testing.assert_allclose(height, [0, 0, 0.005, 0.02, 0.18, 0.22, 0.22], atol=1e-12)
+
+
+@given(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(0.1, 9.0), st.floats(0.1, 20.0))
+def test_grades_are_those_asked_for(first: float, second: float, one_m: float, other_m: float) -> None:
+    changes = (GradeChange(10.0, first, one_m), GradeChange(20.0, second, other_m))
+    x = np.array([19.4, 19.5, 60.0, 60.1])
+    z = grade_height(changes, x)
+    np.testing.assert_allclose((z[1::2] - z[::2]) / (x[1::2] - x[::2]), [first, second], atol=1e-9)
+
+
+def test_a_road_carries_its_features_over_the_grade() -> None:
+    bump = HalfSineBump(15.0, 0.08, 0.5)
+    road = Road(60.0, (bump,), grades=(UP,))
+    assert not road.is_flat_between_features
+    assert road.height(15.25, 0.0) == pytest.approx(0.08 + 0.02 * (15.25 - 11.0))
+
+
+@pytest.mark.parametrize("grade", [0.02, -0.02])
+def test_the_camera_sees_a_bump_where_the_grade_puts_it(grade: float) -> None:
+    change, bump = GradeChange(8.0, grade), HalfSineBump(18.0, 0.08, 0.5)
+    camera, pose = Camera(), pose_of(CameraMount(), 5.0, 0.0, 0.0)
+    scene = Scene(Road(60.0, (bump,), grades=(change,)), Appearance(), 1)
+    frame = scene.render(camera, pose, 0)
+    edge = (18.0, 0.0, grade * (18.0 - 9.0))
+    assert frame.boxes[0][3] == pytest.approx(project(camera, pose, edge)[0, 1], abs=1.0)
+
+
+def test_the_plane_beyond_the_map_meets_it() -> None:
+    """Depth goes on without a jump where the rays leave the map, 46 m ahead."""
+    scene = Scene(Road(200.0, grades=(GradeChange(5.0, 0.02),)), Appearance(), 1)
+    frame = scene.render(Camera(), pose_of(CameraMount(), 4.0, 0.0, 0.0), 0)
+    column = frame.depth[:, 320]
+    far = column[np.isfinite(column) & (column > 20)]
+    assert far[0] > 60
+    assert np.all(np.diff(far) < 0)
+    assert np.abs(np.diff(np.diff(1 / far))).max() < 2e-4  # rows of a plane are even in 1 / depth
+
+
+@pytest.mark.parametrize(
+    ("grades", "words"),
+    [
+        (
+            (GradeChange(10.0, 0.02), GradeChange(11.0, 0.0)),
+            r"grades\[1\] spans 11 to 13 m and must lie after",
+        ),
+        ((GradeChange(59.0, 0.02),), r"grades\[0\] spans 59 to 61 m .* length_m = 60 m"),
+    ],
+)
+def test_changes_that_overlap_or_leave_the_road_are_refused(
+    grades: tuple[GradeChange, ...], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        Road(60.0, grades=grades)
+
+
+@pytest.mark.parametrize(
+    "change", [{"grade": 0.31}, {"grade": 0.1, "length_m": 0.0}, {"grade": float("nan")}]
+)
+def test_a_grade_out_of_range_is_refused(change: dict[str, float]) -> None:
+    with pytest.raises(InputError, match="must"):
+        GradeChange(1.0, **change)
