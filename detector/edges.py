@@ -5,6 +5,8 @@ network knows about where; the mean change of colour from row to row, over hundr
 exactly. An edge is moved to the strongest line near it, and stays where it is if no line stands out.
 """
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +18,13 @@ LEAST_WIDTH_PX, LEAST_ASPECT = 48.0, 3.0
 SEGMENTS = 16
 STEP_PX, RISE_STEP_PX = 0.5, 1.0
 STEEPEST = 0.03  # slope of a line in the image, from roll and yaw
-INWARD_PX = 1.0  # boxes are drawn too tall rather than too flat
 SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # of the network's edges
+RISE_SPREAD_PX, RISE_SPREAD_SHARE = 3.0, 1.0  # of a line's rise about that of all lines
 STANDING_OUT = 3.0  # a line over the median of its surroundings
 LEAST_CHANGE = 6.0  # of a line, summed over red, green and blue
 SAME_LINE_PX = 1.5  # what is nearer belongs to the same line
-INNERMOST = 0.6  # of the height, how far inside the box an edge may lie
-LEAST_LEFT = 0.4  # of the height, between the edges
+INNERMOST = 0.55  # of the height, how far inside the box an edge is looked for
+LEAST_LEFT = 0.45  # of the height: otherwise both edges have found the same line
 _MARGIN = 0.06  # of the width, at either side
 
 
@@ -37,27 +39,17 @@ def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
 
 
 def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, float]:
-    """Top and bottom of the box: the two lines that together are strongest and nearest to the drawn ones."""
-    top, bottom = float(box[1]), float(box[3])
+    """Top and bottom of the box, moved to lines unless both would be the same."""
+    left, top, right, bottom = map(float, box)
     height = bottom - top
     spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
     change, first = _row_changes(image, box, 3 * spread)
-    rise = _rise(change, int(STEEPEST * float(box[2] - box[0]) / 2 / RISE_STEP_PX))
-    rows, strength = _lines(change, rise)
-    above, below = rows + first - abs(rise), rows + first + abs(rise)
-
-    def near(rows: NDArray, edge: float, outward: int, cut: bool) -> tuple[NDArray, NDArray]:
-        out = outward * (rows - edge)
-        taken = (out <= 3 * spread) & (out >= -INNERMOST * height)
-        if cut or not taken.any():
-            return np.array([edge]), np.ones(1)
-        return rows[taken], strength[taken] * np.exp(-0.5 * ((out[taken] + INWARD_PX) / spread) ** 2)
-
-    tops, top_weights = near(above, top, -1, cut=top <= 1)
-    bottoms, bottom_weights = near(below, bottom, 1, cut=bottom >= len(image) - 1)
-    weights = top_weights[:, None] * bottom_weights * (bottoms - tops[:, None] >= LEAST_LEFT * height)
-    upper, lower = np.unravel_index(np.argmax(weights), weights.shape)
-    return (tops[upper], bottoms[lower]) if weights[upper, lower] > 0 else (top, bottom)
+    lines = _strengths(change, int(STEEPEST * (right - left) / 2 / RISE_STEP_PX))
+    upper = lines and _line(change, lines, top - first, spread, (3 * spread, INNERMOST * height))
+    lower = lines and _line(change, lines, bottom - first, spread, (INNERMOST * height, 3 * spread))
+    new_top = first + upper[0] - abs(upper[1]) if upper and top > 1 else top
+    new_bottom = first + lower[0] + abs(lower[1]) if lower and bottom < len(image) - 1 else bottom
+    return (new_top, new_bottom) if new_bottom - new_top >= LEAST_LEFT * height else (top, bottom)
 
 
 def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[NDArray[np.float32], int]:
@@ -77,25 +69,54 @@ def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[
     return np.minimum(means, 2 * np.median(strongest)), first + 1
 
 
-def _rise(change: NDArray[np.float32], ends: int) -> float:
-    """How much the lines go down from the middle to the right end: so that their changes gather in few rows.
+class _Lines(NamedTuple):
+    """Mean change along lines: rows (n,) at the middle, rises (m,) to the right end, strength (n, m)."""
 
-    Both edges of a bump are parallel on the road, and too near each other for perspective to tell.
-    """
-    rises = RISE_STEP_PX * np.arange(-ends, ends + 1)
-    strength = _along(change, np.arange(len(change))[:, None] + np.zeros(len(rises)), rises)
-    return float(rises[np.argmax((strength**2).sum(axis=0))])
+    rows: NDArray
+    rises: NDArray
+    strength: NDArray
 
 
-def _lines(change: NDArray[np.float32], rise: float) -> tuple[NDArray, NDArray]:
-    """Rows at the middle, and strengths, of the lines that stand out."""
+def _strengths(change: NDArray[np.float32], ends: int) -> _Lines | None:
+    """All lines that rise by at most `ends` steps; None where there are too few rows."""
     rows = np.arange(1, len(change) - 2, STEP_PX)
-    strength = _along(change, rows, rise)
-    least = max(STANDING_OUT * float(np.median(change.mean(axis=1))), LEAST_CHANGE)
-    crests = (strength >= least) & (strength >= np.roll(strength, 1)) & (strength > np.roll(strength, -1))
-    near = rows[crests, None] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
-    weight = np.maximum(_along(change, near, rise) - 0.3 * strength[crests, None], 0)
-    return (weight * near).sum(axis=1) / weight.sum(axis=1), strength[crests]
+    rises = RISE_STEP_PX * np.arange(-ends, ends + 1)
+    if len(rows) < 4:
+        return None
+    return _Lines(rows, rises, _along(change, rows[:, None] + np.zeros(len(rises)), rises))
+
+
+def _line(
+    change: NDArray[np.float32], lines: _Lines, row: float, spread: float, reach: tuple[float, float]
+) -> tuple[float, float] | None:
+    """Row at the middle, and rise to the right end, of the line about `row`; None if it does not stand out.
+
+    The network and the other lines tell which line is meant: near `row`, and about parallel to those whose
+    changes gather in the fewest rows. Where its middle is, is for the image alone.
+    """
+    rows, rises, strength = lines
+    common = rises[np.argmax((strength**2).sum(axis=0))]
+    parallel = (rises - common) / (RISE_SPREAD_PX + RISE_SPREAD_SHARE * abs(common))
+    near = np.exp(-0.5 * (((rows - row) / spread) ** 2)[:, None] - 0.5 * parallel**2)
+    near[(rows < row - reach[0]) | (rows > row + reach[1])] = 0
+    start, slant = np.unravel_index(np.argmax(strength * near), near.shape)
+    profile, rise = strength[:, slant], rises[slant]
+    best = _climb(profile, int(start))
+    if profile[best] < max(STANDING_OUT * np.median(change.mean(axis=1)), LEAST_CHANGE):
+        return None
+    about = rows[best] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
+    weight = np.maximum(_along(change, about, rise) - 0.3 * profile[best], 0)
+    return float((weight * about).sum() / weight.sum()), float(rise)
+
+
+def _climb(profile: NDArray, at: int) -> int:
+    """Index of the maximum of the hill that `at` lies on."""
+    while True:
+        first = max(at - 1, 0)
+        up = first + int(np.argmax(profile[first : at + 2]))
+        if profile[up] <= profile[at]:
+            return at
+        at = up
 
 
 def _along(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
