@@ -19,7 +19,7 @@ _MARGIN_M = 2.0  # road before and behind an object that tells where the plane i
 _BESIDE_M = 0.3  # what may belong to the object
 _SHADOW = 0.1  # of the distance: road that a bump may hide behind it
 _STRIP_M = 1.5  # half width of the road that is looked at
-_LEAST_ROWS = 12
+_LEAST_ROWS, _LEAST_COLUMNS = 12, 64
 _RIM = 3.0  # how much less exactly a hole has a near edge than a bump
 _EVERY_ROW = 2  # neighbours share their windows
 _NOISE_GREY = 3.0  # of the difference of two images
@@ -72,7 +72,10 @@ class Gauge:
         rows = self._rows_of(shot.pose, track)
         if rows is None:
             return False
-        view = band(self.camera, shot.pose, other.pose, rows, self._columns_of(shot.pose, rows, track))
+        columns = self._columns_of(shot.pose, rows, track)
+        if columns[1] - columns[0] < _LEAST_COLUMNS:
+            return False
+        view = band(self.camera, shot.pose, other.pose, rows, columns)
         start = coarse(self.camera, view, shot.image, other.image) if stereo else np.ones_like(view.ahead)
         middle = max(0.5 * (track.start_m + track.end_m) - shot.pose.x, 3.0)
         width_px = 2 * round(0.5 * self._window_m(track) * self.camera.focal_px / middle) + 1
