@@ -27,6 +27,7 @@ from files.atomic import write_text
 from files.errors import InputError
 
 GRAPHS = ("plain", "optimised")
+PRECISIONS = ("fp32", "fp16", "int8")
 WARM_UP = 3
 
 
@@ -44,11 +45,9 @@ class Case:
 
 def cases(args: argparse.Namespace) -> list[Case]:
     """All rows that the command line asks for. The plain graph is timed in single precision only."""
-    kinds = [
-        (g, p) for g, p in itertools.product(args.graphs, args.precisions) if (g, p[:4]) != ("plain", "int8")
-    ]
-    kinds = [(g, p) for g, p in kinds if g == "optimised" or p == "fp32"]
-    grid = itertools.product(args.models, kinds, args.backends, args.sizes, args.threads)
+    kinds = itertools.product(args.graphs, args.precisions)
+    kept = [(g, p) for g, p in kinds if g == "optimised" or p == "fp32"]
+    grid = itertools.product(args.models, kept, args.backends, args.sizes, args.threads)
     return [Case(m, g, p, b, s, int(t)) for m, (g, p), b, s, t in grid]
 
 
@@ -58,11 +57,8 @@ def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path
     weights: of `detector train`, for rows of its model; random ones for all others. data: folder with images/
     to calibrate 8-bit graphs on; smooth noise without.
     """
-    import torch
-
-    from detector.checkpoint import DEFAULT_MODEL, save_weights
+    from detector.checkpoint import DEFAULT_MODEL
     from detector.export import CALIBRATION_IMAGES, check_images, export
-    from detector.models import build
 
     whole = any(row.precision == "int8" for row in rows)
     images = check_images(data, CALIBRATION_IMAGES if whole and data else 4)
@@ -70,13 +66,24 @@ def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path
     for row in rows:
         kind = (row.model, row.graph, file_precision(row))
         if kind not in files:
-            source = weights if weights and row.model == DEFAULT_MODEL else folder / f"{row.model}.pt"
-            if not source.exists():
-                torch.manual_seed(0)
-                save_weights(source, build(row.model), {"model": row.model})
+            given = weights if row.model == DEFAULT_MODEL else None
+            source = given or random_weights(row.model, folder)
             files[kind] = folder / f"{'_'.join(kind)}.onnx"
             export(source, files[kind], "bench", images, row.graph == "plain", kind[2])
     return {row: files[row.model, row.graph, file_precision(row)] for row in rows}
+
+
+def random_weights(model: str, folder: Path) -> Path:
+    """A weights file of a model as it is before training."""
+    import torch
+
+    from detector.checkpoint import save_weights
+    from detector.models import build
+
+    torch.manual_seed(0)
+    path = folder / f"{model}.pt"
+    save_weights(path, build(model), {"model": model})
+    return path
 
 
 def file_precision(row: Case) -> str:
@@ -137,7 +144,7 @@ def parser() -> argparse.ArgumentParser:
         "--models", type=_words, default=["sbp-yolo", "yolo11n"], help="names of `detector models`"
     )
     p.add_argument("--graphs", type=_words, default=list(GRAPHS), help=", ".join(GRAPHS))
-    p.add_argument("--precisions", type=_words, default=["fp32", "int8"], help="fp32, fp16, int8")
+    p.add_argument("--precisions", type=_words, default=["fp32", "int8"], help=", ".join(PRECISIONS))
     p.add_argument("--backends", type=_words, default=["cpu"], help=", ".join(BACKENDS))
     p.add_argument("--sizes", type=_words, default=["640x384"], help="WIDTHxHEIGHT[,...]")
     p.add_argument("--threads", type=_words, default=["1", "2"], help="numbers of threads")
@@ -165,15 +172,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def compare(args: argparse.Namespace) -> list[dict]:
-    """Time all rows and print them. Raises InputError."""
-    for name in args.backends:
-        if name in BACKENDS and name not in installed():
-            print(f"backend {name} is left out: it needs {BACKENDS[name].package}", file=sys.stderr)
-            args.backends = [b for b in args.backends if b != name]
+def check(args: argparse.Namespace) -> None:
+    """Raises InputError for words that name nothing, sizes that fit no graph, and counts below 1."""
+    for option, allowed in (("graphs", GRAPHS), ("precisions", PRECISIONS), ("backends", tuple(BACKENDS))):
+        for word in getattr(args, option):
+            if word not in allowed:
+                raise InputError(f"--{option}: must be of {', '.join(allowed)}, got {word!r}")
     for size in args.sizes:
         _pixels(size)
+    for threads in args.threads:
+        if not threads.isdecimal() or int(threads) < 1:
+            raise InputError(f"--threads: must be whole numbers >= 1, got {threads!r}")
+    if args.runs < 1:
+        raise InputError(f"--runs must be >= 1, got {args.runs}")
+
+
+def compare(args: argparse.Namespace) -> list[dict]:
+    """Time all rows and print them. Raises InputError."""
+    check(args)
+    for name in args.backends:
+        if name not in installed():
+            print(f"backend {name} is left out: it needs {BACKENDS[name].package}", file=sys.stderr)
+            args.backends = [b for b in args.backends if b != name]
     rows_wanted = cases(args)
+    if not rows_wanted:
+        raise InputError("no row is left to time; the plain graph is timed in fp32 only")
     with tempfile.TemporaryDirectory() as folder:
         rows = measure(prepare(rows_wanted, Path(folder), args.weights, args.data), args.runs)
     for row in rows:

@@ -43,8 +43,21 @@ def accuracy(files: dict[Case, Path], data: Path, every: int) -> dict[Case, dict
     return {case: summarise(found, 0.25) for case, found in results.items()}
 
 
+def check(args: argparse.Namespace) -> None:
+    """Raises InputError for counts below 1, and where no image would be judged."""
+    for name in ("threads", "runs", "every"):
+        if getattr(args, name) < 1:
+            raise InputError(f"--{name} must be >= 1, got {getattr(args, name)}")
+    images = len(image_paths(args.data))
+    if args.every > images:
+        raise InputError(
+            f"--every must be <= {images}, the number of images in {args.data}, got {args.every}"
+        )
+
+
 def table(args: argparse.Namespace) -> list[dict]:
     """A row for each backend and precision. Raises InputError."""
+    check(args)
     for backend in args.backends.split(","):
         require(backend)
     cases = [

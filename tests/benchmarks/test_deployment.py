@@ -32,3 +32,28 @@ def test_a_backend_that_is_missing_is_told(tmp_path: Path, capsys: pytest.Captur
     data = roads.write(tmp_path / "data", 1)
     assert main(["--data", str(data), "--calibrate", str(data), "--backends", "npu"]) == 2
     assert "backend must be one of cpu" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--every", "0"], "--every must be >= 1, got 0"),
+        (["--every", "3"], "--every must be <= 2, the number of images in "),
+        (["--runs", "0"], "--runs must be >= 1, got 0"),
+        (["--threads", "0"], "--threads must be >= 1, got 0"),
+    ],
+)
+def test_counts_out_of_range_are_told_before_anything_is_timed(
+    tmp_path: Path, options: list[str], said: str, capsys: pytest.CaptureFixture
+) -> None:
+    data = roads.write(tmp_path / "data", 2)
+    assert main(["--data", str(data), "--calibrate", str(data), "--backends", "cpu", *options]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_mistyped_weights_are_told_and_not_made(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    data, mistyped = roads.write(tmp_path / "data", 2), tmp_path / "wieghts.pt"
+    words = ["--data", str(data), "--calibrate", str(data), "--backends", "cpu"]
+    assert main([*words, "--weights", str(mistyped)]) == 2
+    assert f"{mistyped}: no such file" in capsys.readouterr().err
+    assert not mistyped.exists()

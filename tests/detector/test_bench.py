@@ -30,3 +30,33 @@ def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) ->
     assert all(keys <= row.keys() and row["median_ms"] > 0 for row in rows)
     assert main(["--sizes", "100x100"]) == 2
     assert "multiples of 32" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--graphs", "plian"], "--graphs: must be of plain, optimised, got 'plian'"),
+        (["--precisions", "fp61"], "--precisions: must be of fp32, fp16, int8, got 'fp61'"),
+        (["--backends", "npu"], "--backends: must be of cpu, "),
+        (["--threads", "x"], "--threads: must be whole numbers >= 1, got 'x'"),
+        (["--threads", "0"], "--threads: must be whole numbers >= 1, got '0'"),
+        (["--runs", "0"], "--runs must be >= 1, got 0"),
+        (["--graphs", "plain", "--precisions", "int8"], "no row is left to time"),
+    ],
+)
+def test_bad_options_are_told_before_anything_is_timed(
+    options: list[str], said: str, capsys: pytest.CaptureFixture
+) -> None:
+    assert main(options) == 2
+    told = capsys.readouterr().err
+    assert said in told
+    assert told.count("\n") == 1
+
+
+def test_weights_that_are_not_there_are_told_and_not_made(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    mistyped = tmp_path / "wieghts.pt"
+    assert main(["--models", "sbp-yolo", "--precisions", "fp32", "--weights", str(mistyped)]) == 2
+    assert f"{mistyped}: no such file" in capsys.readouterr().err
+    assert not mistyped.exists()
