@@ -25,7 +25,9 @@ class Checked:
     """A reading whose unbelievable channels are held at their last believable values.
 
     lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.
-    faults: what is wrong, by name, such as `rattle_m_0 stuck`; empty for a sound reading.
+    faults: what is wrong, by name, such as `rattle_m_0 stuck`; empty where all that control needs is sound.
+    The roll gyro is not among them, as only a perception reads it: while it is lost its reading is 0, since a
+    rate that is held would turn the body on and on.
     """
 
     measurement: Measurement
@@ -44,17 +46,17 @@ class SensorWatch:
         self._names = [
             f"{name}_{wheel}" for name in ("body_acc", "wheel_acc", "rattle_m") for wheel in range(wheels)
         ]
-        self._names += ["pitch_rate", "speed_m_s", "roll_rate"]
+        self._names += ["pitch_rate", "speed_m_s"]
         most = np.repeat([MOST["body_acc"], MOST["wheel_acc"], MOST["rattle_m"]], wheels)
         self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"], MOST["roll_rate"]])
-        self._sound = (False,) * len(self._names)
-        self._none = np.zeros(len(self._names), dtype=int)
+        self._sound = (False,) * len(self._most)
+        self._none = np.zeros(len(self._most), dtype=int)
         self.reset()
 
     def reset(self) -> None:
         """Forget all readings."""
-        self._held = np.zeros(len(self._names))
-        self._before = np.full(len(self._names), np.nan)
+        self._held = np.zeros(len(self._most))
+        self._before = np.full(len(self._most), np.nan)
         self._equal = self._none
 
     def check(self, measurement: Measurement) -> Checked:
@@ -80,11 +82,17 @@ class SensorWatch:
             self._held = values
             return Checked(measurement, self._sound)
         self._held = np.where(lost, self._held, values)
-        why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")
-        faults = tuple(f"{name} {reason}" for name, reason in zip(self._names, why, strict=True) if reason)
-        if lost.all():
-            faults = (EVERYTHING,)
+        if lost[-1]:
+            self._held[-1] = 0.0
+        faults = self._faults(silent, impossible, stuck)
         return Checked(self._with_held(measurement), tuple(lost.tolist()), faults)
+
+    def _faults(self, silent: np.ndarray, impossible: np.ndarray, stuck: np.ndarray) -> tuple[str, ...]:
+        """Names of what control needs and cannot have."""
+        why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")[:-1]
+        if (why != "").all():
+            return (EVERYTHING,)
+        return tuple(f"{name} {reason}" for name, reason in zip(self._names, why, strict=True) if reason)
 
     def _with_held(self, measurement: Measurement) -> Measurement:
         w, held = self._wheels, self._held

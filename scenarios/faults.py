@@ -16,7 +16,10 @@ _ABSURD_M = 3.0
 
 @dataclass(frozen=True)
 class SensorFault:
-    """A sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one."""
+    """A sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one.
+
+    `roll_rate` fails to the camera's estimator alone, which no car but a full one has a roll gyro for.
+    """
 
     kind: ClassVar[str] = "sensor"
     channel: Literal["body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate", "all"]

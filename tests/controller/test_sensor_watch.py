@@ -9,11 +9,11 @@ from controller.sensor_watch import EVERYTHING, STUCK_READINGS, SensorWatch
 from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
 
 
-def reading(k: int, **changed: object) -> Measurement:
-    """Reading number k of a half car in motion; no two are equal."""
+def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:
+    """Reading number k of a car in motion; no two are equal, but in the roll of a car that cannot roll."""
     rng = np.random.default_rng(k)
-    wheels = rng.normal(size=2), rng.normal(size=2), 0.01 * rng.normal(size=2)
-    sound = Measurement(0.005 * k, *wheels, 0.1 * k, 10.0 + k, 0.2 * k)
+    struts = rng.normal(size=wheels), rng.normal(size=wheels), 0.01 * rng.normal(size=wheels)
+    sound = Measurement(0.005 * k, *struts, 0.1 * k, 10.0 + k, 0.2 * k if wheels > 2 else 0.0)
     return replace(sound, **changed)  # type: ignore[arg-type]
 
 
@@ -34,7 +34,6 @@ def test_sound_readings_pass_unchanged() -> None:
         ("rattle_m", np.array([0.7, 0.01]), "rattle_m_0 out of range", 4),
         ("pitch_rate", float("nan"), "pitch_rate silent", 6),
         ("speed_m_s", 400.0, "speed_m_s out of range", 7),
-        ("roll_rate", float("nan"), "roll_rate silent", 8),
     ],
 )
 def test_a_bad_reading_is_named_and_held_at_the_last_good_one_until_the_sensor_is_back(
@@ -63,9 +62,25 @@ def test_a_sensor_is_stuck_after_some_equal_readings_and_back_with_the_first_oth
     assert faults[8:] == [(), ()]
 
 
-def test_a_car_that_cannot_roll_has_no_gyro_to_get_stuck() -> None:
-    watch = SensorWatch(2, SensorNoise())
-    assert all(watch.check(reading(k, roll_rate=0.0)).faults == () for k in range(10))
+@pytest.mark.parametrize("wheels", [1, 2, 4])
+@pytest.mark.parametrize("value", [float("nan"), 0.3, 99.0])
+def test_a_lost_roll_gyro_is_no_fault_of_what_control_needs_and_reads_zero(wheels: int, value: float) -> None:
+    watch = SensorWatch(wheels, SensorNoise())
+    for k in range(10):
+        checked = watch.check(reading(k, wheels, roll_rate=value))
+        assert checked.faults == ()
+    lost = wheels > 2 or value != 0.3
+    assert checked.lost == (False,) * (3 * wheels + 2) + (lost,)
+    assert checked.measurement.roll_rate == (0.0 if lost else value)
+    assert watch.check(reading(10, wheels)).lost == (False,) * (3 * wheels + 3)
+
+
+@pytest.mark.parametrize("wheels", [1, 2, 4])
+def test_sensors_that_are_all_stuck_have_a_name_of_their_own(wheels: int) -> None:
+    watch, still = SensorWatch(wheels, SensorNoise()), reading(0, wheels)
+    faults = [watch.check(still).faults for _ in range(STUCK_READINGS + 1)]
+    assert faults == [()] * (STUCK_READINGS - 1) + [(EVERYTHING,)] * 2
+    assert watch.check(reading(1, wheels)).faults == ()
 
 
 def test_sensors_without_noise_may_repeat_themselves() -> None:
@@ -73,9 +88,10 @@ def test_sensors_without_noise_may_repeat_themselves() -> None:
     assert all(watch.check(still).faults == () for _ in range(10))
 
 
-def test_a_silent_bus_has_a_name_of_its_own() -> None:
-    watch = SensorWatch(1, SensorNoise())
-    nothing = np.array([np.nan])
+@pytest.mark.parametrize("wheels", [1, 2, 4])
+def test_a_silent_bus_has_a_name_of_its_own(wheels: int) -> None:
+    watch = SensorWatch(wheels, SensorNoise())
+    nothing = np.full(wheels, np.nan)
     checked = watch.check(Measurement(0.0, nothing, nothing, nothing, *[float("nan")] * 3))
     assert checked.faults == (EVERYTHING,)
     assert np.isfinite(checked.measurement.rattle_m).all()
