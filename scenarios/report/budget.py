@@ -33,13 +33,14 @@ def error_budget_section(path: Path) -> str:
 
 
 def _event(event: dict[str, Any]) -> str:
+    title = escape(str(event["event"]))
     reactive, whole, exact, kept, rest = (float(event[name]) for name in _NUMBERS)
     lines = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
     most = max([abs(float(source["cost"])) for source in event["sources"]] + [1e-9])
-    for source in sorted(event["sources"], key=lambda source: -source["cost"]):
+    for source in sorted(event["sources"], key=lambda source: -float(source["cost"])):
         cost = float(source["cost"])
         bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>'
-        name = f"{escape(source['source'])} exact <small>{escape(source['replaced_by'])}</small>"
+        name = f"{escape(str(source['source']))} exact <small>{escape(str(source['replaced_by']))}</small>"
         lines.append([name, bar, f"{cost:.1%}", f"{float(source['objective']):.3f}", ""])
     lines += [
         ["not of a single source", "", f"{rest:.1%}", "", ""],
@@ -47,4 +48,4 @@ def _event(event: dict[str, Any]) -> str:
         ["all of it exact", "", "", f"{exact:.3f}", "100%"],
     ]
     heads = ["drive with", "", "cost of its error", "J / passive", "kept of the gain"]
-    return f"<h3>{escape(event['event'])}</h3>{table(heads, lines, 1)}"
+    return f"<h3>{title}</h3>{table(heads, lines, 1)}"

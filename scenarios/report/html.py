@@ -7,6 +7,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from scenarios.cases import PERCEPTIONS
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.report.figures import label_of
@@ -20,7 +21,6 @@ _PAGE = Path(__file__).parent / "page"
 _SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")
 MOST_FRAMES = 300
 """Frames in one file; a report with more exposures shows every second, third, ... of them."""
-_SIGHT = ("none", "oracle", "boxes", "camera")
 
 
 def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
@@ -63,7 +63,7 @@ def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
         members = list(group)
         notes = {label_of(run): _frames_note(run, frames_from, every) for run in members}
         start = event_window(members[0], before_s=0.5)[0] / TICKS_PER_SECOND
-        best = max(range(len(members)), key=lambda i: _SIGHT.index(members[i].case.perception))
+        best = max(range(len(members)), key=lambda i: PERCEPTIONS.index(members[i].case.perception))
         shown.append(scene(members, notes, every) | {"start": start, "best": best})
     return shown
 

@@ -12,7 +12,12 @@ from scenarios.runfolder import manifest, to_json
 from scenarios.statistics import Interval, Variant
 
 _REACTIVE = ("mpc_reactive", "none")
-_LADDER = (("oracle", "true road"), ("boxes", "true boxes with errors"), ("camera", "camera and detector"))
+_LADDER = {
+    "oracle": "true road",
+    "map": "map of the road",
+    "boxes": "true boxes with errors",
+    "camera": "camera and detector",
+}
 
 
 def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
@@ -45,7 +50,7 @@ def budget_section(variants: Sequence[Variant]) -> str:
         reactive, best = found.get(_REACTIVE), found.get(("mpc_preview", "oracle"))
         if reactive is None or best is None:
             continue
-        for perception, told in _LADDER:
+        for perception, told in _LADDER.items():
             if (objective := found.get(("mpc_preview", perception))) is not None:
                 share = f"{(reactive - objective) / (reactive - best):.0%}" if reactive > best else "–"
                 rows.append([escape(f"{scenario} · {vehicle}"), told, f"{objective:.4f}", share])

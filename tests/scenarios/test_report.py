@@ -10,8 +10,10 @@ import cv2
 import numpy as np
 import pytest
 
+from files.errors import InputError
 from scenarios.cli import main
 from scenarios.readback import read
+from scenarios.report.budget import error_budget_section
 from scenarios.report.frames import with_frames
 from scenarios.report.replay import packed, spectra
 
@@ -145,6 +147,36 @@ def test_a_malformed_budget_is_told_in_one_line(
     (told,) = capsys.readouterr().err.strip().splitlines()
     assert "budget.json: is no comfort budget" in told
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("place", "value"), [("event", 3), ("sources", [3]), ("sources", {"cost": 1}), ("rest", None)]
+)
+def test_a_budget_of_the_wrong_types_raises_nothing_but_an_input_error(
+    tmp_path: Path, place: str, value: object
+) -> None:
+    budget = tmp_path / "budget.json"
+    budget.write_text(json.dumps(BUDGET | {"table": [BUDGET["table"][0] | {place: value}]}))
+    if place == "event":
+        assert "<h3>3</h3>" in error_budget_section(budget)
+        return
+    with pytest.raises(InputError, match="is no comfort budget"):
+        error_budget_section(budget)
+
+
+def test_a_map_has_its_place_among_the_perceptions(tmp_path: Path) -> None:
+    """It is the best sight of its drive, and a rung of what the comfort budget compares."""
+    lines = [f"{x:.1f},{0.06 * (9.0 < x < 9.6):.2f}" for x in np.arange(0, 30, 0.1)]
+    (tmp_path / "map.csv").write_text("\n".join(["x_m,z_m", *lines]) + "\n")
+    road = tmp_path / "mapped.yaml"
+    road.write_text(SHORT.replace("half", "quarter") + "map: {file: map.csv}\n")
+    seen = ["--controllers", "mpc_reactive,mpc_preview", "--perception", "oracle,map"]
+    assert main(["compare", str(road), *seen, "--out", str(tmp_path / "runs")]) == 0
+    out = tmp_path / "report.html"
+    assert main(["report", str(tmp_path / "runs"), "--out", str(out)]) == 0
+    (scene,) = data_of(out.read_text())["scenes"]
+    assert scene["runs"][scene["best"]]["label"] == "mpc_preview (map)"
+    assert "map of the road" in out.read_text().split("Comfort budget")[1]
 
 
 def test_a_single_run_gets_its_passive_car(compared: Path, tmp_path: Path) -> None:
