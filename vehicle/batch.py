@@ -12,14 +12,14 @@ from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
-from vehicle.clock import RATE_HZ, STEP_S
+from vehicle.clock import RATE_HZ
 from vehicle.damper import IdealDamper
 from vehicle.engine import Native, build_model
 from vehicle.equations import input_size
 from vehicle.parameters import Car
 from vehicle.plant import standing
 from vehicle.speed import ConstantSpeed
-from vehicle.state import Profile, VehicleState, observe, road_under
+from vehicle.state import Profile, VehicleState, observe, road_forces, road_under
 
 Array = NDArray[np.float64]
 _PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -89,13 +89,4 @@ class Fleet:
     def _road_force(self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, ticks: int) -> Array:
         """Tyre forces of the road's own motion, (cars, ticks, wheels)."""
         stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
-        forces = []
-        for car in self.cars:
-            edge, _ = road_under(car, profiles, stretch.edges_m, 0.0)
-            middle, _ = road_under(car, profiles, stretch.middles_m, 0.0)
-            rows = [
-                corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
-                for i, corner in enumerate(car.corners)
-            ]
-            forces.append(np.stack(rows, axis=1))
-        return np.stack(forces)
+        return np.stack([np.stack(road_forces(car, profiles, stretch), axis=1) for car in self.cars])

@@ -13,7 +13,7 @@ from vehicle.engine import build_engine, build_model
 from vehicle.equations import input_size, rest_state
 from vehicle.parameters import Car
 from vehicle.speed import ConstantSpeed, Motion, SpeedProfile
-from vehicle.state import Array, Profile, VehicleState, observe, road_under
+from vehicle.state import Array, Profile, VehicleState, observe, road_forces, road_under
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 
@@ -169,15 +169,12 @@ class Plant:
 
     def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
         """Travel at the next ticks from x_m on, and what road and surge do to the car during each."""
-        self._motion = ConstantSpeed(float(speed)) if isinstance(speed, float | int) else speed
+        self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
         self._prepared, self._used = max(ticks, _CHUNK), 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
-        edge, _ = road_under(self.parameters, self._profiles, stretch.edges_m, 0.0)
-        middle, _ = road_under(self.parameters, self._profiles, stretch.middles_m, 0.0)
         self._control: Array = np.zeros((self._prepared, self._columns))
-        for i, corner in enumerate(self.parameters.corners):
-            force = corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
-            self._control[:, self._wheels + i] = force
+        roads = road_forces(self.parameters, self._profiles, stretch)
+        self._control[:, self._wheels : 2 * self._wheels] = np.transpose(roads)
         if stretch.forward_acc is not None and len(self.parameters.inertial_arm_m) > 1:
             arm = self.parameters.body_inertia[0] * self.parameters.inertial_arm_m[1]
             self._control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vehicle import equations
+from vehicle.clock import STEP_S
 from vehicle.parameters import Car
+from vehicle.speed import Stretch
 
 Array = NDArray[np.float64]
 
@@ -72,6 +74,16 @@ def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s
         height.append(profile.height(x_m + axle))
         velocity.append(profile.slope(x_m + axle) * speed_m_s)
     return height, velocity
+
+
+def road_forces(parameters: Car, profiles: Sequence[Profile], stretch: Stretch) -> list[Array]:
+    """Tyre force of the road's own motion during each tick of a stretch, N, (ticks,) for each wheel."""
+    edge, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
+    middle, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
+    return [
+        corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
+        for i, corner in enumerate(parameters.corners)
+    ]
 
 
 def observe(

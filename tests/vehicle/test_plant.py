@@ -283,6 +283,14 @@ def test_speed_may_change_between_steps() -> None:
     assert plant.signals.speed_m_s[[0, 500, 501]].tolist() == [10.0, 10.0, 20.0]
 
 
+@pytest.mark.parametrize("speed", [8, np.float32(8.0), np.float64(8.0), np.int64(8)])
+def test_speed_may_be_any_number(speed: float) -> None:
+    plant = Plant(QUARTER)
+    plant.reset([FLAT], 2.0, speed)
+    plant.step([1500.0], 500)
+    assert plant.state.x_m == pytest.approx(6.0)
+
+
 def test_wrong_use_is_told_in_one_line() -> None:
     plant = Plant(HALF)
     with pytest.raises(InputError, match="profiles must be 2, one per wheel, got 1"):
