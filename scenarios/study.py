@@ -124,7 +124,7 @@ def read(path: Path) -> list[Sample]:
         _scalar(value, f"{path}: set.{field}")
     try:
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
-        for kind in {(s.scenario, s.controller, s.perception) for s in samples}:
+        for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
             _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIED])
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
