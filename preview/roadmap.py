@@ -33,14 +33,15 @@ _QUALITY = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
 class RoadMap:
     """Heights of a road by station, and what their maker says of them; stations are odometer positions.
 
-    surface: heights over x and y. height_sigma_m, position_sigma_m, existence: (n,) at `surface.x_m`, as in
-    `RoadPreview`.
+    surface: heights over x and y, x from the first station, which is at `start_m`. height_sigma_m,
+    position_sigma_m, existence: (n,) at `surface.x_m`, as in `RoadPreview`.
     """
 
     surface: MeasuredSurface
     height_sigma_m: Array
     position_sigma_m: Array
     existence: Array
+    start_m: float = 0.0
 
     def __post_init__(self) -> None:
         for name in _QUALITY:
@@ -65,12 +66,14 @@ def read(path: Path | str) -> RoadMap:
         told = {}
     else:
         header, table = csv_profile.read_table(path)
+        if twice := sorted({name for name in header if header.count(name) > 1}):
+            raise InputError(f"{path}: each column must be named once, got {', '.join(twice)} twice")
         kept = [k for k, name in enumerate(header) if name not in _QUALITY]
         x, y, heights = csv_profile.profile_of(path, [header[k] for k in kept], table[:, kept])
         told = {name: table[:, header.index(name)] for name in _QUALITY if name in header}
     quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _QUALITY.items()}
     try:
-        return RoadMap(surface(x, y, heights, str(path)), **quality)
+        return RoadMap(surface(x, y, heights, str(path)), **quality, start_m=float(x[0]))
     except InputError as error:
         message = str(error)
         raise InputError(message if message.startswith(str(path)) else f"{path}: {message}") from None
@@ -80,10 +83,12 @@ def wheel_tracks(
     road_map: RoadMap, wheel_y_m: Sequence[float], radius_m: float, enveloping: Enveloping | None = None
 ) -> list[WheelProfile]:
     """What a tyre of this radius feels on each track: the map's heights, enveloped."""
-    x = np.arange(0.0, road_map.surface.length_m + STEP_M / 2, STEP_M)
+    x = np.arange(0.0, road_map.surface.length_m + STEP_M / 2, STEP_M)  # from the first station
     tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
     heights = (road_map.surface.height(x, y) for y in wheel_y_m)
-    return [WheelProfile(0.0, STEP_M, tyre.effective_height(z, STEP_M, radius_m)) for z in heights]
+    return [
+        WheelProfile(road_map.start_m, STEP_M, tyre.effective_height(z, STEP_M, radius_m)) for z in heights
+    ]
 
 
 def map_preview(
@@ -100,8 +105,8 @@ def map_preview(
     """
     distance = distance_grid() if distance_m is None else distance_m
     at = np.asarray(wheel_x_m, float)[:, None] + distance
-    known = (at >= 0.0) & (at <= road_map.surface.length_m)
-    stations = road_map.surface.x_m
+    stations = road_map.start_m + road_map.surface.x_m
+    known = (at >= stations[0]) & (at <= stations[-1])
 
     def along(values: Array) -> Array:
         return np.where(known, np.interp(at, stations, values), 0.0)

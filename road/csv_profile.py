@@ -45,7 +45,7 @@ def read_table(path: Path) -> tuple[list[str], Array]:
     if rows[0][0] != "x_m":
         _places(path, rows[0])
     table = np.array([_numbers(path, texts[k][0], rows[k], rows[0]) for k in range(1, len(rows))])
-    return rows[0], table
+    return rows[0], table.reshape(-1, len(rows[0]))
 
 
 def profile_of(path: Path, header: list[str], table: Array) -> tuple[Array, Array, Array]:

@@ -53,6 +53,36 @@ def test_uncertainty_is_that_of_the_file_and_of_the_place(tmp_path: Path) -> Non
     assert seen.existence[:, ~on_map].max() == 0.0
 
 
+def test_stations_are_odometer_positions_wherever_the_map_begins(tmp_path: Path) -> None:
+    """A map of 100 ... 129 m with a hump at 110 m, the road of which is known only there."""
+    x = np.arange(100.0, 129.01, 0.05)
+    heights = Road(140.0, (WattsHump(110.0, 0.09, 3.6),)).height(x, 0.0)
+    lines = [f"{a:.2f},{z:.6f},{0.001 * a:.5f}" for a, z in zip(x, heights, strict=True)]
+    known = read(written(tmp_path / "map.csv", "x_m,z_m,height_sigma_m", lines))
+    tracks = wheel_tracks(known, [0.0], 0.31)
+    before, on, after = (map_preview(known, tracks, np.array([at]), 0.0, 0.0) for at in (5.0, 105.0, 127.0))
+    assert before.existence.max() == 0.0
+    np.testing.assert_allclose(before.height_m, 0.0, atol=1e-12)
+    assert on.height(0, 6.8) == pytest.approx(0.09, abs=2e-3)
+    np.testing.assert_allclose(on.height_sigma_m[0], 0.001 * (105.0 + on.distance_m), atol=1e-5)
+    np.testing.assert_array_equal(after.existence[0] > 0, 127.0 + after.distance_m <= 129.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("header", "told"),
+    [
+        ("x_m,z_m,existence,existence", "must be named once, got existence twice"),
+        ("x_m,z_m,existence", "has a header, but no stations"),
+        ("x_m,z_m", "has a header, but no stations"),
+    ],
+)
+def test_a_header_alone_or_with_a_column_twice_is_refused(tmp_path: Path, header: str, told: str) -> None:
+    path = written(tmp_path / "map.csv", header, ["0" + ",0" * header.count(",")] * ("twice" in told))
+    with pytest.raises(InputError, match=told) as caught:
+        read(path)
+    assert str(caught.value).startswith(str(path))
+
+
 @pytest.mark.parametrize(
     ("header", "line", "told"),
     [
