@@ -17,19 +17,21 @@ if TYPE_CHECKING:
 def write_curves(run: Path) -> None:
     """Draw `history.jsonl` of a run folder into `curves.png`; nothing where there is no history."""
     history = run / "history.jsonl"
-    if not history.exists():
+    rows = [json.loads(line) for line in history.read_text().splitlines()] if history.exists() else []
+    if not rows:
         return
-    rows = [json.loads(line) for line in history.read_text().splitlines()]
     passes = [row["passes"] for row in rows]
     figure = _figure()
     losses, scores = figure.subplots(1, 2)
-    for name in rows[-1]["loss"]:
-        losses.plot(passes, [row["loss"].get(name) for row in rows], ".-", label=name)
+    terms = [row.get("loss", {}) for row in rows]  # none where a finished run was taken up again
+    for name in dict.fromkeys(name for row in terms for name in row):
+        losses.plot(passes, [row.get(name) for row in terms], ".-", label=name)
     for key, label in (("map50", "mAP50"), ("map50_95", "mAP50-95"), ("recall", "recall at 0.25")):
         scores.plot(passes, [row[key] for row in rows], ".-", label=label)
     for axes, title in ((losses, "loss"), (scores, "validation")):
         axes.set(xlabel="image passes", title=title)
-        axes.legend()
+        if axes.lines:
+            axes.legend()
         axes.grid(alpha=0.3)
     _write(figure, run / "curves.png")
 

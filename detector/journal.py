@@ -14,7 +14,7 @@ from detector.deploy import Deployed
 from detector.pictures import png, sheet, tile
 from detector.schedule import Stage
 from detector.trainer import TERMS, Trainer, look, validate
-from files.atomic import write_bytes
+from files.atomic import write_bytes, write_text
 
 EVERY_STEPS = 20  # between two points of the loss curves
 TILES, COLUMNS = 12, 4
@@ -25,12 +25,15 @@ class Journal:
     """The record of a training in its run folder, gone on with at `passes` image passes.
 
     history.jsonl holds one line a validation, predictions/ one picture of the same few images each;
-    tensorboard/ events with the loss terms, the learning rate, and what is in the history.
+    tensorboard/ events with the loss terms, the learning rate, and what is in the history. What a run before
+    wrote of later passes is forgotten, since its checkpoint does not hold them.
     """
 
     def __init__(self, out: Path, passes: int):
         self.out, self.steps = out, 0
         self.history = out / "history.jsonl"
+        if self.history.exists():
+            _cut_back(self.history, passes)
         self.events = _events(out / "tensorboard", passes)
 
     def __enter__(self) -> "Journal":
@@ -52,13 +55,17 @@ class Journal:
             self.events.add_scalar("learning rate", rate, trainer.passes)
 
     def validation(self, trainer: Trainer, samples: Sequence[Sample], loss: torch.Tensor) -> None:
-        """Append how the model does at the size of the last stage; loss: the running mean of the terms."""
+        """Append how the model does at the size of the last stage.
+
+        loss: the running mean of the terms, of length 0 where no step has been made
+        """
         stage, passes = trainer.settings.stages[-1], trainer.passes
         summary = validate(trainer, samples, stage)
-        losses = dict(zip(TERMS, loss.tolist(), strict=False))
-        row = {"passes": passes, "size": f"{stage.width}x{stage.height}", "loss": losses, **summary}
-        with self.history.open("a") as history:
-            history.write(json.dumps(row) + "\n")
+        row = {"passes": passes, "size": f"{stage.width}x{stage.height}"}
+        if len(loss):
+            row["loss"] = dict(zip(TERMS, loss.tolist(), strict=False))
+        told = self.history.read_text() if self.history.exists() else ""
+        write_text(self.history, f"{told}{json.dumps(row | summary)}\n")
         picture = predictions(trainer, samples, stage)
         write_bytes(self.out / "predictions" / f"{passes:08}.png", png(picture))
         if self.events:
@@ -92,6 +99,18 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
         asked = view.classes >= 0
         tiles.append(tile(view.image, view.boxes[asked], result, SURE, sample.name, 360))
     return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SURE:g}")
+
+
+def _cut_back(history: Path, passes: int) -> None:
+    """Keep the whole lines of a history that tell of no more than so many passes."""
+    kept = []
+    for line in history.read_text().splitlines():
+        try:
+            if json.loads(line)["passes"] <= passes:
+                kept.append(line + "\n")
+        except (ValueError, TypeError, KeyError):
+            continue  # half a line, where the disk was full or the program killed
+    write_text(history, "".join(kept))
 
 
 def _events(folder: Path, passes: int) -> Any:

@@ -38,7 +38,7 @@ def train(
     settings, total = trainer.settings, total_passes(trainer.settings.stages)
     order = (settings.stages, settings.batch, trainer.passes, settings.seed, how.workers)
     feed = batches(training, *order, settings.augmentation)
-    mean, written = torch.zeros(1), time.monotonic()
+    mean, written, stalled = torch.zeros(0), time.monotonic(), False
     with Journal(out, trainer.passes) as journal, Progress(total, trainer.passes) as progress:
         with _interrupts() as stopped:
             for batch in feed:
@@ -51,14 +51,15 @@ def train(
                 )
                 if validation and before < trainer.passes // how.validate_every:
                     journal.validation(trainer, validation[: how.validate_images], mean)
-                    if how.patience and journal.stalled(how.patience):
-                        print(f"no better mAP50-95 in {how.patience} validations: stopping early", flush=True)
-                        break
+                    stalled = how.patience > 0 and journal.stalled(how.patience)
                 if stopped or time.monotonic() - written > how.checkpoint_s:
                     trainer.save(out / "checkpoint.pt")
                     written = time.monotonic()
                 if stopped:
                     raise SystemExit(f"stopped after {trainer.passes} passes; go on with --resume")
+                if stalled:
+                    print(f"no better mAP50-95 in {how.patience} validations: stopping early", flush=True)
+                    break
         trainer.save(out / "checkpoint.pt")
         if validation:
             journal.validation(trainer, validation, mean)

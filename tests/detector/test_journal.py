@@ -65,6 +65,13 @@ def test_training_does_without_tensorboard_and_says_so(
     assert not (tmp_path / "tensorboard").exists()
 
 
+def test_a_fresh_run_forgets_the_history_of_one_without_a_checkpoint(tmp_path: Path) -> None:
+    history = tmp_path / "history.jsonl"
+    history.write_text(json.dumps({"passes": 2}) + "\n" + '{"pass')
+    Journal(tmp_path, 0)
+    assert history.read_text() == ""
+
+
 @pytest.mark.parametrize(
     ("scores", "stalled"),
     [([0.1], False), ([0.1, 0.2, 0.1], False), ([0.1, 0.2, 0.1, 0.2], True), ([None, None, None], True)],
