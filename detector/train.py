@@ -8,6 +8,7 @@ weights.pt. The same command runs on a CPU and on a GPU.
 
 import argparse
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -83,8 +84,13 @@ def _settings(args: argparse.Namespace) -> Settings:
     for name in ("batch", "threads", "workers", "validate_every"):
         if getattr(args, name) < 1:
             raise InputError(f"--{name.replace('_', '-')} must be >= 1, got {getattr(args, name)}")
-    if not args.rate > 0:
-        raise InputError(f"--rate must be > 0, got {args.rate:g}")
+    for name in ("patience", "distil_logits", "distil_features"):
+        if not 0 <= getattr(args, name) < math.inf:
+            raise InputError(
+                f"--{name.replace('_', '-')} must be finite and >= 0, got {getattr(args, name):g}"
+            )
+    if not 0 < args.rate < math.inf:
+        raise InputError(f"--rate must be finite and > 0, got {args.rate:g}")
     try:
         loss = LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight)
     except ValueError as error:
@@ -135,7 +141,6 @@ def run(args: argparse.Namespace) -> None:
     )
     how = Routine(workers=args.workers, validate_every=args.validate_every, patience=args.patience)
     train(trainer, training, validation, args.out, how)
-    write_curves(args.out)
     metadata = {
         "model": settings.model,
         "names": list(CLASS_NAMES),
@@ -145,6 +150,7 @@ def run(args: argparse.Namespace) -> None:
         "settings": json.dumps(asdict(settings)),
     }
     save_weights(args.out / "weights.pt", trainer.average.model, metadata)
+    write_curves(args.out)
 
 
 if __name__ == "__main__":
