@@ -7,6 +7,7 @@ A label line is `class cx cy w h`, centre and size as fractions of the image. Be
 
 import hashlib
 import json
+import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -125,7 +126,7 @@ def read_records(folder: Path) -> dict[str, dict] | None:
             record = json.loads(line)
             objects, condition = list(record["objects"]), dict(record.get("condition", {}))
             for one in objects:
-                int(one["class"]), float(one["distance_m"]), bool(one["in_ego_lane"])
+                _check_object(one)
             records[str(record["image"])] = record | {"objects": objects, "condition": condition}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InputError(
@@ -133,6 +134,16 @@ def read_records(folder: Path) -> dict[str, dict] | None:
                 f"in_ego_lane ({error})"
             ) from None
     return records
+
+
+def _check_object(one: dict) -> None:
+    cls, distance, lane = one["class"], one["distance_m"], one["in_ego_lane"]
+    if type(cls) is not int:  # a bool is an int, too
+        raise ValueError(f"class must be a whole number, got {cls!r}")
+    if type(distance) not in (int, float) or not math.isfinite(distance):
+        raise ValueError(f"distance_m must be a finite number, got {distance!r}")
+    if type(lane) is not bool:
+        raise ValueError(f"in_ego_lane must be true or false, got {lane!r}")
 
 
 def dataset_hash(folder: Path) -> str:
