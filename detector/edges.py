@@ -34,7 +34,7 @@ def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
     for box, cls in zip(boxes, found.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
         if cls in LINED_CLASSES and width >= max(LEAST_WIDTH_PX, LEAST_ASPECT * height):
-            box[1], box[3] = _edges(image, box)
+            box[1], box[3] = np.clip(_edges(image, box), 0, len(image))
     return Detections(boxes, found.scores, found.classes)
 
 

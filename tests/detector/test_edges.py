@@ -71,6 +71,12 @@ def test_an_edge_beyond_the_image_stays_there() -> None:
     assert found[1] == pytest.approx(90, abs=0.34)
 
 
+def test_a_line_that_leaves_the_image_is_followed_to_its_border_only() -> None:
+    image = scene(90, 105, slope=0.025)[:108]
+    found = sharpen(image, one((20.0, 85.0, 620.0, 106.0))).boxes[0]
+    assert found[3] == 108
+
+
 def test_the_detections_given_are_left_alone() -> None:
     given_boxes = one((20.0, 87.0, 620.0, 108.0))
     before = given_boxes.boxes.copy()
