@@ -27,13 +27,13 @@ from detector.detection import Detections
 from detector.gallery import write_sheets
 from detector.imagefile import read_image
 from detector.metrics import judge, summarise
+from detector.nms import LEAST_CONFIDENCE
 from detector.progress import Progress
 from detector.report import report
 from detector.runtime import Detector
 from files.atomic import write_text
 from files.errors import InputError
 
-LEAST_CONFIDENCE = 0.001
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 
 
@@ -125,7 +125,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
         if not 0 < args.confidence <= 1:
-            raise InputError(f"--confidence must be in 0..1, got {args.confidence:g}")
+            raise InputError(f"--confidence must be > 0 and <= 1, got {args.confidence:g}")
         if not 0 <= args.strength <= 1:
             raise InputError(f"--strength must be in 0..1, got {args.strength:g}")
         change = unchanged

@@ -7,6 +7,8 @@ from detector.detection import Detections
 
 OVERLAP = 0.45
 """IoU above which the lesser box of a class is dropped (0.5: 0.9 points of mAP50 less)."""
+LEAST_CONFIDENCE = 0.001
+"""Least score of a detection that is judged: average precision looks at all thresholds."""
 
 
 def iou_matrix(a: NDArray, b: NDArray) -> NDArray:

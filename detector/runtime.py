@@ -49,7 +49,7 @@ class Detector:
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
             if not 0 < value <= 1:
-                raise InputError(f"{name} must be in 0..1, got {value}")
+                raise InputError(f"{name} must be > 0 and <= 1, got {value}")
         if threads < 1:
             raise InputError(f"threads must be >= 1, got {threads}")
         self.path = Path(weights or WEIGHTS)

@@ -18,7 +18,7 @@ from detector.loader import Batch
 from detector.losses import LossWeights, detection_loss
 from detector.metrics import ImageResult, judge, summarise
 from detector.models import build
-from detector.nms import OVERLAP, select
+from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
 from detector.schedule import Stage, rate_factor
 from files.errors import InputError
 
@@ -147,5 +147,5 @@ def look(trainer: Trainer, deployed: Deployed, sample: Sample, stage: Stage) -> 
     with torch.inference_mode(), trainer.autocast():
         boxes, scores = deployed(torch.from_numpy(view.image).to(trainer.device)[None])
     asked = view.classes >= 0
-    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), 0.001, OVERLAP)
+    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), LEAST_CONFIDENCE, OVERLAP)
     return view, judge(found, view.boxes[asked], view.classes[asked])

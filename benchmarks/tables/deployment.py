@@ -19,8 +19,8 @@ import numpy as np
 from detector.backends import BACKENDS, installed, require
 from detector.bench import Case, measure, prepare
 from detector.dataset import image_paths, read_samples
-from detector.evaluate import LEAST_CONFIDENCE
 from detector.metrics import judge, summarise
+from detector.nms import LEAST_CONFIDENCE
 from detector.progress import Progress
 from detector.runtime import WEIGHTS, Detector
 from files.atomic import write_text

@@ -28,7 +28,7 @@ from detector.deploy import Deployed
 from detector.detection import Detections
 from detector.metrics import judge, summarise
 from detector.models import Network
-from detector.nms import OVERLAP, select
+from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
 from detector.progress import Progress
 from detector.schedule import Stage, parse_stages
 from detector.train import main as train
@@ -78,7 +78,7 @@ def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
     def detect(image: NDArray[np.uint8]) -> Detections:
         with torch.inference_mode():
             boxes, scores = deployed(torch.from_numpy(image)[None])
-        return select(boxes[0].numpy(), scores[0].numpy(), 0.001, OVERLAP)
+        return select(boxes[0].numpy(), scores[0].numpy(), LEAST_CONFIDENCE, OVERLAP)
 
     return detect
 

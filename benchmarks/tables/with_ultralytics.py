@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from detector.dataset import image_paths
 from detector.detection import CLASS_NAMES, Detections
-from detector.nms import OVERLAP
+from detector.nms import LEAST_CONFIDENCE, OVERLAP
 from detector.schedule import Stage
 from files.atomic import write_text
 from files.errors import InputError
@@ -86,7 +86,8 @@ def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:
     def detect(image: NDArray[np.uint8]) -> Detections:
         size = image.shape[:2]
         bgr = np.ascontiguousarray(image[..., ::-1])
-        found = model.predict(bgr, imgsz=size, conf=0.001, iou=OVERLAP, max_det=300, verbose=False)[0].boxes
+        least = {"conf": LEAST_CONFIDENCE, "iou": OVERLAP, "max_det": 300}
+        found = model.predict(bgr, imgsz=size, verbose=False, **least)[0].boxes
         boxes, scores, classes = (np.asarray(part.cpu()) for part in (found.xyxy, found.conf, found.cls))
         return Detections(boxes, scores.clip(0, 1), classes)
 

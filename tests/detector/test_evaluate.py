@@ -111,7 +111,7 @@ def test_command_writes_the_numbers(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert main(["--data", str(tmp_path / "nowhere")]) == 2
     assert "nowhere: no folder images/" in capsys.readouterr().err
     assert main(["--data", str(folder), "--confidence", "1.5"]) == 2
-    assert "--confidence must be in 0..1, got 1.5" in capsys.readouterr().err
+    assert "--confidence must be > 0 and <= 1, got 1.5" in capsys.readouterr().err
 
 
 def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:
