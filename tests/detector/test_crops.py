@@ -15,9 +15,12 @@ def test_whole_view_at_full_size_changes_nothing() -> None:
 
 
 def test_whole_view_of_another_shape_gets_grey_bars() -> None:
-    image, _, boxes = whole_view(made(0), 256, 256)
+    original = made(0)
+    image, _, boxes = whole_view(original, 256, 256)
     assert (image[192:] == 114).all()
-    assert boxes.max() <= 192 + 64
+    assert np.array_equal(image[:192], original.image)
+    assert boxes[:, 3].max() <= 192
+    assert np.allclose(boxes, original.boxes * [256, 192, 256, 192])
 
 
 def test_objects_too_low_to_be_seen_are_not_asked_for() -> None:

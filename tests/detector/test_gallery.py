@@ -1,10 +1,13 @@
 """What the sheets of images show: colours where the boxes are, the worst image first."""
 
+from pathlib import Path
+
+import cv2
 import numpy as np
 
 from detector.breakdown import Judged
 from detector.detection import Detections
-from detector.gallery import mistakes
+from detector.gallery import COLUMNS, mistakes, write_sheets
 from detector.metrics import judge
 from detector.pictures import FALSE, MISSED, RIGHT, TRUE, misses, sheet, tile
 
@@ -12,9 +15,9 @@ TRUTH = np.array([[40, 40, 140, 60], [200, 40, 260, 80]], np.float32)
 CLASSES = np.array([0, 1])
 
 
-def judged(boxes: list[list[float]], scores: list[float], classes: list[int]) -> Judged:
+def judged(boxes: list[list[float]], scores: list[float], classes: list[int], name: str = "a.jpg") -> Judged:
     found = Detections(np.array(boxes, np.float32).reshape(-1, 4), np.array(scores), np.array(classes))
-    return Judged("a.jpg", 200, TRUTH, judge(found, TRUTH, CLASSES))
+    return Judged(name, 200, TRUTH, judge(found, TRUTH, CLASSES))
 
 
 def shades(image: np.ndarray) -> set[tuple[int, ...]]:
@@ -49,6 +52,23 @@ def test_mistakes_count_what_is_missed_and_what_is_not_there() -> None:
     assert mistakes(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]), 0.5) == 1  # found, but too unsure
     assert mistakes(judged([[40, 40, 140, 60]], [0.75], [1]), 0.5) == 2.75  # the other class
     assert misses(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]).result, 0.5).tolist() == [False, True]
+
+
+def test_the_worst_image_comes_first(tmp_path: Path) -> None:
+    images = [
+        judged(TRUTH.tolist(), [0.9, 0.9], [0, 1], "right.jpg"),
+        judged([TRUTH[0].tolist()], [0.9], [0], "one missed.jpg"),
+        judged([], [], [], "all missed.jpg"),
+    ]
+    shade = {"right.jpg": 50, "one missed.jpg": 100, "all missed.jpg": 200}
+    write_sheets(images, lambda name: np.full((200, 320, 3), shade[name], np.uint8), 0.5, tmp_path)
+    first = {}
+    for name in ("hardest", "typical"):
+        page = cv2.imread(str(tmp_path / f"{name}.png"))
+        row = page[page.shape[0] - 30]  # below all boxes
+        tile_width = page.shape[1] // COLUMNS
+        first[name] = [int(row[tile_width * i + 5, 0]) for i in range(3)]
+    assert first == {"hardest": [200, 100, 50], "typical": [50, 100, 200]}
 
 
 def test_sheets_lay_tiles_in_rows() -> None:
