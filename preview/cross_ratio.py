@@ -36,16 +36,27 @@ def marks_of(camera: Camera, mount: CameraMount, distances_m: tuple[float, float
 def distance(marks: Marks, row: ArrayLike) -> Array:
     """Distance (m) of the road seen in `row`; nan at and above the horizon that the marks imply."""
     row = np.asarray(row, float)
-    (r1, r2, r3), (d1, d2, d3) = marks.rows, marks.distances_m
-    # (r1, r2; r3, r) = (d1, d2; d3, d), solved for d.
-    seen = (r3 - r1) * (row - r2) / ((r3 - r2) * (row - r1) + (row == r1))
-    taped = (d3 - d2) / (d3 - d1) * seen
+    (r1, r2, _), (d1, d2, _) = marks.rows, marks.distances_m
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.where(row == r1, d1, (d2 - taped * d1) / (1.0 - taped))
-    return np.where(found > 0, found, np.nan)
+        found = (d2 * (row - r1) - d1 * _ratio(marks) * (row - r2)) / _below_horizon(marks, row)
+    return np.where((found > 0) & np.isfinite(found), found, np.nan)
 
 
 def distance_sigma(marks: Marks, row: float, pixel_sigma: float) -> float:
     """Standard deviation (m) of that distance, of a row known to `pixel_sigma`: nothing else is in it."""
-    above, below = distance(marks, np.array([row - 0.5, row + 0.5]))
-    return float(abs(above - below) * pixel_sigma)
+    (r1, r2, _), (d1, d2, _) = marks.rows, marks.distances_m
+    slope = _ratio(marks) * (d2 - d1) * (r2 - r1) / _below_horizon(marks, row) ** 2
+    return float(abs(slope) * pixel_sigma)
+
+
+def _ratio(marks: Marks) -> float:
+    """The k of (row - r1) (d - d2) = k (row - r2) (d - d1): equal cross-ratios, in rows and on the road."""
+    (r1, r2, r3), (d1, d2, d3) = marks
+    return (d3 - d2) / (d3 - d1) * (r3 - r1) / (r3 - r2)
+
+
+def _below_horizon(marks: Marks, row: ArrayLike) -> Array:
+    """A measure, linear in the row, of how far it is from the marks' horizon, where it is 0."""
+    r1, r2, _ = marks.rows
+    row = np.asarray(row, float)
+    return (row - r1) - _ratio(marks) * (row - r2)

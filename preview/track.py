@@ -49,7 +49,8 @@ class Track:
 
     right, left: lateral edges (y_min, y_max). log_odds: of being no chance box; class_log_odds: of `cls`
     against the other class. precision: how often a thing that is seen again and again is real, 1 once a wheel
-    has felt it. fits: by kind. strain: see `preview.grade`.
+    has felt it. fits: by kind. strain: see `preview.grade`. marked: near edge and sigma by
+    `preview.cross_ratio`, which then stand in the place of the fit's.
     """
 
     identity: int
@@ -70,6 +71,7 @@ class Track:
     strain: float = 0.0
     precision: float = 1.0
     class_log_odds: float = 0.0
+    marked: tuple[float, float] | None = None
 
     @property
     def best(self) -> Fit:

@@ -22,7 +22,7 @@ class Tracker:
     """All tracks, and the calibration they share.
 
     `passed` keeps the confirmed ones that lie behind; `events` logs births, confirmations and deaths. With
-    `marks` the last box alone places an object, by `preview.cross_ratio`.
+    `marks` the last box that shows a near edge alone places an object, by `preview.cross_ratio`.
     """
 
     def __init__(self, settings: Settings, focal_px: float, marks: Marks | None = None) -> None:
@@ -70,6 +70,8 @@ class Tracker:
     def refit(self, track: Track) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""
         track.refit(self.calibration.prior(track.cls), self.settings)
+        if track.marked is not None:
+            track.place(*track.marked)
 
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
@@ -106,23 +108,23 @@ class Tracker:
         track.weigh(True, self.settings)
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
+        track.marked = self._marked(view, number) or track.marked
         self.refit(track)
-        self._place(track, view, number)
         for edge, seen in zip((track.right, track.left), self._sides(track, view, number), strict=True):
             edge.update(seen.y_m, seen.variance)
         if not track.confirmed and track.existence > self.settings.confirm_existence:
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
 
-    def _place(self, track: Track, view: View, number: int) -> None:
-        """Put the object where the marks say, if there are any and the box's bottom is in sight."""
+    def _marked(self, view: View, number: int) -> tuple[float, float] | None:
+        """Where the marks put the near edge of a box, and its sigma; None without marks or out of reach."""
         if self.marks is None or view.cut[number][3]:
-            return
+            return None
         row = float(view.boxes[number][3])
         away = float(distance(self.marks, row))
-        if np.isfinite(away):
-            sigma = distance_sigma(self.marks, row, self.settings.pixel_sigma)
-            track.place(view.pose.x + away, sigma)
+        if not away < self.settings.birth_range_m:  # nor if nan: the row is at the marks' horizon or above
+            return None
+        return view.pose.x + away, distance_sigma(self.marks, row, self.settings.pixel_sigma)
 
     def _birth(self, view: View, number: int, score: float, cls: int) -> None:
         sight = sight_of(view, number)
@@ -130,12 +132,15 @@ class Tracker:
         x, sigma = ground_of(view, number, prior)
         if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return
+        marked = self._marked(view, number)
+        if self.marks is not None and marked is None:
+            return
         fits = first_fits(cls, x, sigma, prior)
         log_odds = 2.0 * score - 2.0
         unknown = Edge(0.0, np.inf)
         track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [sight])
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
-        track.precision = self.settings.precision(cls)
+        track.precision, track.marked = self.settings.precision(cls), marked
         track.classify(cls, prior, self.settings)
         self.refit(track)
         track.right, track.left = (
