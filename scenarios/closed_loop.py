@@ -17,6 +17,7 @@ from scenarios.clock import TICKS_PER_SECOND
 from scenarios.driver import Driver
 from scenarios.eyes import build_perception
 from scenarios.faults import Faults
+from scenarios.named_files import hashes
 from scenarios.observer_errors import observer_errors
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog, collect
@@ -38,6 +39,7 @@ class Run:
     metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
     observer: RMS errors of its states (see `scenarios.observer_errors`).
     solver, perception_stats: counts and qualities; timing: what the run took on this machine.
+    files_sha256: of what the case names beside its road (see `scenarios.named_files`).
     track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
     previews: what the controller was told of the road ahead.
     memory: what the estimator learned, if there is one. bound: what there was to win (see `scenarios.room`),
@@ -52,7 +54,7 @@ class Run:
     observer: dict[str, float]
     perception_stats: dict[str, Any]
     timing: dict[str, float]
-    weights_sha256: str | None
+    files_sha256: dict[str, str | None]
     track_y_m: float
     looks: list[Look]
     previews: PreviewLog
@@ -81,7 +83,8 @@ def simulate(
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.motion)
     sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
-    perception, weights_sha256 = build_perception(case, profiles, streams, keep_images)
+    perception = build_perception(case, profiles, streams, keep_images)
+    files_sha256 = hashes(case)
     faults = Faults(scenario.faults, streams["faults"])
     replay = Replay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
     driver = Driver(case, plant, sensors, perception, faults, replay)
@@ -101,7 +104,7 @@ def simulate(
         observer=observer_errors(prediction_car(car), driver.estimates, record),
         perception_stats=perception.stats(),
         timing=timing | driver.timing | perception.timing(),
-        weights_sha256=weights_sha256,
+        files_sha256=files_sha256,
         track_y_m=min(car.wheel_y_m),
         looks=perception.looks,
         previews=collect(driver.seen),

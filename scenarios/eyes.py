@@ -1,6 +1,5 @@
 """Eyes for the closed loop: true boxes with errors, or a rendered image through the detector."""
 
-import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -34,25 +33,22 @@ def build_perception(
     profiles: Sequence[WheelProfile],
     streams: dict[str, np.random.Generator],
     keep_images: bool,
-) -> tuple[Perception, str | None]:
-    """The perception that a case names, and the SHA-256 of the detector's weights where it has any."""
+) -> Perception:
+    """The perception that a case names."""
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     if case.perception == "none":
-        return Blind(), None
+        return Blind()
     if case.perception == "oracle":
         rng, enveloping = streams["oracle"], scenario.enveloping
-        return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping), None
+        return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping)
     if case.perception == "map":
-        return build_map(scenario, streams["map"]), None
+        return build_map(scenario, streams["map"])
     nominal = scenario.camera.mount(max(car.axle_x_m))
     mount = true_mount(scenario, nominal, streams["mounting"])
-    weights = None
     if case.perception == "boxes":
         eye = box_eye(scenario, mount, streams["boxes"])
     else:
-        detector = load_detector(scenario)
-        weights = hashlib.sha256(detector.path.read_bytes()).hexdigest()
-        eye = camera_eye(scenario, mount, detector, streams["image"])
+        eye = camera_eye(scenario, mount, load_detector(scenario), streams["image"])
     estimator = Estimator(
         scenario.camera.intrinsics,
         nominal,
@@ -65,7 +61,7 @@ def build_perception(
     )
     setup = scenario.camera
     correct = corrector(scenario.road.features, scenario.told)
-    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct), weights
+    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct)
 
 
 def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:

@@ -31,14 +31,16 @@ class Mapped(Blind):
         return map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
 
 
-def build_map(scenario: Scenario, rng: np.random.Generator) -> Mapped:
-    """The perception `map` of a scenario, its place on the map drawn from `rng`; InputError without a map."""
+def read_map(scenario: Scenario) -> tuple[RoadMap, float]:
+    """The map of a scenario and how well the car knows its place on it, m; InputError without a map."""
     if scenario.map is None:
         raise InputError(f"{scenario.name}: perception map needs the field map with a file, got none")
-    car, sigma, known = (
-        scenario.vehicle.parameters,
-        scenario.map.localisation_sigma_m,
-        read(scenario.map.file),
-    )
+    return read(scenario.map.file), scenario.map.localisation_sigma_m
+
+
+def build_map(scenario: Scenario, rng: np.random.Generator) -> Mapped:
+    """The perception `map` of a scenario, its place on the map drawn from `rng`."""
+    car = scenario.vehicle.parameters
+    known, sigma = read_map(scenario)
     tracks = wheel_tracks(known, car.wheel_y_m, car.wheel_radius_m, scenario.enveloping)
     return Mapped(known, tracks, car, sigma, sigma * float(rng.standard_normal()))

@@ -16,6 +16,7 @@ from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
+from scenarios.named_files import HASHES
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog
 from scenarios.runfolder import FRAMES
@@ -48,7 +49,7 @@ def read(folder: Path) -> Run:
             observer=manifest["observer_error"],
             perception_stats=manifest["perception_stats"],
             timing=manifest["timing"],
-            weights_sha256=manifest["weights_sha256"],
+            files_sha256={name: manifest.get(name) for name in HASHES},
             track_y_m=manifest["track_y_m"],
             looks=[_look(event, folder) for event in events if event["event"] == "boxes"],
             previews=_previews(_table(folder / "previews.parquet")),

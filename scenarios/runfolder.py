@@ -18,6 +18,7 @@ from preview.memory import write as write_memory
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
 from scenarios.preview_log import PreviewLog
+from scenarios.schema import Scenario
 
 FRAMES = "frames"
 _VERSIONED = (
@@ -48,6 +49,17 @@ def digest(value: Any) -> str:
     return hashlib.sha256(to_json(value, indent=None).encode()).hexdigest()
 
 
+def scenario_hash(scenario: Scenario) -> str:
+    """SHA-256 of a scenario's fields; of files their names only, as folders depend on where one stands."""
+    told = dict(scenario.mapping)
+    for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
+        if told[block] and told[block][field]:
+            told[block] = told[block] | {field: Path(told[block][field]).name}
+    if told["memory"]:
+        told["memory"] = Path(told["memory"]).name
+    return digest(told)
+
+
 def to_json(value: Any, indent: int | None = 2) -> str:
     """Canonical JSON: sorted keys, arrays as lists, no NaN."""
     return json.dumps(value, indent=indent, sort_keys=True, allow_nan=False, default=_plain)
@@ -71,13 +83,13 @@ def manifest(run: Run) -> dict[str, Any]:
     return {
         "schema": 1,
         "scenario": run.case.scenario.name,
-        "scenario_hash": digest(run.case.scenario.mapping),
+        "scenario_hash": scenario_hash(run.case.scenario),
         "definition": run.case.scenario.mapping,
         "vehicle": run.case.scenario.vehicle.model,
         "controller": run.case.controller,
         "perception": run.case.perception,
         "seed": run.case.seed,
-        "weights_sha256": run.weights_sha256,
+        **run.files_sha256,
         "observer_error": run.observer,
         "track_y_m": run.track_y_m,
         "timing": run.timing,

@@ -16,6 +16,7 @@ from files.errors import InputError
 from files.yaml12 import parse
 from scenarios.cases import Case
 from scenarios.loading import load
+from scenarios.named_files import try_files
 from scenarios.runfolder import digest
 
 Scalar = bool | int | float | str
@@ -136,7 +137,7 @@ def _try(samples: Sequence[Sample]) -> None:
     errors = []
     for sample in samples:
         try:
-            sample.case()
+            try_files(sample.case())
             return
         except InputError as error:
             errors.append(error)

@@ -11,7 +11,7 @@ from scenarios.cases import Case
 from scenarios.closed_loop import commands, simulate
 from scenarios.commands.options import add_field_options, console, overrides_of
 from scenarios.loading import load
-from scenarios.runfolder import digest, environment, to_json
+from scenarios.runfolder import environment, scenario_hash, to_json
 from scenarios.schema import Scenario
 from vehicle.actuator import FullyActive, SlowActive
 
@@ -47,7 +47,7 @@ def execute(arguments: argparse.Namespace) -> int:
         numbers = {
             "schema": 1,
             "scenario": scenario.name,
-            "scenario_hash": digest(scenario.mapping),
+            "scenario_hash": scenario_hash(scenario),
             "vehicle": scenario.vehicle.model,
             "objective": metrics["objective"],
             "wk_rms": metrics["wk_rms"],

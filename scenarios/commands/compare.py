@@ -18,7 +18,7 @@ from scenarios.commands.options import (
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.gather import COMPARISON
 from scenarios.room import room
-from scenarios.runfolder import digest, folder_name, row, to_json, write
+from scenarios.runfolder import folder_name, row, scenario_hash, to_json, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -48,7 +48,7 @@ def execute(arguments: argparse.Namespace) -> int:
     rooms = rooms_of(wanted) if arguments.bound else {}
     rows = []
     for done in simulated(wanted, arguments.frames, jobs):
-        run = replace(done, bound=rooms.get(digest(done.case.scenario.mapping)))
+        run = replace(done, bound=rooms.get(scenario_hash(done.case.scenario)))
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run.case))
@@ -63,7 +63,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def rooms_of(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
     """What there is to win on each scenario of the cases, by the hash of its fields."""
-    scenarios = {digest(case.scenario.mapping): case.scenario for case in wanted}
+    scenarios = {scenario_hash(case.scenario): case.scenario for case in wanted}
     found = {}
     with progress_bar() as progress:
         bar = progress.add_task("", total=len(scenarios))

@@ -1,9 +1,11 @@
 """Options and output shared by the commands that run cases."""
 
 import argparse
+import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import (
@@ -15,13 +17,12 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from controller.registry import load_user_controller
 from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError
 from scenarios.cases import PERCEPTIONS, Case, cases
 from scenarios.closed_loop import Run
-from scenarios.eyes import load_detector
+from scenarios.named_files import try_files
 from scenarios.parallel import simulate_each
 from scenarios.report.table import short_name
 from scenarios.sets import load_all
@@ -110,12 +111,14 @@ def overrides_of(arguments: argparse.Namespace) -> list[str]:
 def settings_overrides(path: Path) -> list[str]:
     """The overrides that a file of controllers' settings stands for; what it leaves out stays as it is."""
     strict.read(ControllerSettings, path)
-    laws = yaml12.parse(path.read_text(encoding="utf-8"), str(path))
-    return [
-        f"control.settings.{law}.{name}={value}"
-        for law, values in laws.items()
-        for name, value in values.items()
-    ]
+    return _overrides("control.settings", yaml12.parse(path.read_text(encoding="utf-8"), str(path)))
+
+
+def _overrides(place: str, value: Any) -> list[str]:
+    """One override for each value that a nested mapping holds, written so that `--set` reads it as it was."""
+    if isinstance(value, dict):
+        return [one for name, inner in value.items() for one in _overrides(f"{place}.{name}", inner)]
+    return [f"{place}={json.dumps(value)}"]
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
@@ -136,10 +139,7 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     scenarios = load_all(names, overrides_of(arguments))
     wanted = cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
     for case in wanted:
-        if case.perception == "camera":
-            load_detector(case.scenario)
-        if ":" in case.controller:
-            load_user_controller(case.controller)
+        try_files(case)
     return wanted
 
 

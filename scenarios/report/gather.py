@@ -10,7 +10,7 @@ from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
 from scenarios.readback import MANIFEST, is_run, read
-from scenarios.runfolder import digest, row
+from scenarios.runfolder import row, scenario_hash
 from scenarios.statistics import Row
 
 COMPARISON = "comparison.json"
@@ -62,7 +62,7 @@ def _passive_beside(path: Path, run: Run) -> Run | None:
 
 
 def _same_drive(one: Case, other: Case) -> bool:
-    return one.seed == other.seed and digest(one.scenario.mapping) == digest(other.scenario.mapping)
+    return one.seed == other.seed and scenario_hash(one.scenario) == scenario_hash(other.scenario)
 
 
 def _folder(path: Path, folders: Sequence[Path]) -> Gathered:

@@ -7,6 +7,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from scenarios.cli import main
+from scenarios.commands.options import settings_overrides
+from scenarios.loading import load
+from scenarios.readback import read
 
 SHORT = """
 title: A short drive
@@ -67,7 +70,7 @@ def test_compare_writes_rows(short: str, tmp_path: Path) -> None:
     one = [("passive", "none"), ("mpc_preview", "none"), ("mpc_preview", "oracle")]
     assert cases == [(*case, seed) for seed in (0, 1) for case in one]
     keys = {"scenario", "vehicle", "controller", "perception", "seed", "metrics", "timing", "solver"}
-    assert all(keys | {"perception_stats"} <= set(row) for row in document["rows"])
+    assert all(keys | {"perception_stats", "observer_error"} == set(row) for row in document["rows"])
 
 
 @pytest.mark.parametrize(
@@ -81,6 +84,9 @@ def test_compare_writes_rows(short: str, tmp_path: Path) -> None:
         (["--vehicle", "tricycle"], "tricycle"),
         (["--controllers", "nowhere.py:Mine"], "nowhere.py"),
         (["--perception", "camera", "--set", "detection.weights=missing.onnx"], "missing.onnx"),
+        (["--perception", "oracle,map"], "map"),
+        (["--perception", "oracle,map", "--set", "map.file=missing.csv"], "missing.csv"),
+        (["--perception", "oracle,boxes", "--set", "memory=missing.yaml"], "missing.yaml"),
     ],
 )
 def test_bad_input_ends_with_one_line_and_code_2(
@@ -103,6 +109,38 @@ def test_corrupt_weights_are_refused_before_anything_is_written(
     assert main([*arguments, "--out", str(out)]) == 2
     assert "corrupt.onnx" in capsys.readouterr().err
     assert not out.exists()
+
+
+def test_settings_from_a_file_arrive_as_they_were_written(short: str, tmp_path: Path) -> None:
+    """None stays none, small numbers stay numbers, and what a block leaves out stays as it is."""
+    given = {"passive": {"damping_ns_m": None}, "mpc": {"road": {"blend_m": 0.3}}, "user": {"gain": 1e-5}}
+    file = tmp_path / "mine.yaml"
+    file.write_text(json.dumps(given))
+    settings = load(
+        short, ["control.settings.mpc.road.sigmas_early=2.0", *settings_overrides(file)]
+    ).control.settings
+    assert settings.passive.damping_ns_m is None
+    assert (settings.mpc.road.blend_m, settings.mpc.road.sigmas_early) == (0.3, 2.0)
+    assert settings.user == {"gain": 1e-5}
+
+
+def test_a_manifest_pins_map_and_memory_and_its_hash_does_not_depend_on_where_one_stands(
+    short: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mapped = tmp_path / "mapped.yaml"
+    mapped.write_text(SHORT + "map: {file: map.csv}\n")
+    found = []
+    for place, named, height in ((tmp_path, "mapped.yaml", 0), (tmp_path.parent, str(mapped), 0.01)):
+        (tmp_path / "map.csv").write_text(f"x_m,z_m\n0,0\n10,{height}\n20,0\n")
+        monkeypatch.chdir(place)
+        out = tmp_path / f"out{height}"
+        assert main(["run", named, "--perception", "map", "--out", str(out)]) == 0
+        (manifest,) = out.glob("*/manifest.json")
+        found.append(json.loads(manifest.read_text()))
+        assert read(manifest.parent).files_sha256["map_sha256"] == found[-1]["map_sha256"]
+    assert found[0]["scenario_hash"] == found[1]["scenario_hash"]
+    assert found[0]["map_sha256"] != found[1]["map_sha256"]
+    assert found[0]["weights_sha256"] is found[0]["memory_sha256"] is None
 
 
 def test_an_own_controller_is_driven(short: str, tmp_path: Path) -> None:

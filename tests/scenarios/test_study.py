@@ -81,6 +81,8 @@ def test_latin_hypercube_and_sobol_put_one_sample_into_each_stratum() -> None:
         (("[bump_8x40_30]", "[]"), ("scenarios", "empty")),
         (("[passive, mpc_preview]", "[pasive]"), ("pasive",)),
         (("[oracle, boxes]", "[radar]"), ("radar",)),
+        (("[oracle, boxes]", "[map]"), ("map",)),
+        (("set: {", "set: {memory: missing.yaml, "), ("missing.yaml",)),
         (("speed_kmh:", "speed_khm:"), ("speed_khm", "speed_kmh")),
         (("[20, 30, 40]", "[0, 0.5]"), ("speed_kmh", "1 ... 200")),
         (("[20, 30, 40]", "{low: 20, high: 40}"), ("vary.speed_kmh", "values")),

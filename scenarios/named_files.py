@@ -1,0 +1,41 @@
+"""The files that a case names beside its road: tried before anything is driven, pinned by their content."""
+
+import hashlib
+from pathlib import Path
+
+from controller.registry import load_user_controller
+from preview.memory import read as read_memory
+from scenarios.cases import Case
+from scenarios.eyes import load_detector
+from scenarios.mapped import read_map
+
+SEEING = ("boxes", "camera")
+"""Perceptions with an estimator, which may remember an earlier drive."""
+HASHES = ("weights_sha256", "map_sha256", "memory_sha256")
+
+
+def try_files(case: Case) -> None:
+    """Read every file that the case will need; InputError for the first that is missing or bad."""
+    if case.perception == "camera":
+        load_detector(case.scenario)
+    if case.perception == "map":
+        read_map(case.scenario)
+    if case.perception in SEEING and case.scenario.memory is not None:
+        read_memory(case.scenario.memory)
+    if ":" in case.controller:
+        load_user_controller(case.controller)
+
+
+def hashes(case: Case) -> dict[str, str | None]:
+    """SHA-256 of the detector's weights, the map and the memory; None for what the case does not use."""
+    scenario, seen = case.scenario, case.perception
+    used = (
+        load_detector(scenario).path if seen == "camera" else None,
+        scenario.map.file if seen == "map" and scenario.map else None,
+        scenario.memory if seen in SEEING else None,
+    )
+    return {name: _sha256(path) if path else None for name, path in zip(HASHES, used, strict=True)}
+
+
+def _sha256(path: Path | str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
