@@ -13,9 +13,10 @@ from preview.cross_ratio import marks_of
 from preview.fit import LENGTH, X
 from preview.gauge import Gauge
 from preview.horizon import RoadPreview, distance_grid
-from preview.memory import Memory, expectations, recall, remember
+from preview.memory import Memory
 from preview.motion import EgoMotion, Measurement
 from preview.path import Path
+from preview.recall import expectations, recall, remember
 from preview.settings import Settings
 from preview.track import Track
 from preview.tracker import Tracker

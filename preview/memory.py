@@ -14,13 +14,9 @@ import yaml
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError
-from preview.calibration import MOUNTING, ROWS, Calibration
-from preview.fit import HEIGHT, LENGTH, Direct, X, fit, start_state
-from preview.settings import Settings
 from preview.shape import KINDS
-from preview.track import Edge, Track
 
-_KINDS = {kind.name: kind for kind in KINDS}
+KIND_OF = {kind.name: kind for kind in KINDS}
 
 
 @dataclass(frozen=True)
@@ -43,7 +39,7 @@ class Mounting:
 
 
 @dataclass(frozen=True)
-class Rows:
+class RowBias:
     """How far down the detector draws bottom edges, of bumps and of potholes (px), with their covariance.
 
     with_pitch (rad px), with_height (m px): covariance of each with the errors of the mounting.
@@ -55,29 +51,41 @@ class Rows:
     with_pitch: tuple[float, float]
     with_height: tuple[float, float]
 
+    def __post_init__(self) -> None:
+        if not min(self.variance) > 0:
+            raise InputError(f"variance must be > 0, got {list(self.variance)}")
+
 
 @dataclass(frozen=True)
 class Remembered:
-    """One object: what, where and how large (m), how sure; each sigma is that of the value before it."""
+    """One object: what, where and how large (m), how sure; each sigma is that of the value before it.
+
+    Length and height are what was measured, without what is known of any object of this kind; None if they
+    were not.
+    """
 
     kind: str
     x_m: float
     x_sigma_m: float
-    length_m: float
-    length_sigma_m: float
-    height_m: float
-    height_sigma_m: float
+    length_m: float | None
+    length_sigma_m: float | None
+    height_m: float | None
+    height_sigma_m: float | None
     y_min_m: float
     y_max_m: float
     y_sigma_m: float
     existence: float
 
     def __post_init__(self) -> None:
-        if self.kind not in _KINDS:
-            raise InputError(f"kind must be one of {', '.join(_KINDS)}, got {self.kind!r}")
+        if self.kind not in KIND_OF:
+            raise InputError(f"kind must be one of {', '.join(KIND_OF)}, got {self.kind!r}")
         for name in ("x_sigma_m", "length_m", "length_sigma_m", "height_m", "height_sigma_m", "y_sigma_m"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} must be > 0, got {getattr(self, name)!r}")
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise InputError(f"{name} must be > 0, got {value!r}")
+        for name in ("length", "height"):
+            if (getattr(self, f"{name}_m") is None) != (getattr(self, f"{name}_sigma_m") is None):
+                raise InputError(f"{name}_m and {name}_sigma_m must both be null or both be numbers")
         if not 0 < self.existence < 1:
             raise InputError(f"existence must lie within 0 ... 1, got {self.existence!r}")
         if not self.y_min_m <= self.y_max_m:
@@ -93,13 +101,15 @@ class Memory:
 
     mounting: Mounting
     objects: tuple[Remembered, ...] = ()
-    rows: Rows | None = None
+    rows: RowBias | None = None
 
     def __post_init__(self) -> None:
-        covariance = _covariance(self.mounting, self.rows) if self.rows else np.eye(4)
+        if self.rows is None:
+            return
+        covariance = covariance_of(self.mounting, self.rows)
         scale = np.sqrt(np.diag(covariance).clip(1e-30))
         if np.linalg.eigvalsh(covariance / np.outer(scale, scale)).min() < -1e-6:
-            raise InputError(f"rows.variance must be >= 0 and bound the covariances, got {self.rows!r}")
+            raise InputError(f"rows.variance must bound the covariances, got {self.rows!r}")
 
 
 def read(path: Path | str) -> Memory:
@@ -114,94 +124,13 @@ def write(path: Path, memory: Memory) -> None:
     write_text(path, yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 
-def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
-    """What is worth keeping of a drive: the calibration and all confirmed `tracks`."""
-    (pitch, cross, *with_pitch), (_, height, *with_height) = calibration.covariance[MOUNTING].tolist()
-    (bump, both), (_, hole) = calibration.covariance[ROWS, ROWS].tolist()
-    offset, lift, *rows = calibration.mean.tolist()
-    return Memory(
-        Mounting(offset, lift, pitch, cross, height),
-        tuple(_remembered(track) for track in tracks if track.confirmed),
-        Rows(tuple(rows), (bump, hole), both, tuple(with_pitch), tuple(with_height)),
-    )
-
-
-def recall(calibration: Calibration, memory: Memory) -> None:
-    """Start from mounting and rows as they were learned."""
-    kept = memory.mounting
-    calibration.mean[MOUNTING] = kept.pitch_rad, kept.height_m
-    if memory.rows is None:
-        calibration.covariance[MOUNTING, MOUNTING] = _of_mounting(kept)
-    else:
-        calibration.mean[ROWS] = memory.rows.bottom_px
-        calibration.covariance = _covariance(kept, memory.rows)
-
-
-def expectations(
-    memory: Memory, calibration: Calibration, settings: Settings, x_m: float, first: int = 0
-) -> list[Track]:
-    """Tracks that await the remembered objects, numbered from `first`; the odometer starts at `x_m`."""
-    return [
-        _expected(number, place, calibration, settings, x_m)
-        for number, place in enumerate(memory.objects, first)
-    ]
-
-
-def _of_mounting(kept: Mounting) -> np.ndarray:
+def of_mounting(kept: Mounting) -> np.ndarray:
+    """Covariance (2, 2) of pitch and height."""
     return np.array([[kept.pitch_variance, kept.covariance], [kept.covariance, kept.height_variance]])
 
 
-def _covariance(mounting: Mounting, rows: Rows) -> np.ndarray:
+def covariance_of(mounting: Mounting, rows: RowBias) -> np.ndarray:
     """Covariance (4, 4) of the states of `preview.calibration`."""
     across = np.array([rows.with_pitch, rows.with_height])
     (bump, hole), both = rows.variance, rows.covariance
-    return np.block([[_of_mounting(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]])
-
-
-def _remembered(track: Track) -> Remembered:
-    best = track.best
-    sigma = np.sqrt(np.diag(best.covariance))
-    return Remembered(
-        best.kind.name,
-        float(best.state[X]),
-        float(sigma[X]),
-        float(best.state[LENGTH]),
-        float(sigma[LENGTH]),
-        float(best.state[HEIGHT]),
-        float(sigma[HEIGHT]),
-        track.right.y_m,
-        max(track.right.y_m, track.left.y_m),
-        float(np.sqrt(max(track.right.variance, track.left.variance))),
-        track.existence,
-    )
-
-
-def _expected(
-    identity: int, place: Remembered, calibration: Calibration, settings: Settings, x_m: float
-) -> Track:
-    kind = _KINDS[place.kind]
-    # Both drives' odometers have drifted by the time the object comes.
-    drift = np.sqrt(2.0) * settings.odometry_sigma * abs(place.x_m - x_m)
-    directs = [
-        Direct(X, place.x_m, float(np.hypot(place.x_sigma_m, drift))),
-        Direct(LENGTH, place.length_m, place.length_sigma_m),
-        Direct(HEIGHT, place.height_m, place.height_sigma_m),
-    ]
-    prior = calibration.prior(kind.cls)
-    start = start_state(place.x_m, prior, place.length_m, place.height_m)
-    best = fit(kind, [], start, prior, directs, settings)
-    variance = place.y_sigma_m**2
-    track = Track(
-        identity,
-        kind.cls,
-        0.0,
-        float(np.log(place.existence / (1 - place.existence))),
-        Edge(place.y_min_m, variance),
-        Edge(place.y_max_m, variance),
-        [best],
-        directs=directs,
-        hits=0,
-    )
-    track.last_seen_x_m = place.x_m
-    track.confirmed = track.existence > settings.confirm_existence
-    return track
+    return np.block([[of_mounting(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]])

@@ -18,7 +18,7 @@ _HOPELESS = 10.0  # log evidence against a kind that lets it be given up
 _LEAST_SIGHTS = 8  # before that
 _STRAINED = 2.5  # above this strain the boxes do not tell of one plane
 _WIDENING = 2.0  # of sigma, for each unit above; makes it true for grades changing by 2 %
-_LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
+LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
 
 
 @dataclass
@@ -118,6 +118,11 @@ class Track:
         return 0.5 * (self.left.y_m + self.right.y_m)
 
     @property
+    def depth_is_measured(self) -> bool:
+        """Whether more than its length tells of a pothole's depth: images, or an earlier drive's."""
+        return self.elevation is not None or any(known.entry == HEIGHT for known in self.directs)
+
+    @property
     def height_sigma(self) -> float:
         """Relative standard deviation of height or depth."""
         return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
@@ -126,17 +131,19 @@ class Track:
         """Bayes' rule for existence, after a frame in which the object should have been visible."""
         real, false = settings.detection_probability, settings.false_repeat_probability
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
-        self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -_LOG_ODDS_LIMIT, _LOG_ODDS_LIMIT))
+        self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
     def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
         """Bayes' rule for the class; a track that turns to the other class starts its fits anew."""
         confusion = settings.confusion_probability
         evidence = math.log((1.0 - confusion) / confusion) * (1.0 if seen_as == self.cls else -1.0)
-        self.class_log_odds = min(self.class_log_odds + evidence, _LOG_ODDS_LIMIT)
+        self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
         if self.class_log_odds < 0:
             self.cls, self.class_log_odds = seen_as, -self.class_log_odds
             self.precision = settings.precision(seen_as)
             self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
+            # Where it lies stays true; how large it was remembered to be was said of the other class.
+            self.directs = [known for known in self.directs if known.entry == X]
 
     def refit(self, shared: Gaussian, settings: Settings) -> None:
         """Fit every kind still in question to all sights, each from where its last fit ended."""
@@ -180,7 +187,7 @@ class Track:
             return Section(self.start_m, length, height)
         beside = y_m - self.centre_y_m
         cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
-        depth = depth_of(length) if self.elevation is None else height
+        depth = height if self.depth_is_measured else depth_of(length)
         return Section(self.start_m + 0.5 * (length - cut), cut, depth)
 
 

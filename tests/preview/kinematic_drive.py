@@ -8,6 +8,7 @@ import numpy as np
 from detector.detection import Detections
 from preview.estimator import Estimator
 from preview.horizon import RoadPreview
+from preview.memory import Memory
 from preview.perception import BoxErrors, degrade, true_boxes
 from preview.settings import Settings
 from road.camera import Camera, CameraMount, pose_of
@@ -80,6 +81,7 @@ def drive(
     settings: Settings | None = None,
     before_m: float = 2.5,
     start_x_m: float = 5.0,
+    memory: Memory | None = None,
 ) -> tuple[list[Snapshot | None], Estimator]:
     """Drive over the whole road; return one snapshot a feature (None: not tracked) and the estimator."""
     rng = np.random.default_rng(conditions.seed)
@@ -88,7 +90,9 @@ def drive(
         height_m=mount.height_m + conditions.mount_height_error_m * rng.standard_normal(),
         pitch_deg=mount.pitch_deg + conditions.mount_pitch_error_deg * rng.standard_normal(),
     )
-    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings or unbiased(), x_m=start_x_m)
+    estimator = Estimator(
+        camera, mount, AXLES_M, WHEEL_Y_M, settings or unbiased(), x_m=start_x_m, memory=memory
+    )
     wheels = [wheel_profile(road, y) for y in WHEEL_Y_M]
     body = _Body(conditions, rng)
     speed = conditions.speed_kmh / 3.6
