@@ -1,10 +1,13 @@
 """Every number that the estimator believes about its sensors and the objects it looks for."""
 
 from dataclasses import dataclass, fields
-from typing import Literal
+from typing import Literal, get_args
 
 from files.errors import InputError
 from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX
+from road.checks import check_choice
+
+Distance = Literal["fit", "cross_ratio"]
 
 
 @dataclass(frozen=True)
@@ -12,7 +15,7 @@ class Settings:
     """Beliefs of the estimator; the defaults suit a detector good to about one pixel.
 
     Every `..._sigma...` is one standard deviation. A value that is not above zero (the biases may have
-    any sign) or a probability outside 0..1 raises `InputError`.
+    any sign), a probability outside 0..1 or an unknown way to the distance raises `InputError`.
     """
 
     # Boxes
@@ -30,7 +33,7 @@ class Settings:
 
     # Geometry (section priors of the fit)
     # How far an object is: the fit of all its boxes, or `preview.cross_ratio` of the last one
-    distance: Literal["fit", "cross_ratio"] = "fit"
+    distance: Distance = "fit"
     pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
     offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
@@ -83,6 +86,7 @@ class Settings:
         return (self.bump_real_probability, self.pothole_real_probability)[cls]
 
     def __post_init__(self) -> None:
+        check_choice("distance", self.distance, get_args(Distance))
         for field in fields(self):
             value = getattr(self, field.name)
             if "bias" in field.name or isinstance(value, bool | str):

@@ -35,8 +35,11 @@ class Camera:
         check_integer("width_px", self.width_px, 1)
         check_integer("height_px", self.height_px, 1)
         check_number("focal_px", self.focal_px, 0.0, 1e5, open_low=True)
-        for value, size in zip(self.centre_px or (), (self.width_px, self.height_px), strict=False):
-            check_number("centre_px", value, 0.0, size)
+        if self.centre_px is not None:
+            if len(self.centre_px) != 2:
+                raise InputError(f"centre_px must be a column and a row, got {self.centre_px!r}")
+            for value, size in zip(self.centre_px, (self.width_px, self.height_px), strict=True):
+                check_number("centre_px", value, 0.0, size)
         for value in self.distortion:
             check_number("distortion", value, -100.0, 100.0)
         if not self.is_pinhole and folds(self._normalised(self.border()), self.distortion):

@@ -21,3 +21,8 @@ def test_biases_may_have_any_sign():
 def test_names_the_field_out_of_range(field, value):
     with pytest.raises(InputError, match=f"^{field} must be"):
         Settings(**{field: value})
+
+
+def test_an_unknown_way_to_the_distance_is_refused():
+    with pytest.raises(InputError, match="distance must be one of fit, cross_ratio, got 'crossratio'"):
+        Settings(distance="crossratio")

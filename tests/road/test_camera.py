@@ -127,6 +127,8 @@ def test_principal_point_is_the_centre_of_the_image():
         (lambda: Camera(width_px=0), "^width_px must be an integer >= 1"),
         (lambda: Camera(height_px=1.5), "^height_px must be"),
         (lambda: Camera(focal_px=0.0), "^focal_px must be > 0"),
+        (lambda: Camera(centre_px=(320.0,)), r"^centre_px must be a column and a row, got \(320.0,\)"),
+        (lambda: Camera(centre_px=(320.0, 192.0, 1.0)), "^centre_px must be a column and a row"),
         (lambda: CameraMount(height_m=-1.0), "^height_m must be > 0"),
         (lambda: CameraMount(pitch_deg=90.0), "^pitch_deg must be"),
         (lambda: dataclasses.replace(CameraMount(), x_m=float("nan")), "^x_m must be"),
