@@ -17,11 +17,13 @@ inside a damper belongs to the car's spring.
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import atanh, sqrt, tanh
 from typing import Any, ClassVar
 
 from files.errors import InputError
 from vehicle.checks import require
+from vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
+
+__all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDamper"]
 
 
 @dataclass(frozen=True)
@@ -127,140 +129,6 @@ def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ..
         total = total + (slope - before) * xp.fmax(speed - at, 0.0)
         before, at, last = slope, point, force
     return total
-
-
-@dataclass(frozen=True)
-class MrTanhDamper:
-    """Magnetorheological damper by a hyperbolic tangent with hysteresis.
-
-    force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
-    A novel hysteretic model for magnetorheological fluid dampers and parameter identification using particle
-    swarm optimization, Sensors and Actuators A 132, 2006, fit for a LORD RD-1005). The paper's linear
-    stiffness and constant gas force are left out: they belong to the car's spring. The sign is smoothed over
-    `switch_m`. The model gives energy back where beta·|v| < delta: a run's audit tells how much.
-    """
-
-    kind: ClassVar[str] = "mr_tanh"
-    inner: ClassVar[int] = 0
-    substeps: ClassVar[int] = 2
-
-    current_max_a: float = 2.0
-    viscous_ns_m: tuple[float, float] = (1232.0, 1929.0)  # constant, per A
-    yield_n: tuple[float, float, float] = (32.0, 918.0, -244.0)  # constant, per A, per A²
-    slope_s_m: float = 100.0
-    hysteresis: tuple[float, float] = (0.58, 0.30)  # constant, per A
-    switch_m: float = 0.001
-
-    def __post_init__(self) -> None:
-        for name in ("current_max_a", "slope_s_m", "switch_m"):
-            require(name, getattr(self, name), above=0.0)
-        require("viscous_ns_m[0]", self.viscous_ns_m[0], least=0.0)
-
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
-        """Force on the body, up, N."""
-        amps = self.current_max_a * share
-        viscous = self.viscous_ns_m[0] + self.viscous_ns_m[1] * amps
-        strength = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
-        bent = (self.hysteresis[0] + self.hysteresis[1] * amps) * xp.tanh(travel / self.switch_m)
-        return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
-
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """No inner states."""
-        return []
-
-    def coarse(self, steepest_ns_m: float) -> "Damper":
-        """Itself with a wider step through zero and without hysteresis."""
-        amps = self.current_max_a
-        strongest = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
-        left = steepest_ns_m - self.viscous_ns_m[0] - self.viscous_ns_m[1] * amps
-        slope = min(self.slope_s_m, max(left, 0.1 * steepest_ns_m) / strongest)
-        return replace(self, slope_s_m=slope, hysteresis=(0.0, 0.0))
-
-
-@dataclass(frozen=True)
-class MrBoucWenDamper:
-    """Magnetorheological damper by the modified Bouc-Wen model; inner states y and z, m.
-
-    B. F. Spencer et al., Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123(3), 1997,
-    with exponent 2 and without the accumulator's spring k₁. Values of C. Y. Lai and W. H. Liao, Vibration
-    control of a suspension system via a magnetorheological fluid damper, J. Vib. Control 8, 2002.
-    Pairs are (constant, per V).
-    """
-
-    kind: ClassVar[str] = "mr_bouc_wen"
-    inner: ClassVar[int] = 2
-    substeps: ClassVar[int] = 4
-
-    voltage_max_v: float = 2.0
-    c0_ns_m: tuple[float, float] = (784.0, 1803.0)
-    c1_ns_m: tuple[float, float] = (14649.0, 34622.0)
-    k0_n_m: float = 3610.0
-    alpha_n_m: tuple[float, float] = (12441.0, 38430.0)
-    gamma_m2: float = 136320.0
-    beta_m2: float = 2059020.0
-    gain: float = 58.0  # A of the paper
-
-    def __post_init__(self) -> None:
-        for name in ("voltage_max_v", "gamma_m2", "beta_m2", "gain"):
-            require(name, getattr(self, name), above=0.0)
-        if self.gamma_m2 >= self.beta_m2:
-            raise InputError(f"gamma_m2 must be < beta_m2 ({self.beta_m2:g}), got {self.gamma_m2:g}")
-        for name in ("c0_ns_m", "c1_ns_m", "alpha_n_m"):
-            for i, value in enumerate(getattr(self, name)):
-                require(f"{name}[{i}]", value, least=0.0)
-        require("c1_ns_m[0]", self.c1_ns_m[0], above=0.0)
-
-    def _creep(self, share: Any, travel: Any, rate: Any, inner: list) -> tuple[Any, Any]:
-        """Velocity of the inner node y, and c₁."""
-        y, z = inner
-        volts = self.voltage_max_v * share
-        c0, c1, alpha = (pair[0] + pair[1] * volts for pair in (self.c0_ns_m, self.c1_ns_m, self.alpha_n_m))
-        return (alpha * z + c0 * rate + self.k0_n_m * (travel - y)) / (c0 + c1), c1
-
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
-        """Force on the body, up, N."""
-        velocity, c1 = self._creep(share, travel, rate, inner)
-        return -c1 * velocity
-
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """Rates of y and z."""
-        velocity, _ = self._creep(share, travel, rate, inner)
-        slip, z = rate - velocity, inner[1]
-        evolved = self.gain * slip - self.gamma_m2 * xp.fabs(slip) * z * xp.fabs(z)
-        return [velocity, evolved - self.beta_m2 * slip * z**2]
-
-    def coarse(self, steepest_ns_m: float) -> "Damper":
-        """The curve it follows when it yields: z at its bound, the inner node at rest."""
-        bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
-        curve = MrTanhDamper(
-            current_max_a=self.voltage_max_v,
-            viscous_ns_m=self.c0_ns_m,
-            yield_n=(self.alpha_n_m[0] * bound, self.alpha_n_m[1] * bound, 0.0),
-        )
-        return curve.coarse(steepest_ns_m)
-
-    def advance(self, share: float, travel: float, rate: float, inner: list, step_s: float) -> list:
-        """Inner states after a step at constant slip, over which z's equation has a closed solution.
-
-        With s = |slip|·t and w = z·sign(slip) it reads dw/ds = A - (beta ± gamma)·w², + for w > 0: a
-        hyperbolic tangent. As z may turn on 0.1 mm of slip, ordinary steps would be unstable.
-        """
-        velocity, _ = self._creep(share, travel, rate, inner)
-        slip, z = rate - velocity, inner[1]
-        path, sign = abs(slip) * step_s, (1.0 if slip >= 0.0 else -1.0)
-        w = z * sign
-        if w < 0.0:
-            bound = sqrt(self.gain / (self.beta_m2 - self.gamma_m2))
-            needed = bound / self.gain * atanh(min(-w / bound, 1.0 - 1e-12))
-            if path <= needed:
-                return [
-                    inner[0] + velocity * step_s,
-                    sign * bound * tanh(self.gain / bound * (path - needed)),
-                ]
-            path, w = path - needed, 0.0
-        bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
-        start = atanh(min(w / bound, 1.0 - 1e-12))
-        return [inner[0] + velocity * step_s, sign * bound * tanh(start + self.gain / bound * path)]
 
 
 Damper = IdealDamper | ValveDamper | MrTanhDamper | MrBoucWenDamper
