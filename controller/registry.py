@@ -20,7 +20,7 @@ from controller.supervisor import Supervised
 from controller.tuned import tuned_settings
 from controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
-from vehicle.parameters import Car
+from vehicle.parameters import Car, prediction_car
 
 Factory = Callable[..., Controller]
 """(vehicle, settings, timing) → controller."""
@@ -67,10 +67,12 @@ def build(
 ) -> Controller:
     """Build the controller called `name`, or the user's own named as `path/to/file.py:name`.
 
-    Without settings it is tuned as shipped for the vehicle's kind.
+    Without settings it is tuned as shipped for the vehicle's kind. It knows the vehicle as `prediction_car`
+    has it, without the inner states of its dampers.
     Raises InputError for a name that does not exist and for settings that do not fit the vehicle.
     """
     settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
+    vehicle = prediction_car(vehicle)
     controller = _make(name, vehicle, settings, timing)
     if name in UNSUPERVISED:
         return controller

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from controller.settings import ControllerSettings
 from files.errors import InputError
 from files.strict import structure
 from tests.controller.cars import estimate, step_preview
-from vehicle.parameters import load_vehicle
+from vehicle.damper import MrBoucWenDamper
+from vehicle.parameters import load_vehicle, prediction_car
 
 OWN = """
 import numpy as np
@@ -58,6 +60,15 @@ def test_every_name_builds_a_working_controller(name: str, car: str) -> None:
     command = controller.step(estimate(vehicle), step_preview(0.5, 0.05, vehicle.wheels))
     assert command.shape == (vehicle.wheels,)
     assert np.all((command >= 300.0) & (command <= 4500.0))
+
+
+def test_a_damper_with_inner_states_is_known_without_them() -> None:
+    """As in the closed loop, where controllers are given the car that they can predict."""
+    vehicle = replace(load_vehicle("quarter"), damper=MrBoucWenDamper())
+    known = prediction_car(vehicle)
+    for name in ("passive", "skyhook", "mpc_reactive"):
+        commands = [build(name, car).step(estimate(known), None) for car in (vehicle, known)]
+        np.testing.assert_array_equal(*commands)
 
 
 def test_only_preview_controllers_see_ahead() -> None:
