@@ -107,22 +107,25 @@ class PredictiveController:
             self.active = ()
         else:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
-            self.active = self._constraints.active(rows, solution.x, self._plan, states, roads[0])
+            self.active = self._constraints.active(
+                rows, solution.x, self._plan, states, roads[self._road.likeliest]
+            )
         return solution.problem
 
     def _condensed(self, state: np.ndarray, roads: np.ndarray) -> Condensed:
         """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
 
-        The first road comes last, so that the states which the condenser keeps are those on it.
+        The likeliest road comes last, so that the states which the condenser keeps are those on it.
         """
-        shares = [(weight, road) for weight, road in zip(self._road.weights, roads, strict=True) if weight]
+        weights, likeliest = self._road.weights, self._road.likeliest
+        others = [index for index in np.flatnonzero(weights)[::-1] if index != likeliest]
         hessian, gradient = 0.0, 0.0
-        for weight, road in reversed(shares[1:]):
-            problem = self._condense(state, self._plan, road)
-            hessian, gradient = hessian + weight * problem.hessian, gradient + weight * problem.gradient
-        weight, road = shares[0]
-        problem = self._condense(state, self._plan, road)
-        if len(shares) == 1:
+        for index in others:
+            problem = self._condense(state, self._plan, roads[index])
+            hessian = hessian + weights[index] * problem.hessian
+            gradient = gradient + weights[index] * problem.gradient
+        problem, weight = self._condense(state, self._plan, roads[likeliest]), weights[likeliest]
+        if not others:
             return problem
         return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 

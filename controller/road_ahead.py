@@ -75,8 +75,16 @@ class RoadAhead:
         self._before = estimate
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
-        """Return the height under each wheel (wheels, n), m, `times_s` (n,) after the last look."""
-        return self.roads(times_s)[0]
+        """Return the height under each wheel (wheels, n), m, `times_s` (n,) after the last look.
+
+        Of several roads that may lie ahead it is the likeliest one.
+        """
+        return self.roads(times_s)[self.likeliest]
+
+    @property
+    def likeliest(self) -> int:
+        """Which of the roads has the greatest weight."""
+        return int(self.weights.argmax())
 
     def roads(self, times_s: np.ndarray) -> np.ndarray:
         """The same of every road that may lie ahead, (roads, wheels, n); `weights` (roads,) add up to one."""

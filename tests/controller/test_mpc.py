@@ -1,6 +1,7 @@
 """The predictive controller: its limits, its fallbacks, and the moment for which it plans."""
 
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from controller.base import Timing
 from controller.limits import plan_limits
 from controller.mpc import PredictiveController
 from controller.qp import Solution
-from controller.settings import MpcSettings
+from controller.settings import MpcSettings, RoadSettings
 from tests.controller.cars import estimate, step_preview
 from vehicle.equations import rest_state
 from vehicle.parameters import Car, load_vehicle
@@ -126,6 +127,26 @@ def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
         controller.acted(np.array([acting]))
     later = [planned_from(controller, moving())[4] for controller in (soft, hard)]
     assert later[1] - later[0] > 1000.0
+
+
+def test_of_several_roads_it_predicts_on_the_likeliest() -> None:
+    """An edge within the delay that is surely not there changes nothing; one that may be is half believed."""
+    settings, timing = MpcSettings(road=RoadSettings(uncertainty="scenarios")), Timing(0.01, 0.02)
+
+    def planned(height_m: float, existence: float) -> np.ndarray:
+        controller = PredictiveController(QUARTER, settings, timing)
+        believed: list[np.ndarray] = []
+        with mock.patch.object(
+            controller._constraints, "active", lambda *told: believed.append(told[-1]) or ()
+        ):
+            preview = step_preview(0.05, height_m, sigma_m=0.02, existence=existence)
+            controller.step(estimate(QUARTER, moving()), preview)
+        return np.append(controller._condense.states[:, 0], believed[0])
+
+    flat = planned(0.0, 1.0)
+    np.testing.assert_allclose(planned(0.05, 0.0), flat, atol=1e-12)
+    np.testing.assert_allclose(planned(0.05, 0.1), flat, atol=1e-12)
+    assert np.abs(planned(0.05, 0.9) - flat).max() > 0.04
 
 
 def test_an_entry_of_the_plan_at_its_limit_still_acts() -> None:
