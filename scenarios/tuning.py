@@ -105,11 +105,13 @@ def tune(
     """Look over the whole span with up to half of the evaluations, then climb from the best with the rest.
 
     A scrambled Sobol sequence looks, a trust-region method on quadratic models climbs (COBYQA: Ragonneau &
-    Zhang, as in scipy). The settings `there` before are among those tried and may be where the climb begins,
-    so that the result is never worse.
+    Zhang, as in scipy). The settings `there` before may be where the climb begins, if they lie within the
+    spans; the result is never worse than they are.
     """
     before = judge.score(controller, {})
-    tried = {tuple(span.share(there[name]) for name, span in spans.items()): before}
+    # Outside the spans the settings before were not measured at a place where the search could go.
+    inside = all(span.low <= there[name] <= span.high for name, span in spans.items())
+    tried = {tuple(span.share(there[name]) for name, span in spans.items()): before} if inside else {}
 
     def ask(shares: np.ndarray) -> float:
         place = tuple(shares.tolist())

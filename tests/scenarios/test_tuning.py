@@ -60,6 +60,16 @@ def test_the_climb_begins_where_the_settings_before_were_if_nothing_seen_is_bett
     assert start.asked <= 25
 
 
+def test_settings_outside_the_span_are_no_place_of_the_search() -> None:
+    """Their good score must not draw the climb to the end of the span, where it was not measured."""
+    spans = {"hard_ns_m": Span(1000.0, 1900.0), "soft_ns_m": Span(300.0, 1000.0)}
+    bowl: Any = Bowl(before=0.51)
+    found = tune(bowl, "add", spans, {"hard_ns_m": 2200.0, "soft_ns_m": 500.0}, evaluations=40, seed=1)
+    assert found.settings["hard_ns_m"] == pytest.approx(1900.0)
+    assert found.score == pytest.approx(0.5025, abs=1e-4)
+    assert bowl.asked <= 41
+
+
 def test_the_same_seed_searches_the_same_places() -> None:
     bowls: list[Any] = [Bowl(1.0), Bowl(1.0), Bowl(1.0)]
     first, again, other = (
