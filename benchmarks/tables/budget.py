@@ -20,12 +20,17 @@ JSON: {"schema": 1, "manifest": {...}, "vehicle": "half", "seeds": [0, ...], "ev
                                "solver", "replaced_by": "exact boxes of all objects in sight",
                                "objective": J with it true, "cost": share of the gain}, ...]}, ...]}
 
-Every J is the mean over the seeds; the row "mean" holds means over the events.
+Every J is the mean over the seeds. In the row "mean" each J is the mean over the events, and kept, rest and
+cost are ratios of these means, no means of the events' shares. Where all true gains nothing over reactive,
+shares of the gain have no meaning, and kept, rest and cost are null.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.tables.runs import Variant, arguments, metric, run_all
+from benchmarks.tables.command import command, whole_numbers
+from benchmarks.tables.runs import Variant, metric, run_all, shared_options
 from files.atomic import write_text
 from scenarios.runfolder import environment, to_json
 from scenarios.sets import load_all
@@ -61,25 +66,33 @@ def table(done: dict[str, np.ndarray], events: list[str]) -> list[dict]:
 
 def _row(event: str, j: dict[str, float]) -> dict:
     gain = j["reactive"] - j["all_true"]
-    sources = [
-        {"source": name, "replaced_by": by, "objective": j[name], "cost": (j["whole"] - j[name]) / gain}
-        for name, (by, _, _) in SOURCES.items()
-    ]
-    lost = (j["whole"] - j["all_true"]) / gain
-    rest = lost - sum((j["whole"] - j[name]) / gain for name in SOURCES)
+
+    def share(difference: float) -> float | None:
+        return difference / gain if gain > 0.0 else None
+
+    costs = {name: j["whole"] - j[name] for name in SOURCES}
+    lost = j["whole"] - j["all_true"]
     return {
         "event": event,
         **{name: j[name] for name in ("reactive", "whole", "all_true")},
-        "kept": 1.0 - lost,
-        "rest": rest,
-        "sources": sources,
+        "kept": share(gain - lost),
+        "rest": share(lost - sum(costs.values())),
+        "sources": [
+            {"source": name, "replaced_by": by, "objective": j[name], "cost": share(costs[name])}
+            for name, (by, _, _) in SOURCES.items()
+        ],
     }
 
 
-def main() -> None:
-    parser = arguments("what each source of error costs", seeds="0,1,2")
+def _told(share: float | None, style: str) -> str:
+    return "-" if share is None else format(share, style)
+
+
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = shared_options("what each source of error costs", seeds="0,1,2")
     parser.set_defaults(events=EVENTS)
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     if asked.read:
         parser.error("--read: a budget is driven in one piece")
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
@@ -93,7 +106,7 @@ def main() -> None:
     ]
     for name, (_, perception, fields) in SOURCES.items():
         variants.append(Variant(name, "mpc_preview", perception, load_all(asked.events, [*common, *fields])))
-    seeds = [int(seed) for seed in asked.seeds.split(",")]
+    seeds = whole_numbers("--seeds", asked.seeds)
     done = {name: metric(rows, "objective") for name, rows in run_all(variants, seeds).items()}
     passive = done.pop("passive")
     rows = table({name: values / passive for name, values in done.items()}, [one.name for one in plain])
@@ -101,8 +114,10 @@ def main() -> None:
     print(f"| event | reactive | camera | all true | kept | {' | '.join(SOURCES)} | rest |")
     print("|---" * (6 + len(SOURCES)) + "|")
     for row in rows:
-        cells = [f"{row[name]:.3f}" for name in ("reactive", "whole", "all_true")] + [f"{row['kept']:.0%}"]
-        cells += [f"{source['cost']:+.1%}" for source in row["sources"]] + [f"{row['rest']:+.1%}"]
+        cells = [f"{row[name]:.3f}" for name in ("reactive", "whole", "all_true")] + [
+            _told(row["kept"], ".0%")
+        ]
+        cells += [_told(cost, "+.1%") for cost in (*(s["cost"] for s in row["sources"]), row["rest"])]
         print(f"| {row['event']} | {' | '.join(cells)} |")
     if asked.json:
         names = {"vehicle": asked.vehicle, "seeds": seeds, "events": [one.name for one in plain]}
@@ -111,4 +126,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -5,9 +5,10 @@ perception would that knows its own quality: a position sigma as large as the bi
 the error of height.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from benchmarks.tables.runs import Variant, arguments, mean_over_events, metric, run_all, shown, write
+from benchmarks.tables.command import command, whole_numbers, words
+from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from scenarios.sets import load_all
 
 SIGMA_M = 0.05
@@ -29,17 +30,20 @@ def errors() -> dict[str, Mapping[str, float]]:
     return {name: {"position_sigma_m": SIGMA_M, **line} if line else line for name, line in lines.items()}
 
 
-def main() -> None:
-    parser = arguments("mpc_preview with a preview that errs", seeds="0")
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = shared_options("mpc_preview with a preview that errs", seeds="0")
     parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
     variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]
-    for name, line in errors().items():
-        if not asked.lines or name in asked.lines.split(","):
+    lines = errors()
+    wanted = words("--lines", asked.lines, list(lines)) if asked.lines else list(lines)
+    for name, line in lines.items():
+        if name in wanted:
             told = [f"oracle.{field}={value}" for field, value in line.items()]
             variants.append(Variant(name, "mpc_preview", "oracle", load_all(asked.events, common + told)))
-    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")], asked.read)
+    done = run_all(variants, whole_numbers("--seeds", asked.seeds), asked.read)
     reactive = metric(done["mpc_reactive"], "objective")
     print(f"\n{asked.vehicle} car, {reactive.shape[1]} events, seeds {asked.seeds}\n")
     print("| preview | J / mpc_reactive | worst event | at most |\n|---|---|---|---|")
@@ -55,4 +59,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -9,13 +9,13 @@ the first row; times are relative to the first row, too. Needs the extra trainin
 
 import argparse
 import json
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.tables.command import command
 from detector.backends import BACKENDS, installed, require
 from detector.bench import Case, measure, prepare
 from detector.dataset import image_paths, read_samples
@@ -98,13 +98,10 @@ def parser() -> argparse.ArgumentParser:
     return p
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
     args = parser().parse_args(arguments)
-    try:
-        rows = table(args)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    rows = table(args)
     print(f"{rows[0]['images']} images, {args.size}, {args.threads} threads\n")
     print(
         "| backend | precision | MiB | ms | relative | relative, processor | mAP50 | mAP50-95 | points lost |"
@@ -116,7 +113,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"| {r['backend']} | {r['precision']} | {r['size_mib']:.1f} | {times} | {hits} |")
     if args.json:
         write_text(args.json, json.dumps(rows, indent=1) + "\n")
-    return 0
 
 
 if __name__ == "__main__":

@@ -5,17 +5,20 @@ front axle meets the first obstacle; on roads without one, from the same time af
 faults are put into the solver itself, all others into the scenario.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from itertools import count
 from typing import Any
 from unittest.mock import patch
 
 import daqp
 import numpy as np
 
-from benchmarks.tables.runs import Variant, arguments, mean_over_events, metric, run_all, shown, write
+from benchmarks.tables.command import command, whole_numbers, words
+from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
+from controller.base import Estimate
+from controller.mpc import PredictiveController
+from preview.horizon import RoadPreview
 from scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from scenarios.schema import Scenario
 from scenarios.sets import load_all
@@ -57,15 +60,23 @@ def start_s(scenario: Scenario) -> float:
 
 @contextmanager
 def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
-    """While it is open, the first drive's solver gives broken answers in the scenario's window."""
-    asked, rate_hz, begin = count(), scenario.control.rate_hz, start_s(scenario)
-    sound = daqp.solve
+    """While it is open, the solver gives broken answers in the scenario's window.
+
+    A step may ask the solver more than once, so the window is told by the time of the step.
+    """
+    rate_hz, begin, now_s = scenario.control.rate_hz, start_s(scenario), 0.0
+    sound, ask = daqp.solve, PredictiveController.step
+
+    def step(controller: PredictiveController, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        nonlocal now_s
+        now_s = round(estimate.time_s * rate_hz) / rate_hz
+        return ask(controller, estimate, preview)
 
     def solve(*program: Any) -> tuple:
-        broken = begin <= next(asked) / rate_hz < begin + WINDOW_S
-        return answer(sound(*program)) if broken else sound(*program)
+        found = sound(*program)
+        return answer(found) if begin <= now_s < begin + WINDOW_S else found
 
-    with patch("controller.qp.daqp.solve", solve):
+    with patch.object(PredictiveController, "step", step), patch("controller.qp.daqp.solve", solve):
         yield
 
 
@@ -80,14 +91,16 @@ def variants(name: str, scenarios: list[Scenario]) -> list[Variant]:
     return [Variant(f"{name}, {c}", c, seen, spoilt, **around) for c, seen in pair]
 
 
-def main() -> None:
-    parser = arguments("mpc_preview and its supervisor under faults", seeds="0")
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = shared_options("mpc_preview and its supervisor under faults", seeds="0")
     parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
-    names = asked.lines.split(",") if asked.lines else [*faults(0.0), *SOLVER]
+    known = [*faults(0.0), *SOLVER]
+    names = words("--lines", asked.lines, known) if asked.lines else known
     wanted = [variant for name in ("no fault", *names) for variant in variants(name, scenarios)]
-    done = run_all(wanted, [int(seed) for seed in asked.seeds.split(",")], asked.read)
+    done = run_all(wanted, whole_numbers("--seeds", asked.seeds), asked.read)
     sound = metric(done["no fault, mpc_reactive"], "objective")
     print(f"\n{asked.vehicle} car, {len(scenarios)} events, seeds {asked.seeds}; at most {LIMIT}\n")
     print("| fault | J / mpc_reactive with it | worst event | J / mpc_reactive without it | fallbacks |")
@@ -107,4 +120,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -10,12 +10,14 @@ the car of the paper has hydraulic actuators.
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.tables.command import command
 from files.atomic import write_text
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
@@ -60,13 +62,14 @@ def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: 
     return Ride(vehicle, actuator, bump, controller, *metrics, heave, pitch)
 
 
-def main() -> None:
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
     """Drive, print the table, and write JSON where asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", default="half,suv")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path)
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     rides = []
     print("| car | bump | controller | Wk RMS | peak | heave < 4 Hz | pitch < 4 Hz |")
     print("|---|---|---|---|---|---|---|")
@@ -84,4 +87,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -5,19 +5,23 @@ events of 1 − (value / value of the best law), the law whose J relative to pas
 events.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from benchmarks.tables.runs import Variant, arguments, mean_over_events, metric, run_all, shown, write
+from benchmarks.tables.command import command, whole_numbers
+from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from controller.tuned import TUNED
 from scenarios.sets import load_all
 
 MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
 
 
-def main() -> None:
-    parser = arguments("controllers on the reporting set", seeds="0,1,2")
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = shared_options("controllers on the reporting set", seeds="0,1,2")
     parser.add_argument("--controllers", default=",".join([*TUNED, *MPCS]))
-    asked = parser.parse_args()
+    asked = parser.parse_args(arguments)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     names = [
         name for name in asked.controllers.split(",") if asked.vehicle != "quarter" or name != "mpc_wheelbase"
@@ -26,7 +30,7 @@ def main() -> None:
         Variant(name, name, "oracle" if name == "mpc_preview" else "none", scenarios)
         for name in ["passive", *names]
     ]
-    done = run_all(variants, [int(seed) for seed in asked.seeds.split(",")], asked.read)
+    done = run_all(variants, whole_numbers("--seeds", asked.seeds), asked.read)
     print(f"\n{asked.vehicle} car, {len(scenarios)} events, seeds {asked.seeds}\n")
     print("| controller | J / passive | Wk RMS / passive | VDV / passive | lift ms | stops ms |")
     print("|---|---|---|---|---|---|")
@@ -57,4 +61,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

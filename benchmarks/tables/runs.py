@@ -11,11 +11,15 @@ import numpy as np
 from rich.progress import track
 
 from files.atomic import write_text
+from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
-from scenarios.runfolder import environment, row, to_json
+from scenarios.runfolder import digest, environment, row, to_json
 from scenarios.schema import Scenario
 from scenarios.statistics import Interval, Row, intervals
+
+Key = tuple[str, str, str, int]
+"""Names of variant, vehicle and scenario, and the seed."""
 
 
 class Variant(NamedTuple):
@@ -31,7 +35,7 @@ class Variant(NamedTuple):
     around: Callable[[Scenario], AbstractContextManager[None]] = lambda scenario: nullcontext()
 
 
-def arguments(description: str, seeds: str) -> argparse.ArgumentParser:
+def shared_options(description: str, seeds: str) -> argparse.ArgumentParser:
     """The options that all tables share."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument(
@@ -49,20 +53,23 @@ def arguments(description: str, seeds: str) -> argparse.ArgumentParser:
 def run_all(
     variants: Sequence[Variant], seeds: Sequence[int], pieces: Sequence[Path] = ()
 ) -> dict[str, list[list[Row]]]:
-    """One row for each variant, seed and event, in this order of nesting; those of `pieces` not anew."""
-    known = {
-        (name, one["vehicle"], one["scenario"], one["seed"]): one
-        for path in pieces
-        for name, rows in json.loads(path.read_text())["variants"].items()
-        for one in rows
-    }
+    """One row for each variant, seed and event, in this order of nesting; those of `pieces` not anew.
+
+    Raises InputError for a piece that cannot be read, or that was driven with other settings.
+    """
+    known = read_pieces(pieces)
+    for variant in variants:
+        for scenario in variant.scenarios:
+            for seed in seeds:
+                if (name := key(variant, scenario, seed)) in known:
+                    _check_same(*known[name], settings(variant, scenario))
 
     def driven(variant: Variant, scenario: Scenario, seed: int) -> Row:
-        there = known.get((variant.name, scenario.vehicle.model, scenario.name, seed))
-        if there:
-            return there
+        if (name := key(variant, scenario, seed)) in known:
+            return known[name][1]
         with variant.around(scenario):
-            return row(simulate(Case(scenario, variant.controller, variant.perception, seed)))
+            run = simulate(Case(scenario, variant.controller, variant.perception, seed))
+        return row(run) | settings(variant, scenario)
 
     return {
         variant.name: [
@@ -71,6 +78,41 @@ def run_all(
         ]
         for variant in variants
     }
+
+
+def key(variant: Variant, scenario: Scenario, seed: int) -> Key:
+    """What names a row among all of its table."""
+    return variant.name, scenario.vehicle.model, scenario.name, seed
+
+
+def settings(variant: Variant, scenario: Scenario) -> dict[str, str]:
+    """What a row of that name was driven with; the hash is over all fields of the scenario."""
+    seen = {"controller": variant.controller, "perception": variant.perception}
+    return seen | {"scenario_hash": digest(scenario.mapping)}
+
+
+def read_pieces(paths: Sequence[Path]) -> dict[Key, tuple[Path, Row]]:
+    """The rows that `write` has put into files, and the file of each. Raises InputError."""
+    known = {}
+    for path in paths:
+        try:
+            variants = json.loads(path.read_text(encoding="utf-8"))["variants"]
+            for name, rows in variants.items():
+                for one in rows:
+                    known[name, one["vehicle"], one["scenario"], one["seed"]] = path, one
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            problem = f"{type(error).__name__}: {error}"
+            raise InputError(f"{path}: expected what --json of this table writes ({problem})") from None
+    return known
+
+
+def _check_same(path: Path, there: Row, asked: dict[str, str]) -> None:
+    for name, value in asked.items():
+        if there.get(name) != value:
+            raise InputError(
+                f"{path}: a row of {there['scenario']} was driven with other settings than asked for: "
+                f"{name} must be {value}, got {there.get(name)}"
+            )
 
 
 def metric(rows: list[list[Row]], name: str) -> np.ndarray:

@@ -1,15 +1,20 @@
 """The tables of benchmarks: pieces are joined, and a broken solver is broken when it should be."""
 
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from benchmarks.tables import budget, degraded, faults, proving_ground, rivals
 from benchmarks.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
-from benchmarks.tables.runs import Variant, run_all
+from benchmarks.tables.runs import Variant, run_all, settings, write
+from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
 from scenarios.loading import load
+from scenarios.runfolder import to_json
 from scenarios.schema import Scenario
 
 SHORT = """
@@ -42,11 +47,82 @@ def test_a_broken_solver_is_noticed_in_the_window_and_nowhere_else(
     assert simulate(Case(short, "mpc_reactive", "none", 0)).solver["fallbacks"] == 0
 
 
+def test_a_solver_asked_twice_a_step_is_broken_for_the_whole_window(tmp_path: Path) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT)
+    car = "vehicle={model: half, parameters: {actuator: {kind: slow_active}}}"
+    scenario = load(str(tmp_path / "short.yaml"), [car])
+    asked = []
+
+    def fails(found: tuple) -> tuple:
+        asked.append(found)
+        return SOLVER["solver fails"](found)
+
+    with broken_solver(fails, scenario):
+        run = simulate(Case(scenario, "mpc_reactive", "none", 0))
+    periods = round(WINDOW_S * scenario.control.rate_hz)
+    assert run.solver["reasons"] == {"iteration limit": periods}
+    assert len(asked) == 2 * periods
+    times = [event["time_s"] for event in run.events if event["event"] == "fallback"]
+    assert start_s(scenario) <= min(times) < max(times) < start_s(scenario) + WINDOW_S
+
+
+def piece_of(variant: Variant, scenario: Scenario, seed: int, path: Path, **other: str) -> dict:
+    """A row that was never driven, in a file of such rows."""
+    row = {"vehicle": "quarter", "scenario": scenario.name, "seed": seed, "metrics": {"objective": -1.0}}
+    row |= settings(variant, scenario) | other
+    path.write_text(json.dumps({"variants": {variant.name: [row]}}))
+    return row
+
+
 def test_rows_of_pieces_are_not_driven_anew(short: Scenario, tmp_path: Path) -> None:
-    row = {"vehicle": "quarter", "scenario": short.name, "seed": 4, "metrics": {"objective": -1.0}}
-    piece = tmp_path / "piece.json"
-    piece.write_text(json.dumps({"variants": {"soft": [row]}}))
-    done = run_all([Variant("soft", "passive", "none", [short])], [3, 4], [piece])
+    variant, piece = Variant("soft", "passive", "none", [short]), tmp_path / "piece.json"
+    row = piece_of(variant, short, 4, piece)
+    done = run_all([variant], [3, 4], [piece])
     (driven,), (read,) = done["soft"]
     assert read == row
     assert driven["metrics"]["objective"] > 0.0
+    write(piece, done)
+    assert run_all([variant], [3, 4], [piece]) == json.loads(to_json(done))
+
+
+def test_rows_driven_with_other_settings_are_refused(short: Scenario, tmp_path: Path) -> None:
+    variant, piece = Variant("soft", "passive", "none", [short]), tmp_path / "piece.json"
+    piece_of(variant, short, 4, piece)
+    other = variant._replace(scenarios=[replace(short, tyre_load_weight=5.0)])
+    with pytest.raises(InputError, match=r"piece\.json: .* other settings .* scenario_hash must be") as error:
+        run_all([other], [4], [piece])
+    assert "\n" not in str(error.value)
+    piece_of(variant, short, 4, piece, perception="camera")
+    with pytest.raises(InputError, match=r"perception must be none, got camera"):
+        run_all([variant], [4], [piece])
+
+
+@pytest.mark.parametrize("content", [None, "no json", "{}", "[]", '{"variants": {"soft": [{}]}}', "\xff"])
+def test_pieces_that_cannot_be_read_are_named(short: Scenario, tmp_path: Path, content: str | None) -> None:
+    piece = tmp_path / "piece.json"
+    if content is not None:
+        piece.write_text(content, encoding="latin-1")
+    with pytest.raises(InputError, match=r"piece\.json: expected what --json of this table writes") as error:
+        run_all([Variant("soft", "passive", "none", [short])], [4], [piece])
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("main", "options", "said"),
+    [
+        (faults.main, ["--lines", "solver fials"], "--lines: must be of body_acc stuck, "),
+        (degraded.main, ["--lines", "20 % missed,fog"], "--lines: must be of true, bias +0.1 m, "),
+        (degraded.main, ["--seeds", "x"], "--seeds: must be whole numbers >= 0, comma between, got 'x'"),
+        (rivals.main, ["--events", "nowhere.yaml"], "nowhere.yaml: no such scenario file"),
+        (budget.main, ["--set", "speed_kmh"], "must read path.to.field=value"),
+        (proving_ground.main, ["--vehicles", "tank"], "tank"),
+    ],
+)
+def test_bad_input_is_told_in_one_line_before_anything_is_driven(
+    main: Callable, options: list[str], said: str, capsys: pytest.CaptureFixture
+) -> None:
+    assert main(options) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("error: ")
+    assert said in told
+    assert told.count("\n") == 1

@@ -1,0 +1,40 @@
+"""What the commands of all tables share."""
+
+import sys
+from collections.abc import Callable, Sequence
+from functools import wraps
+
+from files.errors import InputError
+
+
+def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:
+    """A `main` that gives 0, or 2 after bad input, which it tells in one line."""
+
+    @wraps(run)
+    def main(arguments: Sequence[str] | None = None) -> int:
+        try:
+            run(arguments)
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+        return 0
+
+    return main
+
+
+def words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
+    """The words of an option, comma between. Raises InputError for one that is not allowed."""
+    asked = text.split(",")
+    for word in asked:
+        if word not in allowed:
+            raise InputError(f"{option}: must be of {', '.join(allowed)}, got {word!r}")
+    return asked
+
+
+def whole_numbers(option: str, text: str) -> list[int]:
+    """Whole numbers from 0 on, comma between. Raises InputError."""
+    asked = text.split(",")
+    for word in asked:
+        if not word.isdecimal():
+            raise InputError(f"{option}: must be whole numbers >= 0, comma between, got {word!r}")
+    return [int(word) for word in asked]
