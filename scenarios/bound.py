@@ -10,11 +10,13 @@ import numpy as np
 
 from controller.clairvoyant import Optimum, optimise
 from controller.model import KILO
+from controller.tuned import tuned_settings
 from controller.whole_drive import Drive, WholeDrive
 from files.atomic import write_bytes
 from files.cache import cache_folder
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, ticks
+from scenarios.oracle import OracleErrors
 from scenarios.schema import Scenario
 from scenarios.tracks import wheel_profiles
 from vehicle.plant import Plant
@@ -80,8 +82,18 @@ def drive_of(scenario: Scenario) -> Drive:
 
 
 def _rehearsal(scenario: Scenario, controller: str) -> Case:
-    """A drive with exact states and the true road ahead, in which nothing goes wrong."""
-    clear = replace(scenario, observer="truth", faults=())
+    """A drive with exact states, the true road ahead and shipped settings, in which nothing goes wrong.
+
+    It follows from what `_key` tells of the scenario: what is kept must not depend on who asked first.
+    """
+    settings = tuned_settings(scenario.vehicle.parameters.kind)
+    clear = replace(
+        scenario,
+        observer="truth",
+        faults=(),
+        oracle=OracleErrors(),
+        control=replace(scenario.control, settings=settings),
+    )
     return Case(clear, controller, "oracle" if controller == "mpc_preview" else "none", scenario.seed)
 
 

@@ -9,11 +9,12 @@ import pytest
 
 from road.features import HalfSineBump
 from road.profile import Road
-from scenarios.bound import bound
+from scenarios.bound import STARTS, _key, _rehearsal, bound, drive_of
 from scenarios.cases import Case
 from scenarios.cli import main
 from scenarios.closed_loop import commands, simulate
 from scenarios.commands.bound import ACTUATORS, equipped
+from scenarios.faults import LateAnswers
 from scenarios.loading import load
 from scenarios.report.gather import gather
 from scenarios.schema import Scenario
@@ -59,6 +60,23 @@ def test_it_is_kept_and_believed_only_while_it_is_true(cache: Path) -> None:
             bound(scenario, never)
     with pytest.raises(AssertionError, match="searched again"):
         bound(replace(scenario, speed_kmh=31.0), never)
+
+
+def test_what_is_kept_does_not_depend_on_the_settings_or_oracle_errors_of_who_asked_first() -> None:
+    scenario = short()
+    told = ["oracle.bias_m=0.3", "control.settings.skyhook.sky_ns_m=900", "faults=[]"]
+    other = replace(
+        scenario,
+        oracle=load("bump_8x40_30", told[:1]).oracle,
+        control=replace(scenario.control, settings=load("bump_8x40_30", told[1:]).control.settings),
+        faults=(LateAnswers(0.0, 1.0),),
+        observer="sensors",
+    )
+    drives = [drive_of(one) for one in (scenario, other)]
+    assert _key(scenario, drives[0]) == _key(other, drives[1])
+    for name in STARTS:
+        ours, theirs = (commands(_rehearsal(one, name)) for one in (scenario, other))
+        np.testing.assert_array_equal(ours, theirs)
 
 
 def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
