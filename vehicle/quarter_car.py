@@ -1,0 +1,117 @@
+"""The quarter car's parameters (see `vehicle.parameters`)."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar
+
+from vehicle.actuator import Actuator
+from vehicle.checks import require
+from vehicle.corner import (
+    COMMON_POSITIVE,
+    CORNER_FIELDS,
+    CORNER_POSITIVE,
+    GRAVITY_M_S2,
+    MAY_BE_ZERO,
+    Corner,
+    require_order,
+)
+from vehicle.damper import Damper, IdealDamper
+
+
+@dataclass(frozen=True)
+class QuarterCar:
+    """One wheel and its share of the body: the two-mass model of ride comfort, SI units.
+
+    The damper is semi-active: its coefficient follows the command with a first-order lag inside
+    [damping_min_ns_m, damping_max_ns_m]; `damper` says what force that gives (`vehicle.damper`). An
+    `actuator` may stand beside it (`vehicle.actuator`). The spring's rate may rise with the cube of travel.
+    Past stop_gap_m of jounce or rebound_gap_m of rebound (None: the same) a stop pushes back with
+    stop_n_m2 · (overlap)². The tyre cannot pull.
+    """
+
+    kind: ClassVar[str] = "quarter_car"
+
+    sprung_mass_kg: float
+    unsprung_mass_kg: float
+    spring_n_m: float
+    tyre_n_m: float
+    tyre_damping_ns_m: float = 100.0
+    damping_min_ns_m: float = 300.0
+    damping_max_ns_m: float = 4500.0
+    damping_passive_ns_m: float = 1500.0
+    damper_lag_s: float = 0.008
+    stop_gap_m: float = 0.08
+    rebound_gap_m: float | None = None
+    stop_n_m2: float = 1e7
+    spring_n_m3: float = 0.0
+    damper: Damper = field(default_factory=IdealDamper)
+    actuator: Actuator | None = None
+    wheel_radius_m: float = 0.31
+    track_m: float = 1.5
+
+    def __post_init__(self) -> None:
+        for name in ("sprung_mass_kg", *CORNER_POSITIVE, *COMMON_POSITIVE):
+            require(name, getattr(self, name), above=0.0)
+        for name in MAY_BE_ZERO:
+            require(name, getattr(self, name), least=0.0)
+        if self.rebound_gap_m is not None:
+            require("rebound_gap_m", self.rebound_gap_m, above=0.0)
+        require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
+
+    @property
+    def wheels(self) -> int:
+        """Number of wheels."""
+        return 1
+
+    @property
+    def axle_x_m(self) -> tuple[float, ...]:
+        """Wheel positions along the car, ahead of the centre of gravity, m."""
+        return (0.0,)
+
+    @property
+    def wheel_y_m(self) -> tuple[float, ...]:
+        """Lateral positions of the wheels, left positive, m: the right track."""
+        return (-self.track_m / 2,)
+
+    @property
+    def anti_roll_n_m(self) -> tuple[float, ...]:
+        """No anti-roll bars."""
+        return ()
+
+    @property
+    def seat_x_m(self) -> tuple[float, ...]:
+        """Seat positions along the car, ahead of the centre of gravity, m."""
+        return (0.0,)
+
+    @property
+    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+        """What turns body motion into vertical motion of each seat."""
+        return ((1.0,),)
+
+    @property
+    def body_inertia(self) -> tuple[float, ...]:
+        """Inertia against each body motion: heave (kg)."""
+        return (self.sprung_mass_kg,)
+
+    @property
+    def inertial_arm_m(self) -> tuple[float, ...]:
+        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        return (0.0,)
+
+    @cached_property
+    def corners(self) -> tuple[Corner, ...]:
+        """The one corner."""
+        shared = {name: getattr(self, name) for name in CORNER_FIELDS}
+        return (
+            Corner(
+                x_m=0.0,
+                y_m=self.wheel_y_m[0],
+                lever=(1.0,),
+                body_load_n=self.sprung_mass_kg * GRAVITY_M_S2,
+                damper_lag_s=self.damper_lag_s,
+                rebound_gap_m=self.stop_gap_m if self.rebound_gap_m is None else self.rebound_gap_m,
+                damper=self.damper,
+                actuator=self.actuator,
+                **shared,
+            ),
+        )
