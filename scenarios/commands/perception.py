@@ -2,6 +2,7 @@
 
 import argparse
 from itertools import product
+from typing import Any
 
 from files.atomic import write_text
 from files.errors import InputError
@@ -26,6 +27,8 @@ from scenarios.runfolder import environment, to_json
 
 _OBSTACLES_A_ROAD = 10
 _BASE = "mixed_40"
+_OF_COURSES: dict[str, Any] = {"looks": ["day"], "braking": 0.0, "grade": 0.0, "events": 100}
+"""Options that only courses have, and what holds where they are not given."""
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -47,17 +50,16 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "--looks",
         type=comma_list,
-        default=["day"],
         metavar="A,B,...",
-        help=f"{', '.join(LOOKS)}, or {MIXED}: these in turn, road by road",
+        help=f"of courses: {', '.join(LOOKS)}, or {MIXED}: these in turn, road by road (default day)",
     )
     command.add_argument(
-        "--braking", type=float, default=0.0, metavar="M_S2", help="up to each obstacle of a course, m/s²"
+        "--braking", type=float, metavar="M_S2", help="up to each obstacle of a course, m/s²"
     )
     command.add_argument(
-        "--grade", type=float, default=0.0, help="of a course, changed by so much before each obstacle (m/m)"
+        "--grade", type=float, help="of a course, changed by so much before each obstacle (m/m)"
     )
-    command.add_argument("--events", type=int, default=100, help="obstacles a course (default 100)")
+    command.add_argument("--events", type=int, help="obstacles a course (default 100)")
     command.add_argument("--perception", choices=("boxes", "camera"), default="camera")
     command.add_argument(
         "--seeds", type=comma_list, metavar="0,1,...", help="of a scenario; first of a course"
@@ -74,7 +76,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Drive, judge, print; `--out` draws error over distance, `--json` writes the rows."""
     jobs = jobs_of(arguments)
     groups = _courses(arguments) if arguments.courses else _scenarios(arguments)
-    rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups.items()]
+    rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups]
     console.print(use_table(rows))
     console.print(error_table(rows))
     if arguments.out:
@@ -88,35 +90,51 @@ def execute(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _scenarios(arguments: argparse.Namespace) -> dict[str, list[Case]]:
+def _scenarios(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
+    """Name and cases of each scenario."""
     if not arguments.scenarios:
         raise InputError(f"name a SCENARIO, or --courses of {', '.join(COURSES)}")
+    given = [f"--{name}" for name in _OF_COURSES if getattr(arguments, name) is not None]
+    if given:
+        raise InputError(f"{', '.join(given)} must come with --courses, got SCENARIO alone")
     loaded = [load(name, overrides_of(arguments)) for name in arguments.scenarios]
     seeds = seeds_of(arguments)
-    return {
-        scenario.name: [
-            Case(scenario, "passive", arguments.perception, seed) for seed in seeds or [scenario.seed]
-        ]
+    return [
+        (
+            scenario.name,
+            [Case(scenario, "passive", arguments.perception, seed) for seed in seeds or [scenario.seed]],
+        )
         for scenario in loaded
-    }
+    ]
 
 
-def _courses(arguments: argparse.Namespace) -> dict[str, list[Case]]:
+def _courses(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
+    """Name and cases, one a road, of each course in each look."""
+    looks, braking, grade, events = (
+        usual if getattr(arguments, name) is None else getattr(arguments, name)
+        for name, usual in _OF_COURSES.items()
+    )
+    seeds = seeds_of(arguments) or [0]
     if len(arguments.scenarios) > 1:
         raise InputError(f"--courses takes car and camera of one SCENARIO, got {len(arguments.scenarios)}")
-    if not 1 <= arguments.events <= 10_000:
-        raise InputError(f"--events must lie in 1 ... 10000, got {arguments.events}")
+    if not 1 <= events <= 10_000:
+        raise InputError(f"--events must lie in 1 ... 10000, got {events}")
+    if len(seeds) > 1:
+        raise InputError(f"--seeds must be one with --courses, the first road's, got {len(seeds)}")
     base = load((arguments.scenarios or [_BASE])[0], overrides_of(arguments))
-    first = (seeds_of(arguments) or [0])[0]
-    terrain = {"braking_m_s2": arguments.braking, "grade": arguments.grade}
-    roads = -(-arguments.events // _OBSTACLES_A_ROAD)
-    return {
-        f"{kind} {look}": [
-            Case(course(base, kind, look, seed, **terrain), "passive", arguments.perception, seed)
-            for seed in range(first, first + roads)
-        ]
-        for kind, look in product(arguments.courses, arguments.looks)
-    }
+    roads = [
+        (seed, min(_OBSTACLES_A_ROAD, events - done))
+        for seed, done in enumerate(range(0, events, _OBSTACLES_A_ROAD), seeds[0])
+    ]
+
+    def case(kind: str, look: str, seed: int, obstacles: int) -> Case:
+        road = course(base, kind, look, seed, obstacles, braking_m_s2=braking, grade=grade)
+        return Case(road, "passive", arguments.perception, seed)
+
+    return [
+        (f"{kind} {look}", [case(kind, look, *road) for road in roads])
+        for kind, look in product(arguments.courses, looks)
+    ]
 
 
 def _row(name: str, runs: list[Run]) -> dict:

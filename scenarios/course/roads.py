@@ -49,12 +49,14 @@ def course(
         braking_m_s2: the car brakes so until its front wheels are at an obstacle, then speeds up again.
         grade: the road's grade changes by this (m/m) before each obstacle: up, level, down, level.
 
-    Raises InputError for an unknown kind or look, or for more braking or grade than allowed.
+    Raises InputError for an unknown kind or look, no obstacle, or more braking or grade than allowed.
     """
     if kind not in COURSES:
         raise InputError(f"course must be one of {', '.join(COURSES)}, got {kind!r}")
     if look not in (*LOOKS, MIXED):
         raise InputError(f"look must be one of {', '.join(LOOKS)}, {MIXED}, got {look!r}")
+    if obstacles < 1:
+        raise InputError(f"obstacles must be >= 1, got {obstacles}")
     _check("braking", braking_m_s2, HARDEST_BRAKING_M_S2)
     _check("grade", grade, STEEPEST_GRADE)
     rng = np.random.default_rng((seed, COURSES.index(kind)))

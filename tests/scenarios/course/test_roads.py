@@ -72,3 +72,8 @@ def test_terrain_out_of_range_is_refused(terrain: dict[str, float]) -> None:
 def test_unknown_names_are_refused(kind: str, look: str) -> None:
     with pytest.raises(InputError, match="must be one of"):
         course(BASE, kind, look, 0)
+
+
+def test_a_course_without_obstacles_is_refused() -> None:
+    with pytest.raises(InputError, match="obstacles must be >= 1, got 0"):
+        course(BASE, "bumps", "day", 0, obstacles=0)
