@@ -10,7 +10,6 @@ again.
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -20,6 +19,8 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.tables import dfine, with_ultralytics
+from benchmarks.tables.command import command, words
+from benchmarks.tables.training import begin, check_begun, settings_of, train_ours
 from detector.checkpoint import load_network
 from detector.complexity import parameters
 from detector.crops import whole_view
@@ -31,9 +32,7 @@ from detector.models import Network
 from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
 from detector.progress import Progress
 from detector.schedule import Stage, parse_stages
-from detector.train import main as train
 from files.atomic import write_text
-from files.errors import InputError
 
 OURS = ("sbp-yolo", "yolo11n")
 ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)
@@ -51,24 +50,25 @@ def trained(name: str, stage: Stage, args: argparse.Namespace) -> Trained:
     """Train the row of that name, unless its folder is complete. Raises InputError."""
     out = args.out / name
     if name in OURS:
-        return _ours(name, stage, out, args)
+        train_ours(out, stage, args, "--model", name)
+        model, made = load_network(out / "weights.pt")
+        return Trained(parameters(model), int(made["passes"]), detector(model))
+    begin(out, settings_of(stage, args))
     if name == "d-fine-n":
-        model = dfine.train(args.data / "train", stage, out, args.batch, args.seed)
-        return Trained(sum(p.numel() for p in model.parameters()), stage.passes, dfine.detector(model))
+        rival, passes = dfine.train(args.data / "train", stage, out, args.batch, args.seed)
+        return Trained(sum(p.numel() for p in rival.parameters()), passes, dfine.detector(rival))
     yolo, passes = with_ultralytics.train(name, args.data, stage, out, args.batch, args.seed)
     return Trained(with_ultralytics.parameters(yolo), passes, with_ultralytics.detector(yolo))
 
 
-def _ours(name: str, stage: Stage, out: Path, args: argparse.Namespace) -> Trained:
-    if not (out / "weights.pt").exists():
-        words = ["--data", args.data, "--out", out, "--stages", stage, "--seed", args.seed, "--model", name]
-        words += ["--batch", args.batch, "--threads", args.threads, "--validate-every", stage.passes]
-        if (out / "checkpoint.pt").exists():
-            words.append("--resume")
-        if train([str(word) for word in words]):
-            raise InputError(f"{name}: training failed")
-    model, made = load_network(out / "weights.pt")
-    return Trained(parameters(model), int(made["passes"]), detector(model))
+def check(names: Sequence[str], stage: Stage, args: argparse.Namespace) -> None:
+    """Raises InputError for what would stop a row after those before it have been trained for hours."""
+    for name in names:
+        if name in with_ultralytics.YOLOS:
+            with_ultralytics.package(name)
+        elif name == "d-fine-n":
+            dfine.check(stage)
+        check_begun(args.out / name, settings_of(stage, args))
 
 
 def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
@@ -99,13 +99,9 @@ def judged(
 
 def table(args: argparse.Namespace) -> list[dict]:
     """Train, judge and print every row asked for. Raises InputError."""
-    names = args.rows.split(",")
-    for name in names:
-        if name not in ROWS:
-            raise InputError(f"--rows: must be of {', '.join(ROWS)}, got {name!r}")
-        if name in with_ultralytics.YOLOS:
-            with_ultralytics.package(name)
+    names = words("--rows", args.rows, ROWS)
     (stage,) = parse_stages(f"{args.size}:{args.passes}")
+    check(names, stage, args)
     torch.set_num_threads(args.threads)
     samples = list(read_samples(args.data / "val", max(stage.width, stage.height, 640)))
     rows = []
@@ -137,13 +133,9 @@ def parser() -> argparse.ArgumentParser:
     return p
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    try:
-        table(parser().parse_args(arguments))
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
+    table(parser().parse_args(arguments))
 
 
 if __name__ == "__main__":

@@ -27,14 +27,24 @@ LEAST_PIXELS = 61440
 KEPT = ("model", "average", "optimiser", "passes")
 
 
-def build() -> nn.Module:
-    """The network with random weights. Raises InputError where transformers is not installed."""
+def check(stage: Stage) -> None:
+    """Raises InputError where the images are too small, or transformers is not installed."""
+    if stage.width * stage.height < LEAST_PIXELS:
+        raise InputError(
+            f"row d-fine-n: needs images of {LEAST_PIXELS} pixels or more, got {stage.width}x{stage.height}"
+        )
     try:
-        from transformers import DFineConfig, DFineForObjectDetection, HGNetV2Config
+        from transformers import DFineForObjectDetection  # noqa: F401
     except ImportError as error:
         raise InputError(
             f"row d-fine-n: needs the package transformers (pip install 'foreride[rivals]'): {error}"
         ) from None
+
+
+def build() -> nn.Module:
+    """The network with random weights."""
+    from transformers import DFineConfig, DFineForObjectDetection, HGNetV2Config
+
     backbone = HGNetV2Config(  # type: ignore[call-arg]
         stem_channels=[3, 16, 16],
         stage_in_channels=[16, 64, 256, 512],
@@ -67,12 +77,12 @@ def build() -> nn.Module:
     return DFineForObjectDetection(config)
 
 
-def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> nn.Module:
-    """Train to the end of the stage, going on from `out`/checkpoint.pt; gives the averaged model."""
-    if stage.width * stage.height < LEAST_PIXELS:
-        raise InputError(
-            f"row d-fine-n: needs images of {LEAST_PIXELS} pixels or more, got {stage.width}x{stage.height}"
-        )
+def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple[nn.Module, int]:
+    """Train to the end of the stage, going on from `out`/checkpoint.pt.
+
+    Gives the averaged model and the image passes it has seen. Raises InputError.
+    """
+    check(stage)
     torch.manual_seed(seed)
     model = build().train()
     samples = list(read_samples(folder, max(stage.width, stage.height, 640)))
@@ -102,7 +112,7 @@ def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> nn.Mo
                 save(file, {name: part.state_dict() for name, part in parts.items()} | {"passes": passes})
             progress.show(passes, f"d-fine-n loss {loss.item():.2f}")
     save(file, {name: part.state_dict() for name, part in parts.items()} | {"passes": passes})
-    return average.model.eval()
+    return average.model.eval(), passes
 
 
 def targets(batch: Batch) -> list[dict[str, Tensor]]:

@@ -8,13 +8,15 @@ validated on DIR/val; finished rows are read from their run folders, so a broken
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.tables.command import command, words
+from benchmarks.tables.training import check_begun, settings_of, train_ours
 from detector.complexity import parameters
 from detector.models import build
-from detector.train import main as train
+from detector.schedule import Stage, parse_stages
 from files.atomic import write_text
-from files.errors import InputError
 
 LADDER = {
     "yolo11n": ["--model", "yolo11n"],
@@ -44,33 +46,18 @@ NWD = {  # the two constants of eq. 9 and 10: share of CIoU alpha, and C in stri
 TABLES = {"1": LADDER, "3": DISTILLATION, "nwd": NWD}
 
 
-def row(name: str, options: list[str], args: argparse.Namespace) -> dict:
-    """Train one row, unless its run folder is complete, and give its numbers."""
-    run = args.out / name
-    if not (run / "weights.pt").exists():
-        words = [
-            "--data",
-            args.data,
-            "--out",
-            run,
-            "--stages",
-            f"{args.size}:{args.passes}",
-            "--seed",
-            args.seed,
-        ]
-        words += ["--batch", args.batch, "--threads", args.threads, "--validate-every", args.passes, *options]
-        if name.startswith("+") and args.table == "3":
-            words += ["--teacher", args.out / "teacher" / "weights.pt"]
-        if (run / "checkpoint.pt").exists():
-            words.append("--resume")
-        if train([str(word) for word in words]):
-            raise InputError(f"{name}: training failed")
+def row(name: str, options: list[str], stage: Stage, args: argparse.Namespace) -> dict:
+    """Train one row, unless its run folder is complete, and give its numbers. Raises InputError."""
+    run, taught = args.out / name, name.startswith("+") and args.table == "3"
+    teacher = ["--teacher", args.out / "teacher" / "weights.pt"] if taught else []
+    train_ours(run, stage, args, *options, *teacher)
     last = json.loads((run / "history.jsonl").read_text().splitlines()[-1])
     kept = ("passes", "size", "map50", "map50_95", "precision", "recall")
     return {"row": name, "parameters": parameters(build(options[1]))} | {key: last[key] for key in kept}
 
 
-def main() -> None:
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
     p = argparse.ArgumentParser(description=__doc__)
     p.add_argument("--table", choices=TABLES, required=True)
     p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
@@ -82,14 +69,15 @@ def main() -> None:
     p.add_argument("--threads", type=int, default=2)
     p.add_argument("--rows", help="names of rows, comma between; all by default")
     p.add_argument("--json", type=Path)
-    args = p.parse_args()
+    args = p.parse_args(arguments)
     table = TABLES[args.table]
-    names = args.rows.split(",") if args.rows else list(table)
+    names = words("--rows", args.rows, list(table)) if args.rows else list(table)
+    (stage,) = parse_stages(f"{args.size}:{args.passes}")
+    for name in names:
+        check_begun(args.out / name, settings_of(stage, args))
     rows = []
     for name in names:
-        if name not in table:
-            raise SystemExit(f"--rows: must be of {', '.join(table)}, got {name!r}")
-        rows.append(row(name, table[name], args))
+        rows.append(row(name, table[name], stage, args))
         size, found = rows[-1]["parameters"] / 1e6, rows[-1]
         print(f"{name:12} {size:.3f} M  mAP50 {found['map50']:.3f}  {found['map50_95']:.3f}")
     if args.json:
@@ -97,4 +85,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())

@@ -55,7 +55,7 @@ def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) 
     share = stage.passes / (epochs * images)
     passes = epochs * round(share * images)
     if (out / "done").exists():
-        return yolo(last), passes
+        return yolo(last), _passes(out / "done")
     described = out / "data.yaml"
     out.mkdir(parents=True, exist_ok=True)
     folders = {"path": str(data.resolve()), "train": "train/images", "val": "val/images"}
@@ -78,6 +78,14 @@ def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) 
         )
     write_text(out / "done", f"{passes}\n")
     return yolo(last), passes
+
+
+def _passes(done: Path) -> int:
+    """The image passes that a finished row has seen."""
+    text = done.read_text(encoding="utf-8", errors="replace").strip()
+    if not text.isdecimal():
+        raise InputError(f"{done}: must be a number of image passes, got {text!r}")
+    return int(text)
 
 
 def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:

@@ -85,6 +85,30 @@ def test_a_row_of_ultralytics_is_trained_once_and_judged_as_all(
     told = yaml.safe_load(Path(options["data"]).read_text())
     assert told["names"] == {0: "speed_bump", 1: "pothole"}
     assert (Path(told["path"]) / told["train"]).is_dir()
+    (data.parent / "runs" / "yolov8n" / "done").write_text("16\n")  # as more images would have made it
+    assert main([*words(data, "yolov8n"), "--json", str(out)]) == 0
+    assert json.loads(out.read_text())[0]["passes"] == 16
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--passes", "24"], "trained with passes 12, asked for is 24; choose another --out"),
+        (["--size", "320x192"], "trained with size 128x96, asked for is 320x192"),
+        (["--seed", "1"], "trained with seed 0, asked for is 1"),
+        (["--batch", "2"], "trained with batch 4, asked for is 2"),
+    ],
+)
+def test_a_row_trained_with_other_settings_is_refused(
+    data: Path, options: list[str], said: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    calls: list = []
+    monkeypatch.setitem(sys.modules, "ultralytics", omniscient(data, calls))
+    assert main(words(data, "yolov8n")) == 0
+    assert main([*words(data, "sbp-yolo,yolov8n"), *options]) == 2
+    assert f"yolov8n: {said}" in capsys.readouterr().err
+    assert not (data.parent / "runs" / "sbp-yolo").exists()
+    assert len(calls) == 1
 
 
 def test_without_ultralytics_its_rows_say_so_before_any_training(
@@ -103,13 +127,15 @@ def test_without_transformers_d_fine_says_so(
     data: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     monkeypatch.setitem(sys.modules, "transformers", None)
-    assert main([*words(data, "d-fine-n"), "--size", "320x192"]) == 2
+    assert main([*words(data, "sbp-yolo,d-fine-n"), "--size", "320x192"]) == 2
     assert "row d-fine-n: needs the package transformers" in capsys.readouterr().err
+    assert not (data.parent / "runs").exists()
 
 
 def test_d_fine_says_how_large_images_must_be(data: Path, capsys: pytest.CaptureFixture) -> None:
-    assert main(words(data, "d-fine-n")) == 2
+    assert main(words(data, "sbp-yolo,d-fine-n")) == 2
     assert "needs images of 61440 pixels or more, got 128x96" in capsys.readouterr().err
+    assert not (data.parent / "runs").exists()
 
 
 def test_an_unknown_row_is_told_the_known_ones(data: Path, capsys: pytest.CaptureFixture) -> None:
@@ -142,12 +168,15 @@ def test_d_fine_broken_off_and_resumed_ends_as_unbroken(
 ) -> None:
     pytest.importorskip("transformers")
     images, stage = data / "train", Stage(320, 192, 4)
-    unbroken = dfine.train(images, stage, tmp_path / "a", 2, 0)
+    unbroken, passes = dfine.train(images, stage, tmp_path / "a", 2, 0)
+    assert passes == 4
     assert 3.5e6 < sum(p.numel() for p in unbroken.parameters()) < 4e6  # published: 4 million, 80 classes
     with monkeypatch.context() as patch:
         patch.setattr(dfine, "batches", lambda *a, **k: islice(batches(*a, **k), 1))
-        halfway = dfine.train(images, stage, tmp_path / "b", 2, 0)
-    resumed = dfine.train(images, stage, tmp_path / "b", 2, 0)
+        halfway, passes = dfine.train(images, stage, tmp_path / "b", 2, 0)
+    assert passes == 2
+    resumed, passes = dfine.train(images, stage, tmp_path / "b", 2, 0)
+    assert passes == 4
     before, after, whole = (dict(m.named_parameters()) for m in (halfway, resumed, unbroken))
     assert all(torch.equal(after[name], whole[name]) for name in whole)
     assert not all(torch.equal(before[name], whole[name]) for name in whole)

@@ -1,0 +1,68 @@
+"""Rows that are trained: each in a folder of its own, once, and gone on with only as it was begun."""
+
+import argparse
+import json
+from pathlib import Path
+
+from detector.schedule import Stage
+from detector.train import main as train
+from files.atomic import write_text
+from files.errors import InputError
+
+
+def settings_of(stage: Stage, args: argparse.Namespace) -> dict:
+    """What all rows of a table share, and must not change while they are trained."""
+    size = f"{stage.width}x{stage.height}"
+    return {"size": size, "passes": stage.passes, "batch": args.batch, "seed": args.seed}
+
+
+def check_begun(out: Path, asked: dict) -> None:
+    """Raises InputError where a row's folder holds a training with other settings."""
+    if not out.exists() or not any(out.iterdir()):
+        return
+    found = _begun(out)
+    for name, value in asked.items():
+        if found.get(name) != value:
+            raise InputError(
+                f"{out}: trained with {name} {found.get(name)}, asked for is {value}; choose another --out"
+            )
+
+
+def _begun(out: Path) -> dict:
+    """What a row is trained with: from config.json of `detector train`, or from row.json of all others."""
+    path = out / "config.json" if (out / "config.json").exists() else out / "row.json"
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        if path.name == "row.json":
+            return dict(told)
+        settings = told["settings"]
+        (stage,) = settings["stages"]
+        size = {"size": f"{stage['width']}x{stage['height']}", "passes": stage["passes"]}
+        return size | {"batch": settings["batch"], "seed": settings["seed"]}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        problem = f"{type(error).__name__}: {error}"
+        raise InputError(
+            f"{path}: must tell what {out} was trained with ({problem}); choose another --out"
+        ) from None
+
+
+def begin(out: Path, asked: dict) -> None:
+    """Note what a row is trained with, unless it is noted. Raises InputError where that differs."""
+    check_begun(out, asked)
+    write_text(out / "row.json", json.dumps(asked) + "\n")
+
+
+def train_ours(out: Path, stage: Stage, args: argparse.Namespace, *options: object) -> None:
+    """Run `detector train` with the table's settings and a row's options, unless the folder is complete.
+
+    A training that was broken off goes on. Raises InputError.
+    """
+    check_begun(out, settings_of(stage, args))
+    if (out / "weights.pt").exists():
+        return
+    words = ["--data", args.data, "--out", out, "--stages", stage, "--seed", args.seed, *options]
+    words += ["--batch", args.batch, "--threads", args.threads, "--validate-every", stage.passes]
+    if (out / "checkpoint.pt").exists():
+        words.append("--resume")
+    if train([str(word) for word in words]):
+        raise InputError(f"{out.name}: training failed")

@@ -1,0 +1,64 @@
+"""Rows that are trained: once, gone on with as they were begun, refused with other settings."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("torch")
+
+from benchmarks.tables import training
+from benchmarks.tables.ladder import main
+from tests.detector import roads
+
+
+@pytest.fixture
+def words(tmp_path: Path) -> list[str]:
+    roads.write(tmp_path / "data" / "train", 4)
+    roads.write(tmp_path / "data" / "val", 2, seed=5)
+    size = ["--size", "96x64", "--passes", "4", "--batch", "2", "--threads", "1"]
+    return ["--table", "nwd", "--data", str(tmp_path / "data"), "--out", str(tmp_path / "runs"), *size]
+
+
+def test_a_row_is_trained_once_and_refused_with_other_settings(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    out, train, asked = tmp_path / "rows.json", training.train, []
+    monkeypatch.setattr(training, "train", lambda words: (asked.append(words), train(words))[1])
+    for _ in range(2):
+        assert main([*words, "--rows", "alpha 0.5", "--json", str(out)]) == 0
+    (row,) = json.loads(out.read_text())
+    assert (row["row"], row["passes"], row["size"]) == ("alpha 0.5", 4, "96x64")
+    ((*_, resumed),) = asked
+    assert resumed != "--resume"
+    settings = json.loads((tmp_path / "runs" / "alpha 0.5" / "config.json").read_text())["settings"]
+    assert settings["loss"]["nwd_alpha"] == 0.5
+    capsys.readouterr()
+    for option, value, told in (("--passes", "8", "4"), ("--seed", "3", "0"), ("--size", "128x96", "96x64")):
+        assert main([*words, "--rows", "ciou,alpha 0.5", option, value]) == 2
+        said = f"alpha 0.5: trained with {option[2:]} {told}, asked for is {value}; choose another --out"
+        assert said in capsys.readouterr().err
+    assert len(asked) == 1
+    (tmp_path / "runs" / "alpha 0.5" / "weights.pt").unlink()
+    assert main([*words, "--rows", "alpha 0.5"]) == 0
+    assert asked[1][-1] == "--resume"
+
+
+def test_a_folder_that_does_not_tell_how_it_was_trained_is_refused(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    run = tmp_path / "runs" / "ciou"
+    for name, content in (("weights.pt", "x"), ("config.json", "{"), ("config.json", '{"settings": {}}')):
+        shutil.rmtree(run, ignore_errors=True)
+        run.mkdir(parents=True)
+        (run / name).write_text(content)
+        assert main([*words, "--rows", "ciou"]) == 2
+        said = capsys.readouterr().err
+        assert f"must tell what {run} was trained with" in said
+        assert said.count("\n") == 1
+
+
+def test_an_unknown_row_is_told_the_known_ones(words: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert main([*words, "--rows", "ciou,nwd2"]) == 2
+    assert "--rows: must be of ciou, alpha 0.75" in capsys.readouterr().err
