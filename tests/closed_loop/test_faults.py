@@ -20,6 +20,7 @@ SENSORS = {
     "body accelerometer stuck": f"{{kind: sensor, channel: body_acc, mode: stuck, {WHILE}}}",
     "wheel accelerometer silent": f"{{kind: sensor, channel: wheel_acc, mode: silent, {WHILE}}}",
     "all silent": f"{{kind: sensor, channel: all, mode: silent, {WHILE}}}",
+    "all stuck": f"{{kind: sensor, channel: all, mode: stuck, {WHILE}}}",
     "speed silent": f"{{kind: sensor, channel: speed_m_s, mode: silent, {WHILE}}}",
 }
 ANSWERS = {
