@@ -14,53 +14,14 @@ from controller.registry import sees_ahead
 from files import strict
 from files.errors import InputError
 from files.yaml12 import parse
+from scenarios.axis import Axis, Scalar, read_axis, scalar
 from scenarios.cases import Case
 from scenarios.loading import load
 from scenarios.named_files import try_files
 from scenarios.runfolder import digest
 
-Scalar = bool | int | float | str
 TRIED = 20
 """Samples of each kind of which one must be valid, or the study is refused as a whole."""
-_RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
-
-
-@dataclass(frozen=True)
-class Axis:
-    """How one field is varied: over `values`, evenly from low to high, or normally around a mean.
-
-    scale `log` spaces low ... high evenly in the logarithm; `whole` rounds to whole numbers.
-    """
-
-    values: tuple[Scalar, ...] = ()
-    low: float = 0.0
-    high: float = 0.0
-    mean: float = 0.0
-    sigma: float = 0.0
-    scale: Literal["linear", "log"] = "linear"
-    whole: bool = False
-
-    def __post_init__(self) -> None:
-        if self.values:
-            return
-        if self.sigma < 0 or (self.sigma == 0 and not self.low < self.high):
-            raise InputError(f"low must be < high (or sigma > 0), got low {self.low:g}, high {self.high:g}")
-        if self.scale == "log" and not 0 < self.low < self.high:
-            raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")
-
-    def at(self, share: float) -> Scalar:
-        """The value at a place 0 ... 1 of the axis: the quantile of its distribution."""
-        if self.values:
-            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
-        if self.sigma > 0:
-            from scipy.special import ndtri  # the normal quantile
-
-            value = self.mean + self.sigma * float(ndtri(min(max(share, 1e-12), 1 - 1e-12)))
-        elif self.scale == "log":
-            value = float(self.low * (self.high / self.low) ** share)
-        else:
-            value = self.low + (self.high - self.low) * share
-        return round(value) if self.whole else value
 
 
 @dataclass(frozen=True)
@@ -120,9 +81,9 @@ def read(path: Path) -> list[Sample]:
         raise InputError(f"{path}: a study must be a mapping of fields, got {type(mapping).__name__}")
     fixed, varied = (_named(mapping.pop(name, None) or {}, f"{path}: {name}") for name in ("set", "vary"))
     study = strict.structure(Study, mapping, str(path))
-    axes = {field: _axis(given, f"{path}: vary.{field}") for field, given in varied.items()}
+    axes = {field: read_axis(given, f"{path}: vary.{field}") for field, given in varied.items()}
     for field, value in fixed.items():
-        _scalar(value, f"{path}: set.{field}")
+        scalar(value, f"{path}: set.{field}")
     try:
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
         for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
@@ -179,31 +140,6 @@ def _samples(
     for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):
         for perception in sight[controller]:
             yield Sample(scenario, tuple((dict(fixed) | dict(point)).items()), controller, perception, seed)
-
-
-def _axis(given: Any, place: str) -> Axis:
-    if isinstance(given, list):
-        given = {"values": given}
-    told = f"{place} must give values, or low and high, or mean and sigma, got {given!r}"
-    if not isinstance(given, dict):
-        raise InputError(told)
-    kept = {name: value for name, value in given.items() if name != "values"}
-    if "values" in given:
-        values = given["values"]
-        if kept or not isinstance(values, list) or not values:
-            raise InputError(f"{place}.values must be a list and stand alone, got {given!r}")
-        return Axis(tuple(_scalar(value, f"{place}.values") for value in values))
-    if not any(keys <= set(kept) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(kept):
-        raise InputError(told)
-    axis = strict.structure(Axis, kept, place)
-    assert isinstance(axis, Axis)
-    return axis
-
-
-def _scalar(value: Any, place: str) -> Scalar:
-    if not isinstance(value, bool | int | float | str):
-        raise InputError(f"{place} must hold numbers, texts, true or false, got {value!r}")
-    return value
 
 
 def _named(mapping: Any, place: str) -> dict[str, Any]:

@@ -7,7 +7,8 @@ import pytest
 from scipy.stats import kstest, norm
 
 from files.errors import InputError
-from scenarios.study import Axis, Study, points, read
+from scenarios.axis import Axis
+from scenarios.study import Study, points, read
 
 GRID = """
 scenarios: [bump_8x40_30]

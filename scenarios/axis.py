@@ -1,0 +1,75 @@
+"""Axes of a study: how one field of a scenario is varied."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from files import strict
+from files.errors import InputError
+
+Scalar = bool | int | float | str
+_RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How one field is varied: over `values`, evenly from low to high, or normally around a mean.
+
+    scale `log` spaces low ... high evenly in the logarithm; `whole` rounds to whole numbers.
+    """
+
+    values: tuple[Scalar, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    mean: float = 0.0
+    sigma: float = 0.0
+    scale: Literal["linear", "log"] = "linear"
+    whole: bool = False
+
+    def __post_init__(self) -> None:
+        if self.values:
+            return
+        if self.sigma < 0 or (self.sigma == 0 and not self.low < self.high):
+            raise InputError(f"low must be < high (or sigma > 0), got low {self.low:g}, high {self.high:g}")
+        if self.scale == "log" and not 0 < self.low < self.high:
+            raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")
+
+    def at(self, share: float) -> Scalar:
+        """The value at a place 0 ... 1 of the axis: the quantile of its distribution."""
+        if self.values:
+            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+        if self.sigma > 0:
+            from scipy.special import ndtri  # the normal quantile
+
+            value = self.mean + self.sigma * float(ndtri(min(max(share, 1e-12), 1 - 1e-12)))
+        elif self.scale == "log":
+            value = float(self.low * (self.high / self.low) ** share)
+        else:
+            value = self.low + (self.high - self.low) * share
+        return round(value) if self.whole else value
+
+
+def read_axis(given: Any, place: str) -> Axis:
+    """The axis that a study file gives at `place`; InputError for what is none."""
+    if isinstance(given, list):
+        given = {"values": given}
+    told = f"{place} must give values, or low and high, or mean and sigma, got {given!r}"
+    if not isinstance(given, dict):
+        raise InputError(told)
+    kept = {name: value for name, value in given.items() if name != "values"}
+    if "values" in given:
+        values = given["values"]
+        if kept or not isinstance(values, list) or not values:
+            raise InputError(f"{place}.values must be a list and stand alone, got {given!r}")
+        return Axis(tuple(scalar(value, f"{place}.values") for value in values))
+    if not any(keys <= set(kept) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(kept):
+        raise InputError(told)
+    found = strict.structure(Axis, kept, place)
+    assert isinstance(found, Axis)
+    return found
+
+
+def scalar(value: Any, place: str) -> Scalar:
+    """The value itself; InputError for what no field may be set to."""
+    if not isinstance(value, bool | int | float | str):
+        raise InputError(f"{place} must hold numbers, texts, true or false, got {value!r}")
+    return value
