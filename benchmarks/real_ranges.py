@@ -9,11 +9,14 @@ across the road mark 5, 10 and 20 m; a range can be judged by lane widths and ve
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from benchmarks.tables.command import command
+from detector.dataset import image_paths, read_labels
 from detector.imagefile import read_image
 from files.atomic import write_bytes
 from files.errors import InputError
@@ -52,14 +55,8 @@ def tile(image: np.ndarray, boxes: np.ndarray, height_m: float, focal: float, ho
     return cv2.resize(shown, TILE_PX, interpolation=cv2.INTER_AREA)
 
 
-def labelled(path: Path, width: int, height: int) -> np.ndarray:
-    """Boxes (n, 4) xyxy px of a YOLO label file."""
-    rows = np.array(path.read_text().split(), float).reshape(-1, 5)
-    centre, size = rows[:, 1:3] * (width, height), rows[:, 3:5] * (width, height)
-    return np.concatenate([centre - size / 2, centre + size / 2], axis=1)
-
-
-def main() -> None:
+@command
+def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="ranges on photographs")
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--count", type=int, default=12)
@@ -67,16 +64,20 @@ def main() -> None:
     parser.add_argument("--focal", type=float, default=0.8, help="in image widths")
     parser.add_argument("--horizon", type=float, default=0.28, help="in image heights from the top")
     parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    images = sorted((asked.data / "images").glob("*.jpg"))
-    if not images:
-        raise InputError(f"{asked.data}: has no images/*.jpg")
+    asked = parser.parse_args(arguments)
+    for name in ("count", "height_m", "focal"):
+        if not 0 < getattr(asked, name) < np.inf:
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} must be finite and > 0, got {getattr(asked, name):g}")
+    images = image_paths(asked.data)
     chosen = images[:: max(1, len(images) // asked.count)][: asked.count]
     tiles = []
     for path in chosen:
         image = read_image(path)
-        boxes = labelled(asked.data / "labels" / f"{path.stem}.txt", image.shape[1], image.shape[0])
-        tiles.append(tile(image, boxes, asked.height_m, asked.focal, asked.horizon))
+        _, boxes = read_labels(asked.data / "labels" / f"{path.stem}.txt")
+        tiles.append(
+            tile(image, boxes * np.tile(image.shape[1::-1], 2), asked.height_m, asked.focal, asked.horizon)
+        )
     tiles += [np.zeros_like(tiles[0])] * (-len(tiles) % COLUMNS)
     sheet = np.vstack([np.hstack(tiles[k : k + COLUMNS]) for k in range(0, len(tiles), COLUMNS)])
     told = f"assumed: camera {asked.height_m:g} m high, focal length {asked.focal:g} widths"
@@ -89,4 +90,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(main())
