@@ -11,8 +11,9 @@ import onnx
 import torch
 
 from detector.checkpoint import load_weights, save_weights
-from detector.export import export, fused, main, parity, to_onnx
+from detector.export import export, fused, main, to_onnx
 from detector.models import Network
+from detector.parity import parity
 from detector.runtime import WEIGHTS, Detector
 from files.errors import InputError
 

@@ -9,7 +9,8 @@ pytest.importorskip("onnx")
 import onnx
 
 from detector.checkpoint import load_network
-from detector.export import difference, runner, to_onnx
+from detector.export import to_onnx
+from detector.parity import difference, runner
 from detector.quantize import quantized
 from detector.runtime import WEIGHTS
 from tests.detector.roads import draw

@@ -9,8 +9,9 @@ pytest.importorskip("onnx")
 import torch
 
 from detector.checkpoint import load_network
-from detector.export import difference, runner, to_onnx
+from detector.export import to_onnx
 from detector.models import Network, build
+from detector.parity import difference, runner
 from detector.quantize import halved
 from detector.rewrite import rewrite
 from detector.runtime import WEIGHTS
