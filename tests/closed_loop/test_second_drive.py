@@ -1,5 +1,6 @@
 """A second drive over the same road starts with what the first one learned."""
 
+import hashlib
 from dataclasses import replace
 
 from preview.memory import write
@@ -22,6 +23,8 @@ def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tm
     path = tmp_path / "memory.yaml"
     write(path, first.memory)
     second = simulate(Case(replace(base, memory=str(path)), "passive", "boxes", 3))
+    assert first.files_sha256["memory_sha256"] is None
+    assert second.files_sha256["memory_sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
     (before,), (after,) = passages(first), passages(second)
     assert after.first_confirmed_m is not None
     assert before.first_confirmed_m is not None
