@@ -84,7 +84,7 @@ def _settings(args: argparse.Namespace) -> Settings:
     for name in ("batch", "threads", "workers", "validate_every"):
         if getattr(args, name) < 1:
             raise InputError(f"--{name.replace('_', '-')} must be >= 1, got {getattr(args, name)}")
-    for name in ("patience", "distil_logits", "distil_features"):
+    for name in ("patience", "seed", "distil_logits", "distil_features"):
         if not 0 <= getattr(args, name) < math.inf:
             raise InputError(
                 f"--{name.replace('_', '-')} must be finite and >= 0, got {getattr(args, name):g}"

@@ -109,6 +109,7 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
         (["--rate", "0"], "--rate must be finite and > 0, got 0"),
         (["--rate", "inf"], "--rate must be finite and > 0, got inf"),
         (["--patience", "-1"], "--patience must be finite and >= 0, got -1"),
+        (["--seed", "-1"], "--seed must be finite and >= 0, got -1"),
         (["--distil-logits", "-1"], "--distil-logits must be finite and >= 0, got -1"),
         (["--distil-features", "nan"], "--distil-features must be finite and >= 0, got nan"),
         (["--validate-every", "0"], "--validate-every must be >= 1, got 0"),
