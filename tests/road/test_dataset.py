@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from files.errors import InputError
-from road.dataset import VIEWS_PER_ROAD, main, write_dataset
+from road.appearance import random_appearance
+from road.dataset import SPLITS, VIEWS_PER_ROAD, main, write_dataset
+from road.features import Feature
 from road.render import MAX_HIDDEN
+from road.scenes import FARTHEST_M, NEAREST_M, random_road
 
 COUNTS = {"train": VIEWS_PER_ROAD + 2, "val": 3, "test": 3}
 
@@ -117,14 +120,28 @@ def test_bad_counts_are_refused(tmp_path: Path) -> None:
         write_dataset(tmp_path / "x", {"train": -1}, seed=0)
 
 
-def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path) -> None:
-    write_dataset(tmp_path / "set", {"val": 3 * VIEWS_PER_ROAD}, seed=5, approach=True)
+def features_of(seed: int, split: str, number: int) -> tuple[Feature, ...]:
+    """What lies on one road of a set, drawn again."""
+    rng = np.random.default_rng((seed, SPLITS.index(split), number))
+    return random_road(rng, random_appearance(rng)).features
+
+
+def lies_ahead(feature: Feature, places: list[float]) -> bool:
+    """Whether a feature is as far ahead of all `places` as what is approached."""
+    return all(NEAREST_M - 1e-9 <= feature.start_m - x <= FARTHEST_M + 1e-9 for x in places)
+
+
+@pytest.mark.parametrize("approach", [True, False])
+def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path, approach: bool) -> None:
+    write_dataset(tmp_path / "set", {"val": 3 * VIEWS_PER_ROAD}, seed=5, approach=approach)
     rows = rows_of(tmp_path / "set", "val")
-    near = [
-        min((o["distance_m"] for o in row["objects"] if o["distance_m"] > 0), default=np.inf) for row in rows
-    ]
-    for road in {row["road"] for row in rows}:
-        places = [row["pose"]["x"] for row in rows if row["road"] == road]
+    for number in range(3):
+        places = [row["pose"]["x"] for row in rows if row["road"] == number]
         assert places == sorted(places)
-    assert np.median(near) < 18 * 1.1
-    assert sum(row["camera"]["focal_px"] == 457.0 for row in rows) > len(rows) / 2
+        found = [f for f in features_of(5, "val", number) if lies_ahead(f, places)]
+        assert bool(found) == approach
+    if approach:
+        near = [min((o["distance_m"] for o in row["objects"]), default=np.inf) for row in rows]
+        assert np.median(near) < FARTHEST_M
+    usual = sum(row["camera"]["focal_px"] == 457.0 for row in rows)
+    assert (usual > len(rows) / 2) == approach
