@@ -1,4 +1,9 @@
-"""Geometry of a view: where each pixel's ray meets the height map, and which feature it meets there."""
+"""Geometry of a view: where each pixel's ray meets the height map, and which feature it meets there.
+
+Rays are marched down, so they must fall. Where the road rises to the camera's height they do so only relative
+to a plane that rises ahead of the camera: then all heights are counted from that plane (`View.over`), which
+leaves x, y and the depth of every point as they are. The horizon of the surroundings goes with the plane.
+"""
 
 from typing import NamedTuple
 
@@ -26,6 +31,13 @@ class View(NamedTuple):
     cx: float
     cy: float
 
+    def over(self, rise: float) -> "View":
+        """The view with heights counted from a plane that rises by `rise` (m/m) ahead of the camera."""
+        if rise == 0:
+            return self
+        shear = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-rise, 0.0, 1.0]])
+        return self._replace(rotation=shear @ self.rotation)
+
 
 @njit(cache=True, nogil=True, inline="always")
 def direction(r, left, up):  # type: ignore[no-untyped-def]
@@ -38,8 +50,10 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def trace(view, height, ids, mask, outlines, limits, far, drop, slope, hits, depth):  # type: ignore[no-untyped-def]
-    """Cast one ray per pixel; fills four (H, W) images.
+def trace(  # type: ignore[no-untyped-def]
+    view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
+):
+    """Cast one ray per pixel; fills four (H, W) images. Heights are those over the plane of `View.over`.
 
     drop: how far below the camera the ray ends (m), 0 if it meets no ground. slope: dz/dx there, if a feature
     is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m), inf if none.
@@ -50,31 +64,44 @@ def trace(view, height, ids, mask, outlines, limits, far, drop, slope, hits, dep
     r, (px, py, pz) = view.rotation, view.position
     focal, cx, cy = view.focal, view.cx, view.cy
     bottom, top = limits
-    far_z, far_grade = far
+    (far_z, far_grade), (hilly, rise) = far, hills
+    over_far = pz - far_z + far_grade * FAR_M  # height over the far plane, continued to the camera
+    # A ray above the far plane here never meets it; one from below it can only come up through it, in hiding.
+    end = HORIZON_M if over_far > 0 else FAR_M
     rows, cols = drop.shape
     for v in range(rows):
         for u in range(cols):
             dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
             reach = np.sqrt(dx * dx + dy * dy)
             drop[v, u], slope[v, u], hits[v, u], depth[v, u] = 0, 0, 0, np.inf
-            if dz > -1e-6 or reach * pz > -dz * HORIZON_M:
+            above = reach * over_far > (far_grade * dx - dz) * end
+            if dz > -1e-6 or (above and not hilly):
                 continue
             sx, sy, reach = dx / -dz, dy / -dz, reach / -dz
-            fall = (pz - far_z + far_grade * FAR_M) / (1 + far_grade * sx)
-            if fall * reach < FAR_M:
-                fall = pz - _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top)
-                x, y = px + sx * fall, py + sy * fall
-                i, j = int((x - START_M) / CELL_M), int((y + HALF_WIDTH_M) / CELL_M)
-                inside = 0 < i < ids.shape[0] - 1 and 0 <= j < ids.shape[1]
-                if inside and mask[i // MASK_CELLS, j // MASK_CELLS]:
-                    hits[v, u] = _owner(ids, outlines, i, j, x, y)
-                    slope[v, u] = (height[i + 1, j] - height[i - 1, j]) / (2 * CELL_M)
+            closing = 1 + far_grade * sx  # on the far plane, for each metre of fall
+            under = over_far * reach < FAR_M * closing  # at the end of the map: it meets the map before
+            fall = 0.0
+            if under or (hilly and (pz - top) * reach < FAR_M):
+                least = bottom if under else max(bottom, pz - FAR_M / reach)
+                z = _hit(height, mask, px, py, pz, sx, sy, reach, least, top, rise)
+                if under or z > least:
+                    fall = pz - z
+                    x, y = px + sx * fall, py + sy * fall
+                    i, j = int((x - START_M) / CELL_M), int((y + HALF_WIDTH_M) / CELL_M)
+                    inside = 0 < i < ids.shape[0] - 1 and 0 <= j < ids.shape[1]
+                    if inside and mask[i // MASK_CELLS, j // MASK_CELLS]:
+                        hits[v, u] = _owner(ids, outlines, i, j, x, y)
+                        slope[v, u] = (height[i + 1, j] - height[i - 1, j]) / (2 * CELL_M) - rise
+            if fall == 0:
+                if above:
+                    continue
+                fall = over_far / closing
             drop[v, u] = fall
             depth[v, u] = fall / -dz
 
 
 @njit(cache=True, nogil=True)
-def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top):  # type: ignore[no-untyped-def]
+def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: ignore[no-untyped-def]
     """Height at which a ray meets the map, marched down from `top` to `bottom`.
 
     sx, sy: how far the ray runs along x and y for each metre that it falls; reach: the length of (sx, sy).
@@ -85,7 +112,7 @@ def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top):  # type: ignore[
     while True:
         row = (px + sx * (pz - z) - START_M) / CELL_M
         col = (py + sy * (pz - z) + HALF_WIDTH_M) / CELL_M
-        gap = z - _bilinear(height, row - 0.5, col - 0.5)
+        gap = z - _bilinear(height, row - 0.5, col - 0.5) + rise * (sx * (pz - z))
         if gap <= 0:
             return z if z == first else last_z + (z - last_z) * last_gap / (last_gap - gap)
         if z <= bottom:

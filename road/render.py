@@ -32,6 +32,7 @@ _KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposu
 _SNOW_LEVEL = 1.7  # snow around the road makes the picture this much brighter
 _FLAKE_AT_NIGHT = 0.15  # radiance of a snowflake in the headlights
 _BANDS_PER_THREAD = 4  # the sky is cheap, so equal halves would leave a thread idle
+_HIGHEST_M = 0.3  # of what lies on the road, at most
 _NIGHT_LEVEL = 0.6  # irradiance by headlights for which the night is exposed
 
 
@@ -101,7 +102,8 @@ class Scene:
         lens = None if camera.is_pinhole else optics.lens_of(camera)
         camera = camera if lens is None else lens.source
         view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
-        drop, slope, hits, depth = self._trace(camera, view)
+        rise = _rise(self.road, view.position)
+        drop, slope, hits, depth = self._trace(camera, view.over(rise), rise)
         image = np.empty((*drop.shape, 3), np.float32)
         sky, surface, pools = self._panorama, self._surface, staging.lamp_pools(props)
         self._share_rows(
@@ -109,7 +111,7 @@ class Scene:
                 part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
                 sky.image, sky.blurred, sky.haze, pools, image[rows],
             ),
-            view, camera.height_px,
+            view.over(rise), camera.height_px,
         )  # fmt: skip
         hidden_share = staging.draw(image, hits, view, props, self._air) if props else {}
         hits, depth, pixels = self._expose(image, hits, depth, view, lens, index)
@@ -154,7 +156,7 @@ class Scene:
         return hits, depth, pixels
 
     def _trace(
-        self, camera: Camera, view: View
+        self, camera: Camera, view: View, rise: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int16], NDArray[np.float32]]:
         x = float(view.position[0])
         surface = self._surface
@@ -162,11 +164,14 @@ class Scene:
         shape = (camera.height_px, camera.width_px)
         drop, slope, depth = (np.empty(shape, np.float32) for _ in range(3))
         hits = np.empty(shape, np.int16)
-        limits, end, grades = surface.height_range(x, x + FAR_M), x + FAR_M, self.road.grades
-        far = float(grade_height(grades, end)), grade_at(grades, end)
+        end, grades = x + FAR_M, self.road.grades
+        low, high = surface.height_range(x, end)
+        limits = low - max(rise, 0.0) * FAR_M, high + max(-rise, 0.0) * FAR_M
+        far = float(grade_height(grades, end)) - rise * FAR_M, grade_at(grades, end) - rise
+        hills = len(grades) > 0, rise
         self._share_rows(
             lambda part, rows: trace(
-                part, surface.height, surface.ids, surface.mask, self._outlines, limits, far,
+                part, surface.height, surface.ids, surface.mask, self._outlines, limits, far, hills,
                 drop[rows], slope[rows], hits[rows], depth[rows],
             ),
             view, camera.height_px,
@@ -203,6 +208,16 @@ def visible_boxes(
         np.array(numbers, np.int64),
         np.array(counts, np.int64),
     )
+
+
+def _rise(road: Road, camera: np.ndarray) -> float:
+    """Least rise (m/m) of a plane ahead of the `camera` (x, y, z) from which all rays to the road fall."""
+    if not road.grades:
+        return 0.0
+    ahead = np.arange(1.0, FAR_M + 1.0)
+    top = grade_height(road.grades, camera[0] + ahead) + _HIGHEST_M
+    far = grade_at(road.grades, camera[0] + FAR_M)
+    return max(far, float(((top - camera[2]) / ahead).max()))
 
 
 def _exposure(look: Appearance) -> float:

@@ -1,16 +1,20 @@
 """Changes of grade: heights by closed form, and as the camera sees them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from files.errors import InputError
+from preview.perception import true_boxes
 from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of, project
+from road.camera import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
 from road.features import HalfSineBump
-from road.grade import GradeChange, grade_height
+from road.grade import STEEPEST, GradeChange, grade_at, grade_height
 from road.profile import Road
+from road.raycast import FAR_M
 from road.render import Scene
 
 UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
@@ -56,6 +60,68 @@ def test_the_plane_beyond_the_map_meets_it() -> None:
     assert far[0] > 60
     assert np.all(np.diff(far) < 0)
     assert np.abs(np.diff(np.diff(1 / far))).max() < 2e-4  # rows of a plane are even in 1 / depth
+
+
+def marched(changes: tuple[GradeChange, ...], camera: Camera, pose: CameraPose) -> np.ndarray:
+    """Depth (rows,) of the middle column by steps of a centimetre through `grade_height`; inf for sky."""
+    rows = np.arange(camera.height_px) + 0.5
+    ahead = np.arange(1.0, FAR_M, 0.01)
+    ground = grade_height(changes, pose.x + ahead)
+    direction = rays(camera, pose, np.stack([np.full(rows.shape, camera.cx), rows], axis=1))
+    z = pose.z + ahead * (direction[:, 2] / direction[:, 0])[:, None]
+    under = z < ground
+    at = ahead[under.argmax(axis=1)] / direction[:, 0]
+    return np.where(under.any(axis=1), at, np.inf)
+
+
+CREST = (GradeChange(8.0, 0.08), GradeChange(30.0, -0.05), GradeChange(60.0, 0.0))
+VALLEY = (GradeChange(8.0, -0.08), GradeChange(30.0, 0.1))
+
+
+@pytest.mark.parametrize("x_m", [3.0, 20.0, 40.0])
+@pytest.mark.parametrize(
+    "changes",
+    [(GradeChange(8.0, grade),) for grade in (-STEEPEST, -0.05, 0.05, 0.1, STEEPEST)] + [CREST, VALLEY],
+    ids=["down 30 %", "down 5 %", "up 5 %", "up 10 %", "up 30 %", "crest", "valley"],
+)
+def test_the_road_is_where_marching_through_its_height_finds_it(
+    changes: tuple[GradeChange, ...], x_m: float
+) -> None:
+    """From the level before and from the grade itself, with sky and hidden road, to where the map ends."""
+    camera = Camera()
+    level = pose_of(CameraMount(), x_m, 0.0, -np.arctan(grade_at(changes, x_m)))
+    pose = replace(level, z=level.z + float(grade_height(changes, x_m)))
+    scene = Scene(Road(200.0, grades=changes), Appearance(), 1)
+    depth = scene.render(camera, pose, 0).depth[:, camera.width_px // 2]
+    found = marched(changes, camera, pose)
+    near = np.isfinite(found)
+    assert near.any()
+    np.testing.assert_allclose(depth[near], found[near], rtol=0.02)
+    assert (depth[~near] > 0.98 * FAR_M).all()
+
+
+def test_no_road_is_painted_where_only_sky_is_to_be_seen() -> None:
+    """Down a slope of 5 % that begins 26 m ahead, what is below eye level and over the edge is sky."""
+    change = GradeChange(40.0, -0.05)
+    scene = Scene(Road(200.0, grades=(change,)), Appearance(), 1)
+    camera, pose = Camera(), pose_of(CameraMount(), 3.0, 0.0, 0.0)
+    depth = scene.render(camera, pose, 0).depth[:, camera.width_px // 2]
+    edge = project(camera, pose, [(42.0, 0.0, -0.05)])[0, 1]
+    horizon = horizon_row(camera, pose)
+    assert horizon < edge - 3
+    assert np.isinf(depth[: int(edge) - 1]).all()
+    assert np.isfinite(depth[int(edge) + 1 :]).all()
+
+
+def test_a_bump_up_the_road_is_seen_in_the_box_that_geometry_gives() -> None:
+    """On a grade of 10 % from 10 m on, a bump at 28 m, 0.4 m over the eyes of a car at 3 m."""
+    bump = HalfSineBump(28.0, 0.08, 0.5)
+    road = Road(60.0, (bump,), grades=(GradeChange(10.0, 0.1),))
+    camera, pose = Camera(1280, 768, 914.0), pose_of(CameraMount(), 3.0, 0.0, 0.0)
+    (box,) = Scene(road, Appearance(), 1).render(camera, pose, 0).boxes
+    (true,) = true_boxes(road, camera, pose).boxes
+    np.testing.assert_allclose(box[[1, 3]], true[[1, 3]], atol=1.0)
+    np.testing.assert_allclose(box[[0, 2]], true[[0, 2]], atol=2.0)  # as on a level road: its ends run out
 
 
 @pytest.mark.parametrize(
