@@ -54,12 +54,11 @@ def locate(
     pitch_sigma: float,
     height_sigma: float,
     z: float = 0.0,
-    roll_sigma: float = 0.0,
 ) -> GroundPoints:
     """Return the points of the plane at height `z` seen at `pixels` (n, 2), with first-order covariance.
 
-    pixel_sigma (px, both axes, behind the lens), pitch_sigma and roll_sigma (rad, about the optical axis) and
-    height_sigma (m, of camera over plane) are independent.
+    pixel_sigma (px, both axes, behind the lens), pitch_sigma (rad) and height_sigma (m, of camera over plane)
+    are independent.
     """
     points = ground_point(camera, pose, pixels, z)
     direction = rays(camera, pose, pixels)
@@ -67,16 +66,11 @@ def locate(
     lateral_axis = np.array([-np.sin(pose.yaw), np.cos(pose.yaw), 0.0])
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = (z - pose.z) / direction[:, 2]
-        turns = (
-            right,
-            down,
-            np.cross(lateral_axis, direction),  # pitch nose-down
-            np.cross(pose.rotation[:, 0], direction),  # roll
-        )
+        turns = right, down, np.cross(lateral_axis, direction)  # the last: pitch nose-down
         columns = [reach[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in turns]
         columns.append(-direction / direction[:, 2:])  # camera rises, measured in the plane
     jacobian = np.stack(columns, axis=2)[:, :2]
-    variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, roll_sigma, height_sigma]) ** 2
+    variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, height_sigma]) ** 2
     return GroundPoints(points[:, :2], np.einsum("nij,j,nkj->nik", jacobian, variance, jacobian))
 
 

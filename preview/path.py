@@ -2,6 +2,8 @@
 
 Positions beside the path are what decides which wheel meets an object. The front wheels of a car in a bend
 run a little outside of it, by half of curvature times wheelbase squared (7 cm at 50 m); that is left out.
+The cars of `vehicle` drive straight on, so `scenarios` tells no yaw rate: bends are for those who feed an
+`Estimator` from a car of their own.
 """
 
 from typing import NamedTuple
