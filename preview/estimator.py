@@ -83,8 +83,8 @@ class Estimator:
         """Take in one set of sensor readings; call at the controller's rate, in order of time.
 
         road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
-        yaw_rate: rad/s, positive to the left, of a car that has the sensor: the wheels' path bends with it. The
-        cars of `vehicle` do not turn.
+        yaw_rate: rad/s, positive to the left, of a car that has the sensor: the wheels' path bends with it;
+        the cars of `vehicle` do not turn.
         """
         state = self.motion.update(time_s, measurement, self._on_plane(), yaw_rate)
         height = self.motion.road_m if road_height_m is None else float(road_height_m[0])
