@@ -9,6 +9,7 @@ from files.errors import InputError
 from road.checks import check_number
 
 STEEPEST = 0.3
+_HIGHEST_M = 0.3  # of what lies on the road, at most
 
 
 @dataclass(frozen=True)
@@ -61,3 +62,15 @@ def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
         share = min(max((x - change.start_m) / change.length_m, 0.0), 1.0)
         before += (change.grade - before) * share
     return before
+
+
+def rise_ahead(changes: tuple[GradeChange, ...], x: float, z: float, far_m: float) -> float:
+    """Least rise (m/m) of a plane ahead of a camera at x and z from which all rays to the road fall.
+
+    far_m: ahead of the camera, from where on the road keeps its grade. 0 for a road without changes.
+    """
+    if not changes:
+        return 0.0
+    ahead = np.arange(1.0, far_m + 1.0)
+    top = grade_height(changes, x + ahead) + _HIGHEST_M
+    return max(grade_at(changes, x + far_m), float(((top - z) / ahead).max()))

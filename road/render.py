@@ -14,16 +14,14 @@ from road.block import CELL_M, START_M
 from road.camera import Camera, CameraPose
 from road.colour import Conditions, colour
 from road.features import Feature, ManholeCover, Pothole
-from road.grade import grade_at, grade_height
+from road.grade import grade_at, grade_height, rise_ahead
 from road.profile import Road
 from road.props import Prop
 from road.raycast import FAR_M, View, trace
 from road.surface import Surface
 from road.texture import grain
+from road.visible import visible_boxes
 
-MIN_BOX_HEIGHT_PX = 3
-MIN_BOX_WIDTH_PX = 4
-MIN_VISIBLE_PX = 20
 MAX_HIDDEN = 0.6  # of what the view holds of a feature; more behind vehicles and people: not listed
 _FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0, "snow": 130.0}
 _HEADLIGHT = {"noon": 0.0, "overcast": 0.0, "sunset": 0.15, "night": 1.0}
@@ -32,7 +30,6 @@ _KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposu
 _SNOW_LEVEL = 1.7  # snow around the road makes the picture this much brighter
 _FLAKE_AT_NIGHT = 0.15  # radiance of a snowflake in the headlights
 _BANDS_PER_THREAD = 4  # the sky is cheap, so equal halves would leave a thread idle
-_HIGHEST_M = 0.3  # of what lies on the road, at most
 _NIGHT_LEVEL = 0.6  # irradiance by headlights for which the night is exposed
 
 
@@ -42,9 +39,8 @@ class Frame:
 
     Attributes:
         image: (H, W, 3) uint8 RGB.
-        boxes: (n, 4) float32, xyxy pixel edges of the visible part of each feature that is at least
-            MIN_BOX_HEIGHT_PX high, MIN_BOX_WIDTH_PX wide and MIN_VISIBLE_PX pixels large, and not hidden
-            by props for more than MAX_HIDDEN.
+        boxes: (n, 4) float32, xyxy pixel edges of the visible part of each feature that is large enough
+            (`road.visible`), and not hidden by props for more than MAX_HIDDEN.
         classes: (n,) int64, 0 speed bump, 1 pothole.
         feature_index: (n,) int64 into `road.features`, ascending.
         visible_px: (n,) int64.
@@ -102,7 +98,7 @@ class Scene:
         lens = None if camera.is_pinhole else optics.lens_of(camera)
         camera = camera if lens is None else lens.source
         view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
-        rise = _rise(self.road, view.position)
+        rise = rise_ahead(self.road.grades, float(view.position[0]), float(view.position[2]), FAR_M)
         drop, slope, hits, depth = self._trace(camera, view.over(rise), rise)
         image = np.empty((*drop.shape, 3), np.float32)
         sky, surface, pools = self._panorama, self._surface, staging.lamp_pools(props)
@@ -186,38 +182,6 @@ class Scene:
         views = [view._replace(cy=view.cy - band.start) for band in bands]
         for _ in map(work, views, bands) if self._team is None else self._team.map(work, views, bands):
             pass
-
-
-def visible_boxes(
-    hits: NDArray[np.int16],
-) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int64]]:
-    """Tight boxes (n, 4), feature numbers (n,), ascending, and pixel counts (n,) in `hits` (H, W)."""
-    boxes, numbers, counts = [], [], []
-    rows = np.flatnonzero(hits.any(axis=1))
-    band = hits[rows[0] : rows[-1] + 1] if len(rows) else hits[:0]
-    for number in np.unique(band[band > 0]):
-        seen = band == number
-        r, c = np.flatnonzero(seen.any(axis=1)) + rows[0], np.flatnonzero(seen.any(axis=0))
-        width, height, count = c[-1] + 1 - c[0], r[-1] + 1 - r[0], int(seen.sum())
-        if height >= MIN_BOX_HEIGHT_PX and width >= MIN_BOX_WIDTH_PX and count >= MIN_VISIBLE_PX:
-            boxes.append((c[0], r[0], c[-1] + 1, r[-1] + 1))
-            numbers.append(int(number))
-            counts.append(count)
-    return (
-        np.array(boxes, np.float32).reshape(-1, 4),
-        np.array(numbers, np.int64),
-        np.array(counts, np.int64),
-    )
-
-
-def _rise(road: Road, camera: np.ndarray) -> float:
-    """Least rise (m/m) of a plane ahead of the `camera` (x, y, z) from which all rays to the road fall."""
-    if not road.grades:
-        return 0.0
-    ahead = np.arange(1.0, FAR_M + 1.0)
-    top = grade_height(road.grades, camera[0] + ahead) + _HIGHEST_M
-    far = grade_at(road.grades, camera[0] + FAR_M)
-    return max(far, float(((top - camera[2]) / ahead).max()))
 
 
 def _exposure(look: Appearance) -> float:

@@ -9,8 +9,9 @@ import pytest
 
 from files.errors import InputError
 from road.appearance import random_appearance
-from road.dataset import SPLITS, VIEWS_PER_ROAD, main, write_dataset
+from road.dataset import main, write_dataset
 from road.features import Feature
+from road.labelled import SPLITS, VIEWS_PER_ROAD
 from road.render import MAX_HIDDEN
 from road.scenes import FARTHEST_M, NEAREST_M, random_road
 

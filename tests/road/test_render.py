@@ -8,8 +8,9 @@ from road.camera import Camera, CameraMount, CameraPose, ground_point, horizon_r
 from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
 from road.profile import Road
 from road.raycast import FAR_M
-from road.render import MIN_BOX_HEIGHT_PX, MIN_VISIBLE_PX, Scene, visible_boxes
+from road.render import Scene
 from road.roughness import Roughness
+from road.visible import MIN_BOX_HEIGHT_PX, MIN_VISIBLE_PX, visible_boxes
 
 CAMERA = Camera()
 MOUNT = CameraMount()
