@@ -2,9 +2,9 @@
 
 A sample belongs to a line of sight: where that would meet the road plane, and how high over the plane it
 ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so crests hide what is
-behind them and rims the floor of holes. Ground at the object may lie a little higher or slope a little, and
-all positions may be shifted alike: what differs from frame to frame averages out, these three do not, so they
-are marginalised with Gaussian priors (Schur complement).
+behind them and rims the floor of holes. What spoils many samples alike is marginalised with Gaussian priors
+(Schur complement): the plane that a frame found may lie a little off and slope a little; ground at the object
+may do so in all frames; and all positions may be shifted alike.
 """
 
 from collections import deque
@@ -13,17 +13,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.shape import Kind, relief
+from preview.shape import RAMP, TABLE, Kind, relief
 
 Array = np.ndarray
 _FRAMES = 8
 _CORRELATION = 1.5  # inflation of variance: windows overlap, and frames see the same texture
 _LEAST_SIGMA_M = 0.003
+_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
+_RAMP_SIGMA = 0.018  # of a table's ramps, as a share of its length
 _ROBUST = 3.0  # standard deviations of a sample that counts half
 _SHARE = np.linspace(0.0, 1.0, 25)
 _BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
 _STEP = np.array([0.01, 0.01, 0.002])  # of central differences by X, L and H: over what lines jump
+_RAMP_STEP = 0.01
+_SHARED, _FRAME = slice(6, 10), slice(10, 12)  # columns of a table that are marginalised
 
 
 class Rows(NamedTuple):
@@ -40,6 +44,17 @@ class Rows(NamedTuple):
     slant: Array
 
 
+class NearEdge(NamedTuple):
+    """Where the bottom edge of a box meets the plane that its frame found.
+
+    x_m, sigma_m: place; low_m: how much farther it is for each rad that the detector draws edges too low.
+    """
+
+    x_m: float
+    sigma_m: float
+    low_m: float
+
+
 @dataclass
 class Elevation:
     """The samples of the newest frames.
@@ -51,46 +66,85 @@ class Elevation:
     shift_sigma_m: float
     absolute: bool = True
     frames: deque[Rows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
+    edges: deque[NearEdge] = field(default_factory=lambda: deque(maxlen=_FRAMES))
 
-    def rows(self) -> Rows:
-        """All samples, their variance inflated."""
-        joined = Rows(*(np.concatenate(parts) for parts in zip(*self.frames, strict=True)))
-        sigma = np.sqrt(_CORRELATION * (joined.sigma_m**2 + _LEAST_SIGMA_M**2))
-        return joined._replace(sigma_m=sigma)
+    def add(self, rows: Rows, edge: NearEdge | None = None) -> None:
+        """Take a frame in, its variance inflated."""
+        sigma = np.sqrt(_CORRELATION * (rows.sigma_m**2 + _LEAST_SIGMA_M**2))
+        self.frames.append(rows._replace(sigma_m=sigma))
+        if edge is not None:
+            self.edges.append(edge)
 
 
-def equations(kind: Kind, rows: Rows, shift_sigma_m: float, state: Array) -> tuple[Array, Array, float]:
+def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Array, float]:
     """Information (6, 6), gradient (6,) and half the squared error that samples add to a fit.
 
-    state: [X, b, z, L, H, d] of `preview.fit`; b, z and d do not matter here.
+    state: [X, b, z, L, H, d] of `preview.fit`; b and z do not matter here.
     """
+    rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4]])
     model = seen(kind, rows, *shape)
     by_x, by_length, by_height = (
         (seen(kind, rows, *(shape + step)) - seen(kind, rows, *(shape - step))) / (2.0 * step.max())
         for step in np.diag(_STEP)
     )
-    zero = np.zeros_like(model)
-    jacobian = np.stack([by_x, zero, zero, by_length, by_height, zero], axis=1)
-    centre = state[0] + 0.5 * state[3]
-    nuisance = np.stack([np.ones_like(model), rows.x_m - centre, by_x], axis=1)
-    prior = np.diag([_OFFSET_SIGMA_M**-2, _SLOPE_SIGMA**-2, shift_sigma_m**-2])
+    by_ramp = np.zeros_like(model)
+    if kind is TABLE:
+        longer, shorter = (seen(kind, rows, *shape, RAMP + step) for step in (_RAMP_STEP, -_RAMP_STEP))
+        by_ramp = (longer - shorter) / (2.0 * _RAMP_STEP)
+    one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
+    # The state; what is marginalised: ground, slope, shift, ramp, a frame's ground and slope; what is left.
+    columns = [
+        by_x,
+        zero,
+        zero,
+        by_length,
+        by_height,
+        zero,
+        one,
+        behind,
+        by_x,
+        by_ramp,
+        one,
+        behind,
+        residual,
+    ]
+    table = np.stack(columns, axis=1)
     weight = rows.sigma_m**-2 / (1.0 + (residual / (_ROBUST * rows.sigma_m)) ** 2)
-    own = (nuisance * weight[:, None]).T @ nuisance + prior
-    cross = (nuisance * weight[:, None]).T @ jacobian
-    aside = (nuisance * weight[:, None]).T @ residual
-    solved = np.linalg.solve(own, np.column_stack([cross, aside]))
-    information = (jacobian * weight[:, None]).T @ jacobian - cross.T @ solved[:, :-1]
-    gradient = (jacobian * weight[:, None]).T @ residual - cross.T @ solved[:, -1]
-    cost = 0.5 * (float(weight @ residual**2) - float(aside @ solved[:, -1]))
-    return information, gradient, cost
+    ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
+    squares = [
+        _without((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
+        for part, heavy in zip(np.split(table, ends), np.split(weight, ends), strict=True)
+    ]
+    squares += [_edge_terms(edge, state) for edge in elevation.edges]
+    shared = (_OFFSET_SIGMA_M, _SLOPE_SIGMA, elevation.shift_sigma_m, _RAMP_SIGMA)
+    total = _without(np.sum(squares, axis=0), _SHARED, shared)
+    return total[:6, :6], total[:6, 6], 0.5 * float(total[6, 6])
 
 
-def seen(kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float) -> Array:
+def _edge_terms(edge: NearEdge, state: Array) -> Array:
+    """What one edge adds to the table's square (11, 11): its distance from X, shift and low rows apart."""
+    residual = edge.x_m + edge.low_m * state[5] - state[0]
+    weight = edge.sigma_m**-2 / (1.0 + (residual / (_ROBUST * edge.sigma_m)) ** 2)
+    line = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
+    return weight * np.outer(line, line)
+
+
+def _without(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
+    """The square of a table with the columns `aside` marginalised; `sigmas` are of their prior."""
+    own = square[aside, aside] + np.diag(np.array(sigmas) ** -2.0)
+    rest = np.delete(np.arange(len(square)), aside)
+    cross = square[aside][:, rest]
+    return square[np.ix_(rest, rest)] - cross.T @ np.linalg.solve(own, cross)
+
+
+def seen(
+    kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
+) -> Array:
     """Height (n,) at which each line of sight meets the shape first, mixed over the smear; 0 beside it."""
     along = start_m + _SHARE * length_m
-    height = height_m * relief(kind, _SHARE, length_m)
+    height = height_m * relief(kind, _SHARE, length_m, ramp)
     # The line through a point of the shape meets the plane there; hidden points do not advance it.
     meets = np.maximum.accumulate(along + height * rows.slant[:, None], axis=1)
     wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR

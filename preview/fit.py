@@ -105,12 +105,11 @@ def fit(
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = table(sights)
-    profile = None if elevation is None else elevation.rows()
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
-        if elevation is not None and profile is not None:
-            added = equations(kind, profile, elevation.shift_sigma_m, state)
+        if elevation is not None:
+            added = equations(kind, elevation, state)
             information, gradient, cost = information + added[0], gradient + added[1], cost + added[2]
         away = shared.mean - state[SHARED]
         information[_BOTH] += shared_information

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from preview.elevation import Elevation, Rows
+from preview.elevation import Elevation, NearEdge, Rows
 from preview.parallax import Band, Field, band, match
 from preview.plane import fit_plane
 from preview.settings import Settings
@@ -80,14 +80,14 @@ class Gauge:
         middle = max(0.5 * (track.start_m + track.end_m) - shot.pose.x, 3.0)
         width_px = 2 * round(0.5 * self._window_m(track) * self.camera.focal_px / middle) + 1
         field = match(self.camera, view, shot.image, other.image, start, width_px)
-        samples = self._profile(shot.pose, view, field, stereo, track, tracks)
-        if samples is None:
+        found = self._profile(shot.pose, view, field, stereo, track, tracks)
+        if found is None:
             return False
         if track.elevation is None:
             sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
             ragged = 1.0 if track.best.kind.sign > 0 else _RIM
             track.elevation = Elevation(ragged * sigma, stereo)
-        track.elevation.frames.append(samples)
+        track.elevation.add(*found)
         return True
 
     def _window_m(self, track: Track) -> float:
@@ -118,8 +118,8 @@ class Gauge:
 
     def _profile(
         self, pose: CameraPose, view: Band, field: Field, stereo: bool, track: Track, tracks: list[Track]
-    ) -> Rows | None:
-        """One sample a row: height over the fitted plane on the strip that the object covers."""
+    ) -> tuple[Rows, NearEdge | None] | None:
+        """A sample for each row, height over the plane on the strip of the object; and its near edge."""
         axes = pose.rotation.astype(np.float32)
         point = np.stack([view.ahead, view.side, view.up])
         x, y = (np.tensordot(axes[k], point, axes=1) for k in (0, 1))
@@ -144,13 +144,33 @@ class Gauge:
         pixels = (share * field.pixels[seen]).sum(axis=1)
         sigma_px = np.hypot(_NOISE_GREY / np.sqrt(total[seen]), _LEAST_PX)
         slant = forward / view.height_m
-        return Rows(
+        samples = Rows(
             pose.x + forward,
             view.height_m * (1.0 - 1.0 / mean),
             view.height_m * sigma_px / pixels,
             3.0 * forward * slant / self.camera.focal_px,
             slant,
         )
+        nominal = (x - pose.x)[:, [0, -1]].mean(axis=1)
+        return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0)) if stereo else None
+
+    def _edge(self, track: Track, pose: CameraPose, nominal: Array, plane: Array) -> NearEdge | None:
+        """Near edge where the newest box's bottom meets the plane (rows, columns), 0 beside the object.
+
+        nominal: (rows,) distance at which a row meets the nominal plane.
+        """
+        sight = track.sights[-1]
+        if np.isnan(sight.bottom) or sight.camera_x != pose.x:
+            return None
+        ahead = sight.camera_z / np.tan(sight.bottom)
+        row = int(np.argmin(np.abs(nominal - ahead)))
+        if not 0 < row < len(nominal) - 1 or not plane[row].any():
+            return None
+        there = ahead / float(plane[row][plane[row] > 0].mean())
+        across = (there**2 + sight.camera_z**2) / sight.camera_z
+        pixels = self.settings.pixel_sigma * np.sqrt(self.settings.correlation)
+        sigma = across * pixels / self.camera.focal_px
+        return NearEdge(pose.x + there, float(sigma), across)
 
 
 def _straightening(camera: Camera) -> tuple[Array, Array]:

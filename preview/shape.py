@@ -25,6 +25,7 @@ from road.envelope import envelope
 Array = np.ndarray
 TEMPLATE_STEP_M = 0.01
 TEMPLATE_MARGIN_M = 0.5  # more than a wheel radius, so that the envelope is back to zero at both ends
+RAMP = 1.0 / 6.0  # of a table, as a share of its length
 _WALL_M = 0.06  # of potholes, from rim to floor
 
 
@@ -57,11 +58,11 @@ def kinds_of(cls: int) -> tuple[Kind, ...]:
     return tuple(kind for kind in KINDS if kind.cls == cls)
 
 
-def relief(kind: Kind, share: Array, length_m: float) -> Array:
+def relief(kind: Kind, share: Array, length_m: float, ramp: float = RAMP) -> Array:
     """Return the profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
     A narrow bump is a half sine, a hump a parabola (as good as Watts' circular arc), a table flat with ramps
-    of a sixth of its length. A hole counts its depth as negative height.
+    of `ramp`, a share of its length. A hole counts its depth as negative height.
     """
     if kind is BUMP:
         return np.sin(np.pi * share)
@@ -69,7 +70,7 @@ def relief(kind: Kind, share: Array, length_m: float) -> Array:
     if kind is HUMP:
         return 4.0 * share * (1.0 - share)
     if kind is TABLE:
-        return np.minimum(6.0 * edge, 1.0)
+        return np.minimum(edge / ramp, 1.0)
     return -np.minimum(edge * length_m / _WALL_M, 1.0)
 
 
