@@ -23,6 +23,7 @@ _FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
 _RAMP_SIGMA = 0.018  # of a table's ramps, as a share of its length
 _ROBUST = 3.0  # standard deviations of a sample that counts half
+_SILHOUETTE = 3.0  # of what lies before and behind a crest windows show one more than the other
 _SHARE = np.linspace(0.0, 1.0, 25)
 _BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
 _STEP = np.array([0.01, 0.01, 0.002])  # of central differences by X, L and H: over what lines jump
@@ -83,14 +84,18 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
     """
     rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4]])
-    model = seen(kind, rows, *shape)
+    mixed = _mixed(kind, rows, *shape)
+    model = mixed.mean(axis=1)
     by_x, by_length, by_height = (
         (seen(kind, rows, *(shape + step)) - seen(kind, rows, *(shape - step))) / (2.0 * step.max())
         for step in np.diag(_STEP)
     )
     by_ramp = np.zeros_like(model)
     if kind is TABLE:
-        longer, shorter = (seen(kind, rows, *shape, RAMP + step) for step in (_RAMP_STEP, -_RAMP_STEP))
+        longer, shorter = (
+            _mixed(kind, rows, state[0], state[3], state[4], RAMP + step).mean(axis=1)
+            for step in (_RAMP_STEP, -_RAMP_STEP)
+        )
         by_ramp = (longer - shorter) / (2.0 * _RAMP_STEP)
     one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
@@ -111,7 +116,8 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
         residual,
     ]
     table = np.stack(columns, axis=1)
-    weight = rows.sigma_m**-2 / (1.0 + (residual / (_ROBUST * rows.sigma_m)) ** 2)
+    sigma = np.hypot(rows.sigma_m, _SILHOUETTE * np.abs(mixed[:, 1] - model))
+    weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
     ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
     squares = [
         _without((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
@@ -120,7 +126,7 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
     squares += [_edge_terms(edge, state) for edge in elevation.edges]
     shared = (_OFFSET_SIGMA_M, _SLOPE_SIGMA, elevation.shift_sigma_m, _RAMP_SIGMA)
     total = _without(np.sum(squares, axis=0), _SHARED, shared)
-    return total[:6, :6], total[:6, 6], 0.5 * float(total[6, 6])
+    return total[:6, :6], total[:6, 6], 0.5 * float(total[6, 6]) + float(np.log(sigma / rows.sigma_m).sum())
 
 
 def _edge_terms(edge: NearEdge, state: Array) -> Array:
@@ -143,6 +149,13 @@ def seen(
     kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
 ) -> Array:
     """Height (n,) at which each line of sight meets the shape first, mixed over the smear; 0 beside it."""
+    return _mixed(kind, rows, start_m, length_m, height_m, ramp).mean(axis=1)
+
+
+def _mixed(
+    kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
+) -> Array:
+    """The three heights (n, 3) near, amid and far in the smear that `seen` mixes."""
     along = start_m + _SHARE * length_m
     height = height_m * relief(kind, _SHARE, length_m, ramp)
     # The line through a point of the shape meets the plane there; hidden points do not advance it.
@@ -155,4 +168,4 @@ def seen(
     # Over a hidden stretch the height jumps: the point where the line emerges counts.
     part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
     value = height[k - 1] + part * (height[k] - height[k - 1])
-    return np.where(inside, value, 0.0).mean(axis=1)
+    return np.where(inside, value, 0.0)

@@ -1,5 +1,6 @@
 """Heights of tracked objects, measured in the images: by a stereo pair, or by one camera that moves."""
 
+import warnings
 from collections import deque
 from typing import NamedTuple
 
@@ -22,7 +23,8 @@ _STRIP_M = 1.5  # half width of the road that is looked at
 _LEAST_ROWS, _LEAST_COLUMNS = 12, 64
 _RIM = 3.0  # how much less exactly a hole has a near edge than a bump
 _EVERY_ROW = 2  # neighbours share their windows
-_NOISE_GREY = 3.0  # of the difference of two images
+_LEAST_NOISE_GREY = 1.0  # of the difference of two images
+_ROBUST = 2.0  # spreads of a row beyond which a pixel counts half
 _LEAST_PX = 0.05
 _WINDOW_M = 0.6  # across the road
 _MONO_BASE_M = 1.0
@@ -133,7 +135,7 @@ class Gauge:
         ratio = (field.q - turned) / plane
         right, left = _strip(track, pose)
         inside = (y > right) & (y < left)
-        weight = np.where(inside, field.weight, 0.0)
+        weight = np.where(inside, field.weight * _alike(ratio, inside), 0.0)
         total = weight.sum(axis=1)
         seen = np.flatnonzero(total > 0)[::_EVERY_ROW]
         if len(seen) < _LEAST_ROWS // _EVERY_ROW:
@@ -142,7 +144,7 @@ class Gauge:
         mean = (share * ratio[seen]).sum(axis=1)
         forward = (share * (x - pose.x)[seen] / (plane[seen] if stereo else 1.0)).sum(axis=1)
         pixels = (share * field.pixels[seen]).sum(axis=1)
-        sigma_px = np.hypot(_NOISE_GREY / np.sqrt(total[seen]), _LEAST_PX)
+        sigma_px = np.hypot(max(field.noise, _LEAST_NOISE_GREY) / np.sqrt(total[seen]), _LEAST_PX)
         slant = forward / view.height_m
         samples = Rows(
             pose.x + forward,
@@ -171,6 +173,20 @@ class Gauge:
         pixels = self.settings.pixel_sigma * np.sqrt(self.settings.correlation)
         sigma = across * pixels / self.camera.focal_px
         return NearEdge(pose.x + there, float(sigma), across)
+
+
+def _alike(ratio: Array, inside: Array) -> Array:
+    """Weights (rows, columns) of pixels by how far they are from the median of their row inside the strip.
+
+    An object is alike over its width; drops on the lens and streaks of rain are not.
+    """
+    masked = np.where(inside, ratio, np.nan)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # rows without a pixel inside
+        middle = np.nanmedian(masked, axis=1, keepdims=True)
+        away = np.abs(ratio - middle)
+        spread = 1.48 * np.nanmedian(np.where(inside, away, np.nan), axis=1, keepdims=True)
+    return np.nan_to_num(1.0 / (1.0 + (away / (_ROBUST * np.maximum(spread, 1e-6))) ** 2))
 
 
 def _straightening(camera: Camera) -> tuple[Array, Array]:

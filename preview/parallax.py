@@ -47,12 +47,14 @@ class Field(NamedTuple):
     """Structure of a band, arrays (rows, columns).
 
     q: as above. weight: mean squared gradient along the epipolar line in the window, (grey level / px)².
-    along: (2, rows, columns) columns and rows that a point moves in the other image for a unit of q.
+    along: (2, rows, columns) columns and rows that a point moves in the other image for a unit of q. noise:
+    grey levels by which the images differ where they ought to be alike, one standard deviation.
     """
 
     q: Array
     weight: Array
     along: Array
+    noise: float
 
     @property
     def pixels(self) -> Array:
@@ -126,4 +128,5 @@ def match(
         most = _MOST_STEP_PX / pixels
         q = np.clip(q + np.clip(error / firm, -most, most), 1.0 - _MOST, 1.0 + _MOST)
         q = cv2.boxFilter(q * firm, -1, (window_px, 1)) / cv2.boxFilter(firm, -1, (window_px, 1))
-    return Field(q, weight / pixels**2, np.stack([along_u, along_v]))
+    noise = 1.48 * float(np.median(np.abs(wanted - found)))
+    return Field(q, weight / pixels**2, np.stack([along_u, along_v]), noise)

@@ -14,7 +14,7 @@ from preview.parallax import Band, place
 from road.camera import Camera, CameraPose
 
 Array = np.ndarray
-_DISPARITIES, _BLOCK = 16, 7
+_DISPARITIES, _BLOCK = 16, 5
 
 
 def second_pose(pose: CameraPose, base_m: float) -> CameraPose:

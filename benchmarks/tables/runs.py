@@ -14,7 +14,7 @@ from files.atomic import write_text
 from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
-from scenarios.runfolder import digest, environment, row, to_json
+from scenarios.runfolder import environment, row, scenario_hash, to_json
 from scenarios.schema import Scenario
 from scenarios.statistics import Interval, Row, intervals
 
@@ -88,7 +88,7 @@ def key(variant: Variant, scenario: Scenario, seed: int) -> Key:
 def settings(variant: Variant, scenario: Scenario) -> dict[str, str]:
     """What a row of that name was driven with; the hash is over all fields of the scenario."""
     seen = {"controller": variant.controller, "perception": variant.perception}
-    return seen | {"scenario_hash": digest(scenario.mapping)}
+    return seen | {"scenario_hash": scenario_hash(scenario)}
 
 
 def read_pieces(paths: Sequence[Path]) -> dict[Key, tuple[Path, Row]]:

@@ -8,7 +8,7 @@ from typing import Any
 from files.errors import InputError
 from scenarios.report.sections import table
 
-_NUMBERS = ("reactive", "whole", "all_true", "kept", "rest")
+_NUMBERS = ("reactive", "whole", "all_true")
 
 
 def error_budget_section(path: Path) -> str:
@@ -34,17 +34,22 @@ def error_budget_section(path: Path) -> str:
 
 def _event(event: dict[str, Any]) -> str:
     title = escape(str(event["event"]))
-    reactive, whole, exact, kept, rest = (float(event[name]) for name in _NUMBERS)
+    reactive, whole, exact = (float(event[name]) for name in _NUMBERS)
+
+    def share(value: float | None, digits: int) -> str:
+        """As a percentage; a dash where there was nothing to gain, and so no share of it."""
+        return "-" if value is None and reactive <= exact else f"{float(value):.{digits}%}"  # type: ignore[arg-type]
+
     lines = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
-    most = max([abs(float(source["cost"])) for source in event["sources"]] + [1e-9])
-    for source in sorted(event["sources"], key=lambda source: -float(source["cost"])):
-        cost = float(source["cost"])
+    costs = [float(source["cost"] or 0.0) for source in event["sources"]]
+    most = max(map(abs, [*costs, 1e-9]))
+    for cost, source in sorted(zip(costs, event["sources"], strict=True), key=lambda pair: -pair[0]):
         bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>'
         name = f"{escape(str(source['source']))} exact <small>{escape(str(source['replaced_by']))}</small>"
-        lines.append([name, bar, f"{cost:.1%}", f"{float(source['objective']):.3f}", ""])
+        lines.append([name, bar, share(source["cost"], 1), f"{float(source['objective']):.3f}", ""])
     lines += [
-        ["not of a single source", "", f"{rest:.1%}", "", ""],
-        ["whole chain as it drives", "", "", f"{whole:.3f}", f"{kept:.0%}"],
+        ["not of a single source", "", share(event["rest"], 1), "", ""],
+        ["whole chain as it drives", "", "", f"{whole:.3f}", share(event["kept"], 0)],
         ["all of it exact", "", "", f"{exact:.3f}", "100%"],
     ]
     heads = ["drive with", "", "cost of its error", "J / passive", "kept of the gain"]

@@ -136,6 +136,18 @@ def test_a_budget_file_becomes_a_section_with_the_greatest_cost_first(compared: 
     assert "75%" in section
 
 
+def test_a_budget_without_a_gain_shows_dashes(tmp_path: Path) -> None:
+    nothing = json.loads(json.dumps(BUDGET))
+    event = nothing["table"][0]
+    event["kept"] = event["rest"] = None
+    event["reactive"] = event["all_true"]
+    for source in event["sources"]:
+        source["cost"] = None
+    (tmp_path / "budget.json").write_text(json.dumps(nothing))
+    section = error_budget_section(tmp_path / "budget.json")
+    assert section.count("<td>-</td>") == len(event["sources"]) + 2
+
+
 @pytest.mark.parametrize("text", ["{", "{}", '{"table": [{"event": "x"}]}', '{"table": 3}'])
 def test_a_malformed_budget_is_told_in_one_line(
     compared: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
