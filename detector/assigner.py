@@ -2,6 +2,8 @@
 
 Candidates are the points within one stride *around* a box at each level, not only those inside it: a
 bump five pixels high often lies between two rows of a coarse level, and would have no point at all.
+A box is left to the levels whose stride is no more than a part of its height, so that its rows are found
+where rows are fine; without this the first level that happens to know wide boxes keeps them.
 """
 
 from dataclasses import dataclass
@@ -46,6 +48,15 @@ class Assignment:
     score: Tensor
 
 
+COARSEST = 0.7  # stride of the coarsest level that may learn a box, over the height of the box
+
+
+def fine_enough(boxes: Tensor, stride: Tensor) -> Tensor:
+    """(G, N) bool: the level of point n has rows fine enough for box g, or the finest there are."""
+    height = boxes[:, 3] - boxes[:, 1]
+    return (stride[None] <= COARSEST * height[:, None]) | (stride == stride.min())[None]
+
+
 def candidates(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
     """(G, N) bool: point n lies within one stride around box g."""
     low = points[None] + stride[None, :, None] > boxes[:, None, :2]
@@ -70,7 +81,8 @@ def assign(
     CIoU pushes every early guess at a thin bump below zero, and no point would be better than another.
     """
     with torch.no_grad():
-        truth, anchor = candidates(truths.boxes, points, stride).nonzero(as_tuple=True)
+        allowed = candidates(truths.boxes, points, stride) & fine_enough(truths.boxes, stride)
+        truth, anchor = allowed.nonzero(as_tuple=True)
         distance = (points[anchor] - _centres(truths.boxes)[truth]).norm(dim=1) / stride[anchor]
         near = distance.argsort(stable=True)  # among equals, the nearer point in strides comes first
         truth, anchor = truth[near], anchor[near]

@@ -1,11 +1,11 @@
 """The LEDH head (arXiv 2508.01339, section 2.4), YOLOv11's, and the decoding of box distributions.
 
-A box is coded from its anchor point as four distances to its sides in strides, each a distribution
-over `BINS` integer values (distribution focal loss, Li et al. 2020, eq. 3). Here the bins run from -1
-to 14 instead of 0 to 15: a wide, thin bump belongs to a coarse level whose points may all miss its few
-rows, and a distance of -1 lets a point one stride outside the box still describe it exactly. For the
-same reason a bin is two strides wide to the left and right, one stride up and down: objects on a road
-are seen at a grazing angle, and so a box twice as wide can be left to a level with finer rows.
+A box is coded from its anchor point as four distances to its sides in strides, each a distribution over
+`BINS` values (distribution focal loss, Li et al. 2020, eq. 3) that need not be equally far apart. Up and
+down they run from -1 to 14 instead of 0 to 15: a wide, thin bump may lie between two rows of points, and a
+distance of -1 lets a point one stride outside the box still describe it exactly. To the left and right they
+grow with the distance, to 150 strides: objects on a road are seen at a grazing angle, and so the widest
+bump can be left to the finest level, which knows its rows best.
 """
 
 import math
@@ -19,8 +19,9 @@ from torch.nn.functional import linear
 from detector.blocks import Conv
 
 BINS = 16
-FIRST_BIN = -1.0
-BIN_STRIDES = (2.0, 1.0, 2.0, 1.0)  # width of a bin to the left, top, right and bottom
+ROW_BINS = tuple(float(v) for v in range(-1, BINS - 1))
+COLUMN_BINS = (-1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 102.0, 150.0)
+SIDE_BINS = (COLUMN_BINS, ROW_BINS, COLUMN_BINS, ROW_BINS)  # left, top, right, bottom, in strides
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class LEDH(nn.Module):
         self.shared = nn.ModuleList(
             nn.Sequential(Conv(c, c, 3, groups=c // 16), Conv(c, c, 3, groups=c // 16)) for c in channels
         )
-        self.box = nn.ModuleList(_branch(c, 4 * BINS, 1.0) for c in channels)
+        self.box = nn.ModuleList(_box_branch(c) for c in channels)
         self.label = nn.ModuleList(
             _branch(c, classes, rare(s, classes)) for c, s in zip(channels, strides, strict=True)
         )
@@ -114,7 +115,7 @@ class DecoupledHead(nn.Module):
             )
             for c in channels
         )
-        self.box = nn.ModuleList(_branch(sides, 4 * BINS, 1.0) for _ in channels)
+        self.box = nn.ModuleList(_box_branch(sides) for _ in channels)
         self.label = nn.ModuleList(_branch(label, classes, rare(s, classes)) for s in strides)
 
     def forward(self, maps: list[Tensor]) -> Predictions:
@@ -132,6 +133,14 @@ def rare(stride: int, classes: int) -> float:
 def _branch(c_in: int, c_out: int, bias: float) -> nn.Conv2d:
     branch = nn.Conv2d(c_in, c_out, 1)
     nn.init.constant_(branch.bias, bias)  # type: ignore[arg-type]
+    return branch
+
+
+def _box_branch(c_in: int) -> nn.Conv2d:
+    """At first a box is about four strides to each side: bins far away count by one over their distance."""
+    branch = _branch(c_in, 4 * BINS, 1.0)
+    with torch.no_grad():
+        cast(Tensor, branch.bias).unflatten(0, (4, BINS))[::2] -= torch.tensor(COLUMN_BINS).clamp(0).log1p()
     return branch
 
 
@@ -153,21 +162,20 @@ def anchor_points(height: int, width: int, strides: tuple[int, ...]) -> tuple[Te
 
 def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
     """Boxes (..., 4) x0 y0 x1 y1 in pixels from logits (..., 4 · BINS), points (..., 2), strides (...)."""
-    bins = torch.arange(BINS, device=box_logits.device, dtype=box_logits.dtype) + FIRST_BIN
     shares = box_logits.unflatten(-1, (4, BINS)).softmax(-1)
-    sides = linear(shares, bins[None]).squeeze(-1) * _bin_px(stride)
+    sides = (shares * box_logits.new_tensor(SIDE_BINS)).sum(-1) * stride[..., None]
     return torch.cat((points - sides[..., :2], points + sides[..., 2:]), -1)
 
 
 def encode(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
-    """Distances (..., 4) left, top, right, bottom in bins from `FIRST_BIN`: the inverse of `decode`.
+    """Distances (..., 4) left, top, right, bottom as places among their bins: the inverse of `decode`.
 
-    Clamped to what two neighbouring bins can express.
+    2.25 is a quarter of the way from the third bin to the fourth. Clamped to what two neighbouring bins
+    can express.
     """
-    sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / _bin_px(stride)
-    return (sides - FIRST_BIN).clamp(0, BINS - 1.01)
-
-
-def _bin_px(stride: Tensor) -> Tensor:
-    """Widths (..., 4) of a bin in pixels."""
-    return stride[..., None] * stride.new_tensor(BIN_STRIDES)
+    sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / stride[..., None]
+    bins = sides.new_tensor(SIDE_BINS)
+    lower = (sides[..., None] >= bins).sum(-1).sub(1).clamp(0, BINS - 2)
+    side = torch.arange(4, device=sides.device).expand_as(lower)
+    low, high = bins[side, lower], bins[side, lower + 1]
+    return (lower + (sides - low) / (high - low)).clamp(0, BINS - 1.01)

@@ -45,6 +45,12 @@ def test_a_wide_thin_bump_is_taught_to_some_point(y: float, h: float, x: float, 
     assert matched.score.max() > 0
 
 
+@given(st.floats(2, 60), st.floats(200, 540))
+def test_a_box_is_left_to_levels_with_rows_finer_than_it_is_high(h: float, w: float) -> None:
+    matched = assign(everywhere(*blank()), POINTS, STRIDE, truths((0, 0, [50, 200, 50 + w, 200 + h])))
+    assert STRIDE[matched.anchor].max() <= max(h, min(STRIDES))
+
+
 def test_each_point_learns_one_object_of_its_own_image() -> None:
     wanted = truths((0, 0, [0, 100, 300, 110]), (0, 1, [100, 90, 140, 120]), (1, 1, [400, 300, 440, 310]))
     torch.manual_seed(0)

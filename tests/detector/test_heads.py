@@ -8,7 +8,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.heads import BINS, FIRST_BIN, anchor_points, decode, encode
+from detector.heads import BINS, COLUMN_BINS, ROW_BINS, anchor_points, decode, encode
 
 
 def sharp(bins: tuple[int, int, int, int]) -> torch.Tensor:
@@ -20,14 +20,14 @@ def sharp(bins: tuple[int, int, int, int]) -> torch.Tensor:
 
 def test_decodes_a_certain_box() -> None:
     box = decode(sharp((1, 2, 3, 4)), torch.tensor([100.0, 50.0]), torch.tensor(8.0))
-    # bins 1, 2, 3, 4 stand for 0, 1, 2, 3 bins: 2 strides wide to the sides, 1 stride up and down
-    assert box.tolist() == [100.0, 42.0, 132.0, 74.0]
+    # bins 1, 2, 3, 4 stand for 0, 1, 2, 3 strides
+    assert box.tolist() == [100.0, 42.0, 116.0, 74.0]
 
 
 def test_a_flat_distribution_is_its_mean() -> None:
     box = decode(torch.zeros(4 * BINS), torch.tensor([0.0, 0.0]), torch.tensor(4.0))
-    mean = (FIRST_BIN + (BINS - 1) / 2) * 4
-    assert box.tolist() == pytest.approx([-2 * mean, -mean, 2 * mean, mean])
+    column, row = (4 * sum(bins) / BINS for bins in (COLUMN_BINS, ROW_BINS))
+    assert box.tolist() == pytest.approx([-column, -row, column, row])
 
 
 def test_a_point_outside_a_thin_box_can_describe_it() -> None:
@@ -37,7 +37,17 @@ def test_a_point_outside_a_thin_box_can_describe_it() -> None:
     assert 0 < side[3] < 1  # the bottom lies above the point: between the bins -1 and 0
 
 
-@given(st.tuples(*[st.floats(-0.99, 13.9)] * 4), st.sampled_from([4.0, 8.0, 16.0, 32.0]))
+def test_the_finest_level_reaches_across_the_image() -> None:
+    box, point = torch.tensor([0.0, 200.0, 640.0, 206.0]), torch.tensor([590.0, 202.0])
+    side = encode(box, point, torch.tensor(4.0))
+    assert side[0] < BINS - 1.01
+
+
+_FAR = st.floats(-0.99, 149.0)
+_NEAR = st.floats(-0.99, 13.9)
+
+
+@given(st.tuples(_FAR, _NEAR, _FAR, _NEAR), st.sampled_from([4.0, 8.0, 16.0, 32.0]))
 def test_encoding_undoes_decoding(sides: tuple[float, ...], stride: float) -> None:
     left, top, right, bottom = (s * stride for s in sides)
     point = torch.tensor([300.0, 200.0])

@@ -9,7 +9,7 @@ pytest.importorskip("torch")
 import torch
 
 from detector.assigner import Truths, assign
-from detector.heads import BINS, FIRST_BIN, Predictions, anchor_points, encode
+from detector.heads import BINS, ROW_BINS, Predictions, anchor_points, encode
 from detector.losses import LossWeights, detection_loss, distribution_focal_loss, edge_loss
 
 POINTS, STRIDE = anchor_points(96, 128, (4, 8, 16, 32))
@@ -107,7 +107,7 @@ def test_edge_term_pulls_top_and_bottom_alone_however_large_the_error(too_tall: 
     share = (matched.score / matched.score.sum())[:, None]
     # d|error|/d(distance in strides) is the sign of the error; d(distance)/d(logit k) = p_k (bin_k - mean)
     p = logits.detach()[0].unflatten(1, (4, BINS)).softmax(2)[matched.anchor]
-    bins = torch.arange(BINS) + FIRST_BIN
+    bins = torch.tensor(ROW_BINS)
     for side in (1, 3):
         spread = p[:, side] * (bins - (p[:, side] * bins).sum(1, keepdim=True))
         by_hand = 5 * math.copysign(1, too_tall) * share * spread
