@@ -15,6 +15,7 @@ from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
 _GATE = 20.0  # sum of squared normalised row differences; four sigmas on one row
 _LATERAL_GATE_M = 0.5
 _OTHER_CLASS = 6.0  # added to the cost of a box of the other class with the same sides
+_PART_M = 0.3  # beyond an object's ends: where its parts may seem to be
 _FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first box
 
 
@@ -135,6 +136,8 @@ class Tracker:
         marked = self._marked(view, number)
         if self.marks is not None and marked is None:
             return
+        if self._is_part(view, number, cls, x):
+            return
         fits = first_fits(cls, x, sigma, prior)
         log_odds = 2.0 * score - 2.0
         unknown = Edge(0.0, np.inf)
@@ -150,6 +153,17 @@ class Tracker:
         self._next_identity += 1
         self.tracks.append(track)
         self.log("born", track, view.time_s)
+
+    def _is_part(self, view: View, number: int, cls: int, x_m: float) -> bool:
+        """Whether a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
+        right, left = sides_of(view, number, max(x_m - view.pose.x, 1.0))
+        return any(
+            track.start_m - _PART_M < x_m < track.end_m + _PART_M
+            and right.y_m < track.left.y_m
+            and left.y_m > track.right.y_m
+            for track in self.tracks
+            if track.confirmed and track.cls == cls and track.best.kind.sign > 0
+        )
 
     def _sides(self, track: Track, view: View, number: int) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest on its near edge, a hole in its middle."""

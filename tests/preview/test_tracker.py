@@ -5,7 +5,7 @@ from detector.detection import Detections
 from preview.estimator import Estimator
 from preview.perception import true_boxes
 from road.camera import Camera, CameraMount, pose_of
-from road.features import HalfSineBump, Pothole
+from road.features import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
 from road.profile import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
@@ -13,13 +13,28 @@ BUMP = HalfSineBump(40.0, 0.08, 0.4, -1.2, 1.2)
 HOLE = Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)
 
 
-def frames(road, wrong=lambda number: False):
-    """Drive a quarter car at 10 m/s to 4 m before x = 40 m; classes are swapped in `wrong` frames."""
+def seen_parts(found):
+    return found.boxes, found.scores, found.classes
+
+
+def frames(road, wrong=lambda number: False, also=None):
+    """Drive a quarter car at 10 m/s to 4 m before x = 40 m; classes are swapped in `wrong` frames.
+
+    `also` is a road whose objects are boxed, too, from 15 m before x = 40 m on.
+    """
     estimator = Estimator(Camera(), CameraMount(), (0.0,), (0.75,), unbiased())
     for tick in range(720):
         estimator.update_motion(tick * 0.005, Reading(np.zeros(1), np.zeros(1), np.zeros(1), 0.0, 10.0))
         if tick % 10 == 0:
-            seen = true_boxes(road, Camera(), pose_of(CameraMount(), tick * 0.05, 0.0, 0.0))
+            pose = pose_of(CameraMount(), tick * 0.05, 0.0, 0.0)
+            seen = true_boxes(road, Camera(), pose)
+            if also is not None and pose.x > 25.0:
+                seen = Detections(
+                    *map(
+                        np.concatenate,
+                        zip(seen_parts(seen), seen_parts(true_boxes(also, Camera(), pose)), strict=True),
+                    )
+                )
             classes = 1 - seen.classes if wrong(tick // 10) else seen.classes
             estimator.update_boxes(tick * 0.005, Detections(seen.boxes, seen.scores, classes))
     return estimator
@@ -53,3 +68,18 @@ def test_an_object_keeps_its_number_from_birth_to_the_log_of_its_passing():
     )
     assert len(born) == len(set(born)) == 2
     assert sorted(confirmed) == sorted(born) == sorted(passed)
+
+
+def test_the_far_ramp_of_a_hump_is_no_second_hump():
+    ramp = Road(60.0, (HalfSineBump(43.0, 0.09, 0.6),))
+    estimator = frames(Road(60.0, (FlatTopHump(40.0, 0.09, 3.6, ramp_m=0.6),)), also=ramp)
+    (row,) = estimator.stats()
+    assert row["x_m"] == pytest.approx(40.0, abs=0.06)
+
+
+def test_bumps_side_by_side_and_one_after_the_other_are_two():
+    beside = Road(60.0, (SpeedCushion(40.0, 0.07, 2.0, y_min_m=0.4, y_max_m=2.0),))
+    other = Road(60.0, (SpeedCushion(40.0, 0.07, 2.0, y_min_m=-2.0, y_max_m=-0.4),))
+    assert len(frames(beside, also=other).stats()) == 2
+    behind = Road(60.0, (HalfSineBump(42.0, 0.08, 0.4, -1.2, 1.2),))
+    assert len(frames(Road(60.0, (BUMP,)), also=behind).stats()) == 2
