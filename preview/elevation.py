@@ -4,7 +4,7 @@ A sample belongs to a line of sight: where that would meet the road plane, and h
 ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so crests hide what is
 behind them and rims the floor of holes. What spoils many samples alike is marginalised with Gaussian priors
 (Schur complement): the plane that a frame found may lie a little off and slope a little; ground at the object
-may do so in all frames; and all positions may be shifted alike.
+may do so in all frames; a table's ramps may be of another length; and all positions may be shifted alike.
 """
 
 from collections import deque

@@ -161,8 +161,8 @@ class Gauge:
 
         nominal: (rows,) distance at which a row meets the nominal plane.
         """
-        sight = track.sights[-1]
-        if np.isnan(sight.bottom) or sight.camera_x != pose.x:
+        sight = track.sights[-1] if track.sights else None  # one that is only remembered has none yet
+        if sight is None or np.isnan(sight.bottom) or sight.camera_x != pose.x:
             return None
         ahead = sight.camera_z / np.tan(sight.bottom)
         row = int(np.argmin(np.abs(nominal - ahead)))

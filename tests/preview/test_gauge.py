@@ -59,6 +59,18 @@ def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
     assert pair["sigma_m"] < 0.5 * alone["sigma_m"]
 
 
+def test_an_object_that_is_only_remembered_is_measured_without_a_box() -> None:
+    track = drive(BUMP, unbiased(), BASE_M).tracker.tracks[0]
+    track.sights.clear()
+    track.elevation = None
+    pose = pose_of(MOUNT, 24.5, 0.0, 0.0)
+    scene = Scene(Road(60.0, (BUMP,)), Appearance(light="noon", weather="dry", wear=0.3), 5)
+    images = (scene.render(CAMERA, at, 0).image for at in (pose, second_pose(pose, BASE_M)))
+    assert Gauge(CAMERA, BASE_M, unbiased()).measure(pose, *images, [track]) == [track]
+    assert track.elevation is not None
+    assert (len(track.elevation.frames), len(track.elevation.edges)) == (1, 0)
+
+
 def test_without_images_nothing_is_measured() -> None:
     estimator = Estimator(CAMERA, MOUNT, AXLES_M, WHEEL_Y_M, unbiased(), stereo_base_m=BASE_M)
     estimator.update_motion(0.0, Reading(np.zeros(2), np.zeros(2), np.zeros(2), 0.0, SPEED_M_S))
