@@ -16,7 +16,7 @@ class Conv(nn.Module):
         super().__init__()
         self.conv = nn.Conv2d(c_in, c_out, kernel, stride, kernel // 2, groups=groups, bias=False)
         self.norm = nn.BatchNorm2d(c_out, eps=1e-3, momentum=0.03)
-        self.act = nn.SiLU(inplace=True) if act else nn.Identity()
+        self.act = nn.SiLU() if act else nn.Identity()  # in place, its backward pass would need a copy
 
     def forward(self, x: Tensor) -> Tensor:
         if self.training and self.conv.groups == self.conv.in_channels:

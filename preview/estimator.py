@@ -87,6 +87,9 @@ class Estimator:
         the cars of `vehicle` do not turn.
         """
         state = self.motion.update(time_s, measurement, self._on_plane(), yaw_rate)
+        if self.motion.turn is not None:
+            self.tracker.turn(state.x_m, self.motion.turn)
+        self.tracker.grade_sigma = self.motion.grade_sigma
         height = self.motion.road_m if road_height_m is None else float(road_height_m[0])
         self._front.update(state.x_m + self.axle_x_m[0], height)
         for track in self.tracker.tracks:

@@ -11,10 +11,12 @@ from typing import Protocol
 import numpy as np
 
 from files.errors import InputError
-from preview.body import HEAVE, PITCH, Body
+from preview.body import HEAVE, PITCH, Body, Turn
 from preview.path import curvature
 from preview.roll import Roll
 from preview.settings import Settings
+
+_TURNED_S = 0.5  # longest age of a frame that arrives
 
 
 class Measurement(Protocol):
@@ -87,6 +89,7 @@ class EgoMotion:
         self._roll = Roll(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
         self._inertial: tuple[float, float, float] | None = None
         self.road_m = 0.0
+        self.turn: Turn | None = None  # of the road plane, found by the last `update`
         self._masked_until_s = -np.inf
         self._times: list[float] = []
         self._states: list[EgoState] = []
@@ -107,6 +110,7 @@ class EgoMotion:
             self.x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
+        self.turn = None
         trust = on_plane and time_s >= self._masked_until_s
         inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate, measurement.roll_rate
         acceleration, pitch_rate, roll_rate = (
@@ -118,7 +122,9 @@ class EgoMotion:
         of_wheels = self._deflection(measurement)
         deflection = np.array(self._over_axles(of_wheels))
         if trust:
-            self._body.level(deflection, step)
+            self.turn = self._body.level(deflection, step, measurement.speed_m_s)
+            if self.turn is not None:
+                self._turn_history(self.turn)
             self._roll.level(of_wheels, self._body.roughness_m)
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
@@ -161,6 +167,20 @@ class EgoMotion:
             mix(a.roll_rad, b.roll_rad),
             mix(a.curvature_1_m, b.curvature_1_m),
         )
+
+    @property
+    def grade_sigma(self) -> float:
+        """How uncertain the grade of the road ahead is because it has just changed."""
+        return self._body.grade_sigma
+
+    def _turn_history(self, turn: Turn) -> None:
+        """Reckon recent moments from the turned plane, as frames that were exposed then may yet arrive."""
+        for k in range(
+            bisect_right(self._times, self._times[-1] - _TURNED_S) if self._times else 0, len(self._times)
+        ):
+            was = self._states[k]
+            heave = was.heave_m + turn.heave_m + (self.x_m - was.x_m) * turn.pitch_rad
+            self._states[k] = replace(was, heave_m=heave, pitch_rad=was.pitch_rad + turn.pitch_rad)
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:
         """Body over road less its value at rest, at each wheel.

@@ -19,8 +19,8 @@ class Settings:
     """
 
     # Boxes
-    pixel_sigma: float = 1.0
-    relative_sigma: float = 0.05  # of the box height, on top: large boxes err by more pixels than small ones
+    pixel_sigma: float = 0.8
+    relative_sigma: float = 0.02  # of the box height, on top: large boxes err by more pixels than small ones
     correlation: float = 2.0  # variance inflation, because errors of successive boxes resemble each other
     # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards
     bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX
@@ -38,7 +38,7 @@ class Settings:
     offset_sigma_deg: float = 0.24  # mounting pitch, before anything was learned
     offset_track_sigma_deg: float = 0.08  # road grade and box bias, new with each object
     camera_height_sigma_m: float = 0.01  # mounting height, before anything was learned
-    edge_height_sigma_m: float = 0.015  # ground at the object over the local road plane, new with each
+    edge_height_sigma_m: float = 0.008  # ground at the object over the local road plane, new with each
     odometry_sigma: float = 0.005  # relative error of travelled distance
 
     # Existence
@@ -61,6 +61,9 @@ class Settings:
     level_ratio: float = 40.0  # sigma of one reading's road height, over the road's rise in 0.1 s
     least_roughness_m: float = 0.0005
     roughness_memory_s: float = 1.0
+    # Mean height of the wheels over the road plane that tells of another grade: in rises, and at least
+    grade_rises: float = 6.0
+    grade_rise_m: float = 0.02
     strike_acc_m_s2: float = 25.0  # wheel acceleration that makes the rattle reference useless
     strike_hold_s: float = 0.15
     history_s: float = 3.0

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from preview.body import Turn
 from preview.calibration import Gaussian
 from preview.elevation import Elevation
 from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, start_state, table
@@ -72,6 +73,7 @@ class Track:
     precision: float = 1.0
     class_log_odds: float = 0.0
     marked: tuple[float, float] | None = None
+    turned: bool = False
 
     @property
     def best(self) -> Fit:
@@ -157,6 +159,14 @@ class Track:
         sure = len(self.sights) >= _LEAST_SIGHTS
         self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
         self.strain = strain(sights, self.best.state)
+
+    def turn(self, x_m: float, turn: Turn) -> None:
+        """Reckon all sights from a road plane that was turned when the odometer read `x_m`."""
+        self.turned = self.turned or bool(self.sights)
+        for number, sight in enumerate(self.sights):
+            camera_z = sight.camera_z + turn.heave_m + (x_m - sight.camera_x) * turn.pitch_rad
+            bottom, top = sight.bottom + turn.pitch_rad, sight.top + turn.pitch_rad
+            self.sights[number] = sight._replace(camera_z=camera_z, bottom=bottom, top=top)
 
     def place(self, x_m: float, sigma_m: float) -> None:
         """Put the near edge where something else than the boxes' fit says, with its standard deviation."""

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from detector.detection import CLASS_NAMES, Detections
-from preview.calibration import Calibration
+from preview.body import Turn
+from preview.calibration import Calibration, Gaussian
 from preview.cross_ratio import Marks, distance, distance_sigma
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
@@ -32,6 +33,7 @@ class Tracker:
         self.passed: list[Track] = []
         self.calibration = Calibration(settings, focal_px)
         self.events: list[dict[str, Any]] = []
+        self.grade_sigma = 0.0  # of the road ahead, where its grade has just changed
         self._next_identity = 0
 
     def update(self, view: View, detections: Detections) -> None:
@@ -58,8 +60,10 @@ class Tracker:
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
-                if track.sights and not track.strained:
-                    self.refit(track)  # on today's prior, which is what `learn` takes off again
+                if track.sights and not track.strained and not track.turned:
+                    track.refit(
+                        self.calibration.prior(track.cls), self.settings
+                    )  # which `learn` takes off again
                     self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
 
@@ -70,9 +74,21 @@ class Tracker:
 
     def refit(self, track: Track) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""
-        track.refit(self.calibration.prior(track.cls), self.settings)
+        track.refit(self._prior(track), self.settings)
         if track.marked is not None:
             track.place(*track.marked)
+
+    def turn(self, x_m: float, turn: Turn) -> None:
+        """Reckon all that was seen from a road plane that was turned when the odometer read `x_m`."""
+        for track in self.tracks:
+            track.turn(x_m, turn)
+
+    def _prior(self, track: Track) -> Gaussian:
+        """What the calibration knows for a track, less sure of pitch and ground where the grade changes."""
+        known = self.calibration.prior(track.cls)
+        ahead_m = max(track.start_m - track.last_seen_x_m, 0.0)
+        more = np.diag([1.0, ahead_m**2, 0.0]) * self.grade_sigma**2
+        return Gaussian(known.mean, known.covariance + more)
 
     def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)

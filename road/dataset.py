@@ -32,13 +32,15 @@ def write_dataset(
     workers: int = 1,
     report: Callable[[int], None] = lambda done: None,
     approach: bool = False,
+    plain: bool = False,
 ) -> dict:
     """Render `counts[split]` images per split into `out` and return what dataset.json says.
 
     Roads are never shared between splits. Every image and label depends only on the seed and its place in the
     set, so the number of workers is immaterial; labels appear before their images, each in one step. `report`
     is told how many images are done, after each road. With `approach` the views of a road are those of a car
-    on its way to a feature, from 18 m to 3 m, mostly with the default camera.
+    on its way to a feature, from 18 m to 3 m, mostly with the default camera. With `plain` there is neither
+    bump nor pothole on any road, but much that passes for one: patches, covers, stains, crossings.
 
     Raises InputError for negative counts or an `out` that already holds a data set.
     """
@@ -50,7 +52,7 @@ def write_dataset(
     digest, done = hashlib.sha256(), 0
     for split in _ORDER:
         lines = []
-        for rows in _run(_jobs(out, split, counts.get(split, 0), seed, approach), workers):
+        for rows in _run(_jobs(out, split, counts.get(split, 0), seed, approach, plain), workers):
             for row in rows:
                 digest.update(f"{split}/{row['image']} {row.pop('sha256')}\n".encode())
                 lines.append(json.dumps(row) + "\n")
@@ -65,6 +67,7 @@ def write_dataset(
         "seed": seed,
         "views_per_road": VIEWS_PER_ROAD,
         "approach": approach,
+        "plain": plain,
         "label_minimum": {
             "height_px": MIN_BOX_HEIGHT_PX,
             "width_px": MIN_BOX_WIDTH_PX,
@@ -77,10 +80,10 @@ def write_dataset(
     return summary
 
 
-def _jobs(out: Path, split: str, count: int, seed: int, approach: bool) -> Iterator[Job]:
+def _jobs(out: Path, split: str, count: int, seed: int, approach: bool, plain: bool) -> Iterator[Job]:
     for road, first in enumerate(range(0, count, VIEWS_PER_ROAD)):
         views = min(VIEWS_PER_ROAD, count - first)
-        yield Job(out / split, SPLITS.index(split), road, views, seed, approach)
+        yield Job(out / split, SPLITS.index(split), road, views, seed, approach, plain)
 
 
 def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
@@ -120,13 +123,22 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--approach", action="store_true", help="views of a car that drives towards a bump or pothole"
     )
+    parser.add_argument(
+        "--plain", action="store_true", help="no bump or pothole, but much that passes for one"
+    )
     parser.add_argument("--workers", type=int, default=1, help="processes (default 1)")
     options = parser.parse_args(arguments)
     counts = {split: getattr(options, split) for split in SPLITS}
     try:
         with progress(sum(counts.values())) as report:
             summary = write_dataset(
-                options.out, counts, options.seed, options.workers, report, options.approach
+                options.out,
+                counts,
+                options.seed,
+                options.workers,
+                report,
+                options.approach,
+                options.plain,
             )
     except InputError as error:
         print(error, file=sys.stderr)

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -34,6 +34,7 @@ class Job:
     views: int
     seed: int
     approach: bool = False
+    plain: bool = False
 
 
 def render_road(job: Job) -> list[dict]:
@@ -42,6 +43,8 @@ def render_road(job: Job) -> list[dict]:
     rng = np.random.default_rng((job.seed, job.split, job.road))
     look = random_appearance(rng)
     road = random_road(rng, look)
+    if job.plain:
+        road, look = replace(road, features=()), crowded(look, rng)
     scene = Scene(road, look, int(rng.integers(1 << 31)))
     beside = standing(rng, look)
     rows = []
@@ -69,6 +72,12 @@ def render_road(job: Job) -> list[dict]:
             }
         )
     return rows
+
+
+def crowded(look: Appearance, rng: np.random.Generator) -> Appearance:
+    """The same road with many patches, covers, stains and crossings."""
+    patches, distractors = (float(share) for share in rng.uniform(0.4, 1.0, 2))
+    return replace(look, patches=patches, distractors=distractors)
 
 
 def _condition(look: Appearance) -> dict:

@@ -32,7 +32,7 @@ def test_starts_with_what_the_settings_say():
     for cls, px in ((BUMP, 0.3), (POTHOLE, 0.5)):
         sigma = np.sqrt(np.diag(Calibration(SETTINGS, FOCAL_PX).prior(cls).covariance))
         assert np.rad2deg(sigma[0]) == pytest.approx(np.hypot(0.24, 0.08))
-        assert sigma[1] == pytest.approx(np.hypot(0.01, 0.015))
+        assert sigma[1] == pytest.approx(np.hypot(0.01, 0.008))
         assert FOCAL_PX * sigma[2] == pytest.approx(px)
 
 

@@ -9,6 +9,7 @@ from preview.distance import depression, distance_of
 from preview.estimator import Estimator
 from preview.fit import Direct, X
 from preview.perception import true_boxes
+from preview.settings import Settings
 from preview.view import view_of
 from road.camera import Camera, CameraMount, pose_of, project
 from road.features import HalfSineBump
@@ -92,7 +93,7 @@ def test_an_estimator_may_be_told_to_use_it(driven):
     away, height = 6.85, MOUNT.height_m
     to_axis = np.arctan2(height, away) - np.deg2rad(MOUNT.pitch_deg)
     pixel_m = (away**2 + height**2) / (height * CAMERA.focal_px) * np.cos(to_axis) ** 2
-    assert row["sigma_m"] == pytest.approx(pixel_m, rel=0.01)
+    assert row["sigma_m"] == pytest.approx(Settings().pixel_sigma * pixel_m, rel=0.01)
 
 
 def test_nothing_but_the_next_box_moves_what_the_marks_have_placed(driven):

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from files.errors import InputError
 from preview.motion import EgoMotion
 from preview.settings import Settings
+from road.grade import GradeChange, grade_height
 from tests.preview.kinematic_drive import Reading
 
 AXLES = (1.25, -1.45)
@@ -97,6 +98,58 @@ def test_the_frame_does_not_follow_roughness_under_the_wheels():
     states = [motion.at(t) for t in np.arange(4.5, 5.5, 0.05)]
     assert np.ptp([s.pitch_rad for s in states]) < np.deg2rad(0.03)
     assert np.ptp([s.heave_m for s in states]) < 0.002
+
+
+def over_a_grade(t, to=0.02, at_m=20.0):
+    """Readings of a car without springs at 10 m/s whose road begins to climb at `at_m`."""
+    change = (GradeChange(at_m, to),)
+    axle = np.array(AXLES)
+
+    def road(moment):
+        return grade_height(change, 10.0 * moment + axle)
+
+    step = 1e-3
+    before, now, after = road(t - step), road(t), road(t + step)
+    acceleration = (after - 2 * now + before) / step**2
+    pitch_rate = float(np.diff(after - before)[0] / (2 * step * (AXLES[0] - AXLES[1])))
+    return still()._replace(body_acc=acceleration, wheel_acc=acceleration, pitch_rate=pitch_rate)
+
+
+@pytest.mark.parametrize("to", [0.02, -0.02, 0.05])
+def test_the_frame_follows_the_road_to_another_grade(to):
+    """The gyro says that the body has turned by 1.1 deg; over its road it has not. At 4 s it is 20 m on."""
+    motion = run(lambda t: over_a_grade(t, to), 4.5)
+    state = motion.at(4.0)
+    assert abs(state.pitch_rad) < np.deg2rad(0.1)
+    assert abs(state.heave_m) < 0.005
+
+
+def test_while_the_grade_changes_the_road_ahead_is_uncertain():
+    motion = EgoMotion(AXLES, Settings())
+    sigma = {}
+    for tick in range(round(4.5 / STEP)):
+        motion.update(tick * STEP, over_a_grade(tick * STEP))
+        sigma[tick] = motion.grade_sigma
+    crossing = round((20.0 - AXLES[0]) / 10.0 / STEP)  # of the front wheels
+    assert max(sigma[tick] for tick in range(crossing)) == 0.0
+    assert max(sigma[tick] for tick in range(crossing, crossing + 80)) >= 0.02  # 4 m: what it does change by
+    assert sigma[round(4.4 / STEP)] == 0.0
+
+
+def test_a_frame_that_arrives_late_is_reckoned_from_the_turned_plane():
+    """Between two turns the body moves smoothly: no step in the history, or ranges would jump with it."""
+    motion = EgoMotion(AXLES, Settings())
+    turns = 0
+    for tick in range(round(3.0 / STEP)):
+        motion.update(tick * STEP, over_a_grade(tick * STEP))
+        if motion.turn is not None:
+            turns += 1
+            now = tick * STEP
+            late = [motion.at(now - age) for age in (0.0, STEP, 0.1, 0.1 + STEP)]
+            for newer, older in (late[:2], late[2:]):
+                assert abs(newer.pitch_rad - older.pitch_rad) < 0.0005
+                assert abs(newer.heave_m - older.heave_m) < 0.002
+    assert turns > 3
 
 
 def test_a_quarter_car_does_not_pitch():

@@ -1,8 +1,12 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.stats import norm
 
+from preview.body import Turn
 from preview.calibration import Gaussian
+from preview.fit import Sight
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
 
@@ -80,3 +84,28 @@ def test_position_doubt_grows_with_the_way_since_the_last_box():
     assert t.position_sigma_m(10.0, SETTINGS) == pytest.approx(t.sigma_m)
     grown = t.position_sigma_m(15.0, SETTINGS) ** 2 - t.sigma_m**2
     assert grown == pytest.approx((5.0 * SETTINGS.odometry_sigma) ** 2)
+
+
+@given(
+    away=st.floats(3.0, 30.0),
+    driven=st.floats(0.0, 10.0),
+    heave=st.floats(-0.1, 0.1),
+    pitch=st.floats(-0.03, 0.03),
+)
+def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, pitch):
+    """A ray to a point of the old plane meets the same point, which the turned plane has under or over it.
+
+    What a turn by `pitch` moves forward is as high as the camera: 2 cm at 1.2 m and 1 deg.
+    """
+    camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
+    seen = track()
+    ray = np.arctan2(camera_z, away)
+    seen.sights = [Sight(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
+    now = camera_x + driven
+    seen.turn(now, Turn(heave, pitch))
+    (sight,) = seen.sights
+    ground = heave + (now - x) * pitch
+    met = sight.camera_x + (sight.camera_z - ground) / np.tan(sight.bottom)
+    assert abs(met - x) <= abs(pitch) * (camera_z + 2 * abs(pitch) * away**2 / camera_z) + 1e-9
+    assert sight.top == sight.bottom
+    assert seen.turned

@@ -11,7 +11,7 @@ from files.errors import InputError
 from road.appearance import random_appearance
 from road.dataset import main, write_dataset
 from road.features import Feature
-from road.labelled import SPLITS, VIEWS_PER_ROAD
+from road.labelled import SPLITS, VIEWS_PER_ROAD, crowded
 from road.render import MAX_HIDDEN
 from road.scenes import FARTHEST_M, NEAREST_M, random_road
 
@@ -146,3 +146,19 @@ def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path, approach: bool)
         assert np.median(near) < FARTHEST_M
     usual = sum(row["camera"]["focal_px"] == 457.0 for row in rows)
     assert (usual > len(rows) / 2) == approach
+
+
+def test_plain_roads_have_nothing_to_find_but_much_that_looks_like_it(tmp_path: Path) -> None:
+    write_dataset(tmp_path / "set", {"train": 2 * VIEWS_PER_ROAD}, seed=5, plain=True)
+    rows = rows_of(tmp_path / "set", "train")
+    assert len(rows) == 2 * VIEWS_PER_ROAD
+    assert all(row["objects"] == [] for row in rows)
+    assert all(path.read_text() == "" for path in (tmp_path / "set/train/labels").iterdir())
+    assert json.loads((tmp_path / "set/dataset.json").read_text())["plain"] is True
+    rng = np.random.default_rng(0)
+    usual = [random_appearance(rng) for _ in range(200)]
+    full = [crowded(look, rng) for look in usual]
+    for density in ("patches", "distractors"):
+        assert np.mean([getattr(look, density) for look in full]) > 0.6
+        assert np.mean([getattr(look, density) for look in usual]) < 0.6
+    assert [look.light for look in full] == [look.light for look in usual]
