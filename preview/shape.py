@@ -10,7 +10,7 @@ Priors of size cover what road-design rules allow, length along the road by heig
 * table: the UK's flat-top humps are as high, with ramps of 1:10 to 1:15 (TRL 186). Those of the USA, up to
   22 ft by 3 in (Valencia County NM, § 70.02), and of Indonesia, 6.6 m on top by 8-9 cm, lie above the prior.
 * pothole: the classes of ASTM D6433, read second-hand, end at a diameter of 0.75 m and begin their deepest at
-  50 mm; what is shallower matters little to a ride.
+  50 mm, whatever the diameter; what is shallower matters little to a ride. Boxes do not show a depth.
 
 Where an object lies off its prior, the boxes overrule it.
 """
@@ -72,11 +72,6 @@ def relief(kind: Kind, share: Array, length_m: float, ramp: float = RAMP) -> Arr
     if kind is TABLE:
         return np.minimum(edge / ramp, 1.0)
     return -np.minimum(edge * length_m / _WALL_M, 1.0)
-
-
-def depth_of(length_m: float) -> float:
-    """Return the likely depth (m) of a pothole: boxes do not show it, but longer holes are deeper."""
-    return float(np.clip(0.02 + 0.1 * length_m, 0.03, 0.12))
 
 
 def chord(length_m: float, width_m: float, offset_m: float) -> float:

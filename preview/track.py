@@ -12,7 +12,7 @@ from preview.elevation import Elevation
 from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, start_state, table
 from preview.grade import strain
 from preview.settings import Settings
-from preview.shape import POTHOLE, Kind, chord, depth_of, kinds_of
+from preview.shape import POTHOLE, Kind, chord, kinds_of
 
 Array = np.ndarray
 _HOPELESS = 10.0  # log evidence against a kind that lets it be given up
@@ -121,7 +121,7 @@ class Track:
 
     @property
     def depth_is_measured(self) -> bool:
-        """Whether more than its length tells of a pothole's depth: images, or an earlier drive's."""
+        """Whether more than the prior tells of a pothole's depth: images, or an earlier drive's."""
         return self.elevation is not None or any(known.entry == HEIGHT for known in self.directs)
 
     @property
@@ -188,17 +188,13 @@ class Track:
         return inside_right * inside_left
 
     def section(self, y_m: float) -> Section:
-        """Return the extent on the line y = `y_m`; a hole is an ellipse.
-
-        It is as deep as was measured, or else as its length suggests.
-        """
+        """Return the extent on the line y = `y_m`; a hole is an ellipse."""
         length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
         if self.best.kind is not POTHOLE:
             return Section(self.start_m, length, height)
         beside = y_m - self.centre_y_m
         cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
-        depth = height if self.depth_is_measured else depth_of(length)
-        return Section(self.start_m + 0.5 * (length - cut), cut, depth)
+        return Section(self.start_m + 0.5 * (length - cut), cut, height)
 
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:

@@ -14,7 +14,7 @@ from preview.memory import Memory, Mounting, Remembered, RowBias, read, write
 from preview.perception import BoxErrors
 from preview.recall import expectations, recall, remember
 from preview.settings import Settings
-from preview.shape import depth_of
+from preview.shape import POTHOLE
 from preview.tracker import Tracker
 from road.features import HalfSineBump, Pothole
 from road.profile import Road
@@ -190,7 +190,7 @@ def test_a_depth_that_nothing_measured_is_not_remembered(tmp_path):
     assert read(tmp_path / "memory.yaml") == estimator.memory()
     track, *_ = expected(place)
     section = track.section(track.centre_y_m)
-    assert section.height_m == pytest.approx(depth_of(section.length_m))
+    assert section.height_m == pytest.approx(POTHOLE.height_m)
 
 
 @pytest.mark.parametrize("place", [BUMP, HOLE], ids=lambda place: place.kind)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from preview.shape import BUMP, HUMP, KINDS, POTHOLE, TABLE, chord, depth_of, kinds_of, relief, tyre_profile
+from preview.shape import BUMP, HUMP, KINDS, POTHOLE, TABLE, chord, kinds_of, relief, tyre_profile
 from road.envelope import wheel_profile
 from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
 from road.profile import Road
@@ -42,11 +42,6 @@ def test_the_tyre_meets_a_bump_before_its_edge_and_a_hole_after():
 def test_a_detector_class_names_its_kinds():
     assert kinds_of(0) == (BUMP, HUMP, TABLE)
     assert kinds_of(1) == (POTHOLE,)
-
-
-def test_longer_holes_are_deeper():
-    assert depth_of(0.3) < depth_of(0.6) < depth_of(0.9)
-    assert depth_of(0.4) == pytest.approx(0.06)
 
 
 def test_chord_of_an_ellipse():
