@@ -25,6 +25,7 @@ _BOTH = np.ix_(SHARED, SHARED)
 _SHARE = np.linspace(0.0, 1.0, 21)
 _LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
 _MOST = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
+_BEHIND_M, _AHEAD_M = 10.0, 100.0  # of the cameras: a line of sight near the horizon says no more than that
 _CAUCHY = 2.5  # residuals of so many standard deviations count half
 
 
@@ -105,6 +106,9 @@ def fit(
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = table(sights)
+    least, most = _LEAST.copy(), _MOST.copy()
+    if len(data):
+        least[X], most[X] = data[:, 1].min() - _BEHIND_M, data[:, 1].max() + _AHEAD_M
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
@@ -119,7 +123,7 @@ def fit(
         np.add.at(information, (index, index), known[:, 2] ** -2)
         np.add.at(gradient, index, normal / known[:, 2])
         cost += 0.5 * float((normal**2).sum())
-        state = np.clip(state + np.linalg.solve(information, gradient), _LEAST, _MOST)
+        state = np.clip(state + np.linalg.solve(information, gradient), least, most)
     # Laplace: the priors' normalisation and the width of the posterior weigh kinds against each other.
     cost += float(np.log(known[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))

@@ -162,3 +162,16 @@ def test_silhouette_is_the_brute_force_maximum():
             state[X] + share * state[LENGTH] - camera_x[:, None],
         ).min(axis=1)
         np.testing.assert_allclose(np.arctan2(below, ahead), fine, atol=3e-4)  # a seventh of a pixel
+
+
+@pytest.mark.parametrize("bottom", [0.002, 0.0, -0.02])
+def test_lines_of_sight_at_the_horizon_or_above_say_far_away_and_no_more(bottom):
+    """Such as boxes on a climb ahead: they meet the plane nowhere, and a fit must not run after them."""
+    sights = [Sight(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)]
+    state = start_of(BUMP, 30.0)
+    for _ in range(12):
+        found = fit(BUMP, sights, state, PRIOR, [], SETTINGS, 2)
+        state = found.state
+    assert 80.0 < state[X] < 120.0
+    assert np.isfinite(found.covariance).all()
+    assert np.isfinite(found.cost)
