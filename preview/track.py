@@ -11,6 +11,7 @@ from preview.calibration import Gaussian
 from preview.elevation import Elevation
 from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, start_state, table
 from preview.grade import strain
+from preview.scores import mean_surplus, probability, surplus
 from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, kinds_of
 
@@ -49,8 +50,9 @@ class Track:
     """An object that has been seen at least once. Positions are of the odometer's axis.
 
     right, left: lateral edges (y_min, y_max). log_odds: of being no chance box; class_log_odds: of `cls`
-    against the other class. precision: how often a thing that is seen again and again is real, 1 once a wheel
-    has felt it. fits: by kind. strain: see `preview.grade`. marked: near edge and sigma by
+    against the other class. surplus: see `preview.scores`. precision: how often a thing that is seen again
+    and again, with such scores, is real; 1 once a wheel has felt it. fits: by kind. strain: see
+    `preview.grade`. turned: the road plane was turned since it was first seen. marked: near edge and sigma by
     `preview.cross_ratio`, which then stand in the place of the fit's.
     """
 
@@ -70,6 +72,7 @@ class Track:
     confirmed: bool = False
     struck: bool = False
     strain: float = 0.0
+    surplus: float = 0.0
     precision: float = 1.0
     class_log_odds: float = 0.0
     marked: tuple[float, float] | None = None
@@ -135,6 +138,12 @@ class Track:
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
+    def rate(self, score: float, height_px: float, settings: Settings) -> None:
+        """Take in a box's score, unless a wheel has felt the thing, on this drive or an earlier one."""
+        if self.precision < 1.0:
+            self.surplus = mean_surplus(self.surplus, surplus(score, height_px, self.cls))
+            self.precision = min(settings.precision(self.cls), probability(self.surplus, self.cls))
+
     def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
         """Bayes' rule for the class; a track that turns to the other class starts its fits anew."""
         confusion = settings.confusion_probability
@@ -142,7 +151,7 @@ class Track:
         self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
         if self.class_log_odds < 0:
             self.cls, self.class_log_odds = seen_as, -self.class_log_odds
-            self.precision = settings.precision(seen_as)
+            self.surplus, self.precision = 0.0, settings.precision(seen_as)
             self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
             # Where it lies stays true; how large it was remembered to be was said of the other class.
             self.directs = [known for known in self.directs if known.entry == X]

@@ -44,15 +44,14 @@ class Tracker:
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
         for number, track in enumerate(list(self.tracks)):
             if number in pairs:
-                self._hit(track, view, pairs[number], int(detections.classes[pairs[number]]))
+                self._hit(track, view, pairs[number], detections)
             elif awaited[number].visible:
                 track.weigh(False, self.settings)
         # A second box on the same object is no new object.
         claimed = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
         for number in range(len(detections)):
             if number not in claimed:
-                score, cls = float(detections.scores[number]), int(detections.classes[number])
-                self._birth(view, number, score, cls)
+                self._birth(view, number, detections)
         self._bury(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
@@ -118,8 +117,10 @@ class Tracker:
         tolerance = 0.25 * (left.y_m - right.y_m) + 0.1
         return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
 
-    def _hit(self, track: Track, view: View, number: int, cls: int) -> None:
+    def _hit(self, track: Track, view: View, number: int, detections: Detections) -> None:
+        cls = int(detections.classes[number])
         track.classify(cls, self.calibration.prior(cls), self.settings)
+        self._rate(track, view, number, detections)
         track.sights.append(sight_of(view, number))
         track.hits += 1
         track.weigh(True, self.settings)
@@ -143,7 +144,8 @@ class Tracker:
             return None
         return view.pose.x + away, distance_sigma(self.marks, row, self.settings.pixel_sigma)
 
-    def _birth(self, view: View, number: int, score: float, cls: int) -> None:
+    def _birth(self, view: View, number: int, detections: Detections) -> None:
+        score, cls = float(detections.scores[number]), int(detections.classes[number])
         sight = sight_of(view, number)
         prior = self.calibration.prior(cls)
         x, sigma = ground_of(view, number, prior)
@@ -161,6 +163,7 @@ class Tracker:
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
         track.precision, track.marked = self.settings.precision(cls), marked
         track.classify(cls, prior, self.settings)
+        self._rate(track, view, number, detections)
         self.refit(track)
         track.right, track.left = (
             Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
@@ -169,6 +172,12 @@ class Tracker:
         self._next_identity += 1
         self.tracks.append(track)
         self.log("born", track, view.time_s)
+
+    def _rate(self, track: Track, view: View, number: int, detections: Detections) -> None:
+        """A box that names the wrong class says nothing of how real the right one is."""
+        if int(detections.classes[number]) == track.cls:
+            box = view.boxes[number]
+            track.rate(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
 
     def _is_part(self, view: View, number: int, cls: int, x_m: float) -> bool:
         """Whether a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""

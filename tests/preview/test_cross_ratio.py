@@ -111,7 +111,7 @@ def test_a_box_without_a_near_edge_leaves_the_last_place(driven):
     box = [[0.0, 200.0, 640.0, 384.0]]
     seen = Detections(np.array(box, np.float32), np.ones(1, np.float32), np.zeros(1, np.int64))
     view = view_of(3.4, CAMERA, pose_of(MOUNT, 34.0, 0.0, 0.0), seen, driven.settings)
-    driven.tracker._hit(track, view, 0, 0)
+    driven.tracker._hit(track, view, 0, seen)
     assert track.start_m == before
 
 
