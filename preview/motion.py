@@ -175,9 +175,8 @@ class EgoMotion:
 
     def _turn_history(self, turn: Turn) -> None:
         """Reckon recent moments from the turned plane, as frames that were exposed then may yet arrive."""
-        for k in range(
-            bisect_right(self._times, self._times[-1] - _TURNED_S) if self._times else 0, len(self._times)
-        ):
+        first = bisect_right(self._times, self._times[-1] - _TURNED_S)
+        for k in range(first, len(self._times)):
             was = self._states[k]
             heave = was.heave_m + turn.heave_m + (self.x_m - was.x_m) * turn.pitch_rad
             self._states[k] = replace(was, heave_m=heave, pitch_rad=was.pitch_rad + turn.pitch_rad)

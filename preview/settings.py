@@ -47,6 +47,7 @@ class Settings:
     confusion_probability: float = 0.1  # that a box names the wrong class
     bump_real_probability: float = 0.99  # of what is seen again and again as a bump
     pothole_real_probability: float = 0.97  # stains and patches look like holes in every frame
+    score_evidence: bool = True  # scores tell what is real, as those of the shipped weights do
     birth_range_m: float = 35.0
     confirm_existence: float = 0.8
     death_existence: float = 0.05

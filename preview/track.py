@@ -19,6 +19,7 @@ Array = np.ndarray
 _HOPELESS = 10.0  # log evidence against a kind that lets it be given up
 _LEAST_SIGHTS = 8  # before that
 _STRAINED = 2.5  # above this strain the boxes do not tell of one plane
+_TURNED_RAD = 0.002  # below this the road plane has not changed
 _WIDENING = 2.0  # of sigma, for each unit above; makes it true for grades changing by 2 %
 LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
 
@@ -52,8 +53,8 @@ class Track:
     right, left: lateral edges (y_min, y_max). log_odds: of being no chance box; class_log_odds: of `cls`
     against the other class. surplus: see `preview.scores`. precision: how often a thing that is seen again
     and again, with such scores, is real; 1 once a wheel has felt it. fits: by kind. strain: see
-    `preview.grade`. turned: the road plane was turned since it was first seen. marked: near edge and sigma by
-    `preview.cross_ratio`, which then stand in the place of the fit's.
+    `preview.grade`. turned_rad: by how much the road plane was turned in all since it was first seen. marked:
+    near edge and sigma by `preview.cross_ratio`, which then stand in the place of the fit's.
     """
 
     identity: int
@@ -76,7 +77,7 @@ class Track:
     precision: float = 1.0
     class_log_odds: float = 0.0
     marked: tuple[float, float] | None = None
-    turned: bool = False
+    turned_rad: float = 0.0
 
     @property
     def best(self) -> Fit:
@@ -95,6 +96,11 @@ class Track:
     def strained(self) -> bool:
         """Whether the boxes contradict a plane road: its grade has changed on the way."""
         return self.strain > _STRAINED
+
+    @property
+    def of_one_plane(self) -> bool:
+        """Whether all was seen from one road plane, as far as the boxes and the wheels tell."""
+        return not self.strained and self.turned_rad < _TURNED_RAD
 
     @property
     def sigma_m(self) -> float:
@@ -171,7 +177,7 @@ class Track:
 
     def turn(self, x_m: float, turn: Turn) -> None:
         """Reckon all sights from a road plane that was turned when the odometer read `x_m`."""
-        self.turned = self.turned or bool(self.sights)
+        self.turned_rad += abs(turn.pitch_rad)
         for number, sight in enumerate(self.sights):
             camera_z = sight.camera_z + turn.heave_m + (x_m - sight.camera_x) * turn.pitch_rad
             bottom, top = sight.bottom + turn.pitch_rad, sight.top + turn.pitch_rad

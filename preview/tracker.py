@@ -59,10 +59,8 @@ class Tracker:
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
-                if track.sights and not track.strained and not track.turned:
-                    track.refit(
-                        self.calibration.prior(track.cls), self.settings
-                    )  # which `learn` takes off again
+                if track.sights and track.of_one_plane:
+                    self.refit(track, self.calibration.prior(track.cls))  # which `learn` takes off again
                     self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
 
@@ -71,9 +69,9 @@ class Tracker:
         self.tracks += tracks
         self._next_identity = max([self._next_identity, *(track.identity + 1 for track in tracks)])
 
-    def refit(self, track: Track) -> None:
+    def refit(self, track: Track, prior: Gaussian | None = None) -> None:
         """Fit a track anew, for instance after something else than a box told of it."""
-        track.refit(self._prior(track), self.settings)
+        track.refit(self._prior(track) if prior is None else prior, self.settings)
         if track.marked is not None:
             track.place(*track.marked)
 
@@ -175,7 +173,7 @@ class Tracker:
 
     def _rate(self, track: Track, view: View, number: int, detections: Detections) -> None:
         """A box that names the wrong class says nothing of how real the right one is."""
-        if int(detections.classes[number]) == track.cls:
+        if self.settings.score_evidence and int(detections.classes[number]) == track.cls:
             box = view.boxes[number]
             track.rate(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
 

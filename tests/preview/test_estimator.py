@@ -201,6 +201,22 @@ def test_one_false_box_fades():
     assert [event["event"] for event in estimator.events] == ["born", "died"]
 
 
+@pytest.mark.parametrize(
+    ("score", "by_scores", "believed"), [(0.8, True, 1), (0.35, True, 0), (0.35, False, 1)]
+)
+def test_a_stain_that_looks_like_a_hole_in_every_frame_is_told_by_its_scores(score, by_scores, believed):
+    camera, mount = Camera(), CameraMount()
+    settings = replace(unbiased(), score_evidence=by_scores)
+    estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings)
+    road = Road(70.0, (POTHOLE,))
+    for tick in range(700):
+        estimator.update_motion(tick * 0.005, rolling())
+        if tick % 10 == 0:
+            seen = true_boxes(road, camera, pose_of(mount, tick * 0.05, 0.0, 0.0))
+            estimator.update_boxes(tick * 0.005, replace(seen, scores=np.full(len(seen), score)))
+    assert sum(row["confirmed"] for row in estimator.stats()) == believed
+
+
 def test_a_third_of_the_frames_missed_is_survived():
     error, _ = errors_of(BUMP, 6, errors=box_errors(miss_probability=0.35))
     assert np.abs(error).max() < 0.2
