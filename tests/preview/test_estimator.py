@@ -202,7 +202,7 @@ def test_one_false_box_fades():
 
 
 @pytest.mark.parametrize(
-    ("score", "by_scores", "believed"), [(0.8, True, 1), (0.35, True, 0), (0.35, False, 1)]
+    ("score", "by_scores", "believed"), [(0.8, True, 1), (0.25, True, 0), (0.25, False, 1)]
 )
 def test_a_stain_that_looks_like_a_hole_in_every_frame_is_told_by_its_scores(score, by_scores, believed):
     camera, mount = Camera(), CameraMount()
