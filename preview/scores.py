@@ -13,7 +13,7 @@ import numpy as np
 _HEIGHT_PX = (3.0, 5.0, 7.5, 11.5, 20.0, 40.0)
 _EVEN = ((0.17, 0.21, 0.32, 0.39, 0.42, 0.45), (0.28, 0.45, 0.53, 0.57, 0.57, 0.57))
 _BY_SCORE = (10.0, 20.0)  # of the log odds, for a mean score of 1 more
-_REAL = (0.9, 0.5)  # of bumps and of potholes, as likely as not to be real by their scores
+_REAL = (0.9, 0.5)  # how often bumps and potholes are real whose scores say nothing: on average even
 _NEWEST = 0.3  # weight of the newest box in the mean
 
 

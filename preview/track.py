@@ -88,7 +88,7 @@ class Track:
     def existence(self) -> float:
         """Probability that the object is real.
 
-        Boxes tell an object from chance ones, but never from a stain that looks like it in every frame.
+        Repeated boxes tell an object from chance ones; only scores tell it from a stain seen in every frame.
         """
         return float(self.precision / (1.0 + np.exp(-self.log_odds)))
 
