@@ -79,7 +79,7 @@ class Settings:
     parallax: bool = False  # of one moving camera; a stereo pair is always used
     gauge_near_m: float = 2.8  # from the camera: nearer than this nothing is measured
     gauge_far_m: float = 9.0
-    stereo_shift_sigma_m: float = 0.02  # of all positions that a stereo pair gives
+    stereo_shift_sigma_m: float = 0.03  # of all positions that a stereo pair gives
     parallax_shift_sigma_m: float = 0.15  # of those that rest on the plane alone
 
     # Preview
