@@ -28,6 +28,8 @@ _ROBUST = 2.0  # spreads of a row beyond which a pixel counts half
 _LEAST_PX = 0.05
 _WINDOW_M = 0.6  # across the road
 _MONO_BASE_M = 1.0
+_BARE = 0.99  # share of a row on which nothing is known to stand
+_ALIKE = 2.0  # neighbouring rows err alike, which their scatter does not show
 _KEPT = 4
 
 
@@ -153,8 +155,11 @@ class Gauge:
             3.0 * forward * slant / self.camera.focal_px,
             slant,
         )
+        if not stereo:
+            bare = (share * road[seen]).sum(axis=1) > _BARE
+            return samples._replace(sigma_m=samples.sigma_m * _excess(samples, bare)), None
         nominal = (x - pose.x)[:, [0, -1]].mean(axis=1)
-        return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0)) if stereo else None
+        return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0))
 
     def _edge(self, track: Track, pose: CameraPose, nominal: Array, plane: Array) -> NearEdge | None:
         """Near edge where the newest box's bottom meets the plane (rows, columns), 0 beside the object.
@@ -187,6 +192,18 @@ def _alike(ratio: Array, inside: Array) -> Array:
         away = np.abs(ratio - middle)
         spread = 1.48 * np.nanmedian(np.where(inside, away, np.nan), axis=1, keepdims=True)
     return np.nan_to_num(1.0 / (1.0 + (away / (_ROBUST * np.maximum(spread, 1e-6))) ** 2))
+
+
+def _excess(samples: Rows, bare: Array) -> float:
+    """By what factor to widen the sigmas, as rows of bare road (n,) bool are not as flat as these claim.
+
+    Reflections on a wet road and drops on the lens move on their own from frame to frame; a pair sees them
+    at one moment.
+    """
+    if not bare.any():
+        return 1.0
+    normal = np.abs(samples.z_m / samples.sigma_m)[bare]
+    return max(1.0, _ALIKE * 1.48 * float(np.median(normal)))
 
 
 def _straightening(camera: Camera) -> tuple[Array, Array]:

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from detector.detection import Detections
+from preview.elevation import Rows
 from preview.estimator import Estimator
-from preview.gauge import Gauge
+from preview.gauge import Gauge, _excess
 from preview.settings import Settings
 from preview.stereo import second_pose
 from road.appearance import Appearance
@@ -69,6 +70,16 @@ def test_an_object_that_is_only_remembered_is_measured_without_a_box() -> None:
     assert Gauge(CAMERA, BASE_M, unbiased()).measure(pose, *images, [track]) == [track]
     assert track.elevation is not None
     assert (len(track.elevation.frames), len(track.elevation.edges)) == (1, 0)
+
+
+def test_heights_count_less_where_bare_road_does_not_look_flat() -> None:
+    rng = np.random.default_rng(1)
+    sigma, bare = np.full(4000, 0.01), np.arange(4000) < 3000
+    flat = np.where(bare, rng.normal(0.0, 0.01, 4000), 0.08)
+    still, moving = (Rows(flat, scale * flat, sigma, sigma, flat) for scale in (0.01, 5.0))
+    assert _excess(still, bare) == 1.0
+    assert _excess(moving, bare) == pytest.approx(2.0 * 5.0, rel=0.1)
+    assert _excess(moving, np.zeros(4000, bool)) == 1.0
 
 
 def test_without_images_nothing_is_measured() -> None:
