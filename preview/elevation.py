@@ -26,8 +26,11 @@ _ROBUST = 3.0  # standard deviations of a sample that counts half
 _SILHOUETTE = 3.0  # of what lies before and behind a crest windows show one more than the other
 _SHARE = np.linspace(0.0, 1.0, 25)
 _BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
-_STEP = np.array([0.01, 0.01, 0.002])  # of central differences by X, L and H: over what lines jump
+_STEP = np.array([[0.01], [0.01], [0.002]])  # of central differences by X, L and H: over what lines jump
 _RAMP_STEP = 0.01
+_EACH = np.diag([*_STEP[:, 0], _RAMP_STEP])
+_STEPS = np.concatenate([np.zeros((1, 4)), _EACH[:3], -_EACH[:3], _EACH[3:], -_EACH[3:]])
+_OF_A_RAMP = 7  # of the steps; only tables have one
 _SHARED, _FRAME = slice(6, 10), slice(10, 12)  # columns of a table that are marginalised
 
 
@@ -83,20 +86,12 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
     state: [X, b, z, L, H, d] of `preview.fit`; b and z do not matter here.
     """
     rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
-    shape = np.array([state[0], state[3], state[4]])
-    mixed = _mixed(kind, rows, *shape)
-    model = mixed.mean(axis=1)
-    by_x, by_length, by_height = (
-        (seen(kind, rows, *(shape + step)) - seen(kind, rows, *(shape - step))) / (2.0 * step.max())
-        for step in np.diag(_STEP)
-    )
-    by_ramp = np.zeros_like(model)
-    if kind is TABLE:
-        longer, shorter = (
-            _mixed(kind, rows, state[0], state[3], state[4], RAMP + step).mean(axis=1)
-            for step in (_RAMP_STEP, -_RAMP_STEP)
-        )
-        by_ramp = (longer - shorter) / (2.0 * _RAMP_STEP)
+    shape = np.array([state[0], state[3], state[4], RAMP])
+    mixed = _mixed(kind, rows, shape + _STEPS if kind is TABLE else (shape + _STEPS)[:_OF_A_RAMP])
+    levels = mixed.mean(axis=2)
+    model = levels[0]
+    by_x, by_length, by_height = (levels[1:4] - levels[4:7]) / (2.0 * _STEP)
+    by_ramp = (levels[7] - levels[8]) / (2.0 * _RAMP_STEP) if kind is TABLE else np.zeros_like(model)
     one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
     # The state; what is marginalised: ground, slope, shift, ramp, a frame's ground and slope; what is left.
@@ -116,7 +111,7 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
         residual,
     ]
     table = np.stack(columns, axis=1)
-    sigma = np.hypot(rows.sigma_m, _SILHOUETTE * np.abs(mixed[:, 1] - model))
+    sigma = np.hypot(rows.sigma_m, _SILHOUETTE * np.abs(mixed[0, :, 1] - model))
     weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
     ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
     squares = [
@@ -149,23 +144,26 @@ def seen(
     kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
 ) -> Array:
     """Height (n,) at which each line of sight meets the shape first, mixed over the smear; 0 beside it."""
-    return _mixed(kind, rows, start_m, length_m, height_m, ramp).mean(axis=1)
+    return _mixed(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
 
 
-def _mixed(
-    kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
-) -> Array:
-    """The three heights (n, 3) near, amid and far in the smear that `seen` mixes."""
-    along = start_m + _SHARE * length_m
-    height = height_m * relief(kind, _SHARE, length_m, ramp)
+def _mixed(kind: Kind, rows: Rows, shapes: Array) -> Array:
+    """The three heights (shapes, n, 3) near, amid and far in the smear that `seen` mixes.
+
+    shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
+    """
+    start, length, height, ramp = shapes.T[:, :, None]
+    along = start + _SHARE * length
+    rises = height * relief(kind, _SHARE, length, ramp)
     # The line through a point of the shape meets the plane there; hidden points do not advance it.
-    meets = np.maximum.accumulate(along + height * rows.slant[:, None], axis=1)
+    meets = np.maximum.accumulate(along[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
     wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR
-    after = (meets[:, None, :] < wanted[:, :, None]).sum(axis=2)
+    after = (meets[:, :, None, :] < wanted[:, :, None]).sum(axis=3)
     inside = (after > 0) & (after < len(_SHARE))
     k = np.clip(after, 1, len(_SHARE) - 1)
-    low, high = np.take_along_axis(meets, k - 1, axis=1), np.take_along_axis(meets, k, axis=1)
+    low, high = np.take_along_axis(meets, k - 1, axis=2), np.take_along_axis(meets, k, axis=2)
     # Over a hidden stretch the height jumps: the point where the line emerges counts.
     part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
-    value = height[k - 1] + part * (height[k] - height[k - 1])
-    return np.where(inside, value, 0.0)
+    number = np.arange(len(shapes))[:, None, None]
+    before = rises[number, k - 1]
+    return np.where(inside, before + part * (rises[number, k] - before), 0.0)

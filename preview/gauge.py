@@ -55,6 +55,8 @@ class Gauge:
         self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
     ) -> list[Track]:
         """Look at one frame, images (H, W, 3) RGB; returns the tracks about which there is something new."""
+        if second is not None and all(self._rows_of(pose, track) is None for track in tracks):
+            return []
         shot = Shot(pose, self.grey(image))
         if second is not None:
             other = Shot(second_pose(pose, self.base_m), self.grey(second))

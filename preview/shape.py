@@ -58,7 +58,7 @@ def kinds_of(cls: int) -> tuple[Kind, ...]:
     return tuple(kind for kind in KINDS if kind.cls == cls)
 
 
-def relief(kind: Kind, share: Array, length_m: float, ramp: float = RAMP) -> Array:
+def relief(kind: Kind, share: Array, length_m: float | Array, ramp: float | Array = RAMP) -> Array:
     """Return the profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
     A narrow bump is a half sine, a hump a parabola (as good as Watts' circular arc), a table flat with ramps
