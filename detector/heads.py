@@ -61,7 +61,9 @@ class Predictions:
         logits, end = point.new_zeros(1, 1, dtype=torch.float32), 0
         for feature, branch in zip(self.features, self.branches, strict=True):
             start, end = end, end + feature.shape[1]
-            rows = feature.squeeze(0).index_select(0, (point - start).clamp(0, feature.shape[1] - 1))
+            inside = (point - start).clamp(0, feature.shape[1] - 1)
+            # Reshaped, as taking image 0 would copy the level.
+            rows = feature.reshape(-1, branch.in_channels).index_select(0, inside)
             found = linear(rows, branch.weight.flatten(1), branch.bias)
             logits = torch.where((point >= start)[:, None], found, logits)
         return logits

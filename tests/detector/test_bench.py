@@ -3,11 +3,12 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("torch")
 
-from detector.bench import main
+from detector.bench import fresh_peak_memory_mib, main
 
 
 def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
@@ -60,3 +61,9 @@ def test_weights_that_are_not_there_are_told_and_not_made(
     assert main(["--models", "sbp-yolo", "--precisions", "fp32", "--weights", str(mistyped)]) == 2
     assert f"{mistyped}: no such file" in capsys.readouterr().err
     assert not mistyped.exists()
+
+
+def test_the_detector_needs_less_than_250_mib_whatever_asks_for_it() -> None:
+    held = np.ones(2**26)  # half a GiB of the asking process
+    assert 30.0 < fresh_peak_memory_mib() < 250.0
+    assert held[-1] == 1.0
