@@ -19,6 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from files.atomic import write_text  # noqa: E402
 from preview.cross_ratio import distance, marks_of  # noqa: E402
 from preview.distance import locate  # noqa: E402
 from preview.edge_bias import edge_bias  # noqa: E402
@@ -127,7 +128,7 @@ def main() -> None:
         )
     if arguments.json:
         document = {"schema": 1, "roughness": arguments.roughness, "braking_m_s2": arguments.braking}
-        arguments.json.write_text(json.dumps(document | {"rows": found}, indent=1) + "\n")
+        write_text(arguments.json, json.dumps(document | {"rows": found}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from detector.detection import Detections  # noqa: E402
+from files.atomic import write_text  # noqa: E402
 from preview.estimator import Estimator  # noqa: E402
 from preview.settings import Settings  # noqa: E402
 from preview.stereo import second_pose  # noqa: E402
@@ -95,7 +96,7 @@ def main() -> None:
         told = ", ".join(f"{way} {row[f'{way}_ms']:.2f} / {row[f'{way}_in_reach_ms']:.2f}" for way in WAYS)
         print(f"{name:8} {len(frames)} frames, ms (all / in reach): {told}", flush=True)
     if arguments.json:
-        arguments.json.write_text(json.dumps(rows, indent=1) + "\n")
+        write_text(arguments.json, json.dumps(rows, indent=1) + "\n")
 
 
 if __name__ == "__main__":

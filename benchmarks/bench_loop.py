@@ -9,6 +9,7 @@ import resource
 from pathlib import Path
 from statistics import median
 
+from files.atomic import write_text
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
 from scenarios.loading import load
@@ -48,7 +49,7 @@ def main() -> None:
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"peak memory {peak_mib:.0f} MiB")
     if arguments.json:
-        arguments.json.write_text(json.dumps({"rows": rows, "peak_mib": peak_mib}, indent=2) + "\n")
+        write_text(arguments.json, json.dumps({"rows": rows, "peak_mib": peak_mib}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from detector.detection import Detections  # noqa: E402
+from files.atomic import write_text  # noqa: E402
 from preview.estimator import Estimator  # noqa: E402
 from preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
 from preview.settings import Settings  # noqa: E402
@@ -146,7 +147,7 @@ def main() -> None:
             flush=True,
         )
     if arguments.json:
-        arguments.json.write_text(json.dumps({"schema": 1, "rows": rows}, indent=1) + "\n")
+        write_text(arguments.json, json.dumps({"schema": 1, "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":
