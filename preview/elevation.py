@@ -26,11 +26,8 @@ _ROBUST = 3.0  # standard deviations of a sample that counts half
 _SILHOUETTE = 3.0  # of what lies before and behind a crest windows show one more than the other
 _SHARE = np.linspace(0.0, 1.0, 25)
 _BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
-_STEP = np.array([[0.01], [0.01], [0.002]])  # of central differences by X, L and H: over what lines jump
-_RAMP_STEP = 0.01
-_EACH = np.diag([*_STEP[:, 0], _RAMP_STEP])
-_STEPS = np.concatenate([np.zeros((1, 4)), _EACH[:3], -_EACH[:3], _EACH[3:], -_EACH[3:]])
-_OF_A_RAMP = 7  # of the steps; only tables have one
+_STEP = np.array([0.01, 0.01, 0.002, 0.01])  # of central differences by X, L, H, ramp: over what lines jump
+_STEPS = np.concatenate([np.zeros((1, 4)), np.kron(np.diag(_STEP), [[1.0], [-1.0]])])
 _SHARED, _FRAME = slice(6, 10), slice(10, 12)  # columns of a table that are marginalised
 
 
@@ -87,11 +84,13 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
     """
     rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4], RAMP])
-    mixed = _mixed(kind, rows, shape + _STEPS if kind is TABLE else (shape + _STEPS)[:_OF_A_RAMP])
+    steps = _STEPS if kind is TABLE else _STEPS[:-2]  # the others have no ramps
+    mixed = _mixed(kind, rows, shape + steps)
     levels = mixed.mean(axis=2)
     model = levels[0]
-    by_x, by_length, by_height = (levels[1:4] - levels[4:7]) / (2.0 * _STEP)
-    by_ramp = (levels[7] - levels[8]) / (2.0 * _RAMP_STEP) if kind is TABLE else np.zeros_like(model)
+    slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
+    by_x, by_length, by_height = slopes[:3]
+    by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
     one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
     # The state; what is marginalised: ground, slope, shift, ramp, a frame's ground and slope; what is left.

@@ -55,7 +55,9 @@ class Gauge:
         self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
     ) -> list[Track]:
         """Look at one frame, images (H, W, 3) RGB; returns the tracks about which there is something new."""
-        if second is not None and all(self._rows_of(pose, track) is None for track in tracks):
+        rows = [self._rows_of(pose, track) for track in tracks]
+        reach = [(track, span) for track, span in zip(tracks, rows, strict=True) if span is not None]
+        if second is not None and not reach:
             return []
         shot = Shot(pose, self.grey(image))
         if second is not None:
@@ -67,17 +69,16 @@ class Gauge:
                 return []
             other = earlier[-1]
         stereo = second is not None
-        return [track for track in tracks if self._measure_one(shot, other, stereo, track, tracks)]
+        return [t for t, span in reach if self._measure_one(shot, other, stereo, t, span, tracks)]
 
     def grey(self, image: Array) -> Array:
         """The image (H, W, 3) RGB in grey levels (H, W), as an ideal lens would show it."""
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         return grey if self._straight is None else cv2.remap(grey, *self._straight, cv2.INTER_LINEAR)
 
-    def _measure_one(self, shot: Shot, other: Shot, stereo: bool, track: Track, tracks: list[Track]) -> bool:
-        rows = self._rows_of(shot.pose, track)
-        if rows is None:
-            return False
+    def _measure_one(
+        self, shot: Shot, other: Shot, stereo: bool, track: Track, rows: tuple[int, int], tracks: list[Track]
+    ) -> bool:
         columns = self._columns_of(shot.pose, rows, track)
         if columns[1] - columns[0] < _LEAST_COLUMNS:
             return False
