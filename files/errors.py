@@ -1,5 +1,50 @@
-"""The one exception that means: the input is wrong, not the program."""
+"""InputError, the exception that means bad input, and the bounded texts that its messages are made of."""
+
+import reprlib
+from typing import Any
+
+SHOWN_LENGTH = 60
+"""Longest part of a message that repeats a value from the input."""
 
 
 class InputError(ValueError):
     """Bad input, told in one line that names file, field, value and what is allowed."""
+
+
+class _Bounded(reprlib.Repr):
+    """`repr` in bounded time and length, however large or deeply nested the value is."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 3
+        self.maxstring = self.maxother = SHOWN_LENGTH
+
+    def repr_int(self, x: int, level: int) -> str:
+        # Python refuses to write whole numbers of more than 4300 digits, and takes long to write long ones.
+        return (
+            repr(x)
+            if x.bit_length() <= 128
+            else f"a whole number of about {x.bit_length() * 0.30103:.0f} digits"
+        )
+
+
+_BOUNDED = _Bounded()
+
+
+def shown(value: Any) -> str:
+    """The value as a message repeats it: one printable line of at most `SHOWN_LENGTH` characters."""
+    text = "nothing" if value is None else _BOUNDED.repr(value)
+    return shortened(printable(text))
+
+
+def shortened(text: str, length: int = SHOWN_LENGTH) -> str:
+    """The text, cut to `length` characters."""
+    return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def printable(text: object) -> str:
+    """The text in one line without control characters and lone surrogates, which terminals cannot show."""
+    line = " ".join(str(text).split())
+    if line.isprintable():
+        return line
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in line)
