@@ -1,0 +1,89 @@
+"""JSON files as RFC 8259 has them: no NaN, no key twice, bounded in size, depth and digits, errors in one line."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from files.errors import InputError, printable, shown
+from files.reading import read_text, reading
+
+JSON_LIMIT = 64 << 20
+"""Largest JSON file of results: 64 MiB, read in seconds."""
+DEPTH = 64
+"""Most lists and objects within one another."""
+_DIGITS = 300
+"""Most digits of a whole number, so that each can become a float."""
+
+
+def read_json(path: Path | str, limit: int = JSON_LIMIT) -> Any:
+    """The value in a JSON file of at most `limit` bytes; InputError names the file and what is wrong."""
+    return parse_json(read_text(path, limit), str(path))
+
+
+def read_json_lines(path: Path | str, limit: int = JSON_LIMIT) -> list[Any]:
+    """The values in a file of one JSON value a line; InputError names the file and the line."""
+    lines = read_text(path, limit).split("\n")
+    return [parse_json(line, f"{path}:{number}") for number, line in enumerate(lines, 1) if line.strip()]
+
+
+def parse_json(text: str, source: str) -> Any:
+    """The value that `text` spells; InputError names `source` and what is wrong."""
+    with reading(source):
+        try:
+            value = json.loads(
+                text,
+                object_pairs_hook=_object,
+                parse_constant=_constant,
+                parse_int=_whole,
+                parse_float=_number,
+            )
+            _check(value, DEPTH)
+        except InputError as error:
+            raise InputError(f"{printable(source)}: {error}") from None
+        except json.JSONDecodeError as error:
+            place = f"line {error.lineno}, column {error.colno}"
+            raise InputError(f"{printable(source)}: is no JSON ({error.msg}, {place})") from None
+        except UnicodeEncodeError:
+            raise InputError(f"{printable(source)}: holds half a surrogate pair, which is no text") from None
+    return value
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in found if names.count(name) > 1)
+        raise InputError(f"the key {shown(twice)} stands twice")
+    return found
+
+
+def _constant(name: str) -> Any:
+    raise InputError(f"numbers must be finite, got {name}")
+
+
+def _whole(text: str) -> int:
+    if len(text) > _DIGITS:
+        raise InputError(f"whole numbers must have at most {_DIGITS} digits, got {len(text)}")
+    return int(text)
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if abs(value) == float("inf"):
+        raise InputError(f"numbers must be finite, got {shown(text)}")
+    return value
+
+
+def _check(value: Any, left: int) -> None:
+    """Depth and texts of a value; UnicodeEncodeError where a text has no UTF-8."""
+    if isinstance(value, str):
+        value.encode()
+        if "\0" in value:
+            raise InputError(f"texts must not hold NUL characters, got {shown(value)}")
+    elif isinstance(value, dict | list):
+        if not left:
+            raise InputError(f"is nested more than {DEPTH} deep")
+        for inner in value:
+            _check(inner, left)
+        for inner in value.values() if isinstance(value, dict) else value:
+            _check(inner, left - 1)
