@@ -1,4 +1,4 @@
-"""JSON files as RFC 8259 has them: no NaN, no key twice, bounded in size, depth and digits, errors in one line."""
+"""JSON files as RFC 8259 has them: no NaN, no key twice, bounded size, depth and digits, one-line errors."""
 
 import json
 from pathlib import Path
