@@ -26,6 +26,7 @@ from detector.backends import BACKENDS, installed, open_network
 from detector.progress import Progress
 from files.atomic import write_text
 from files.errors import InputError
+from files.numbers import is_whole
 
 GRAPHS = ("plain", "optimised")
 PRECISIONS = ("fp32", "fp16", "int8")
@@ -197,7 +198,7 @@ def check(args: argparse.Namespace) -> None:
     for size in args.sizes:
         _pixels(size)
     for threads in args.threads:
-        if not threads.isdecimal() or int(threads) < 1:
+        if not is_whole(threads) or int(threads) < 1:
             raise InputError(f"--threads: must be whole numbers >= 1, got {threads!r}")
     if args.runs < 1:
         raise InputError(f"--runs must be >= 1, got {args.runs}")

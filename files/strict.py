@@ -15,9 +15,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
-from files.errors import InputError
-from files.yaml12 import parse
+from files.errors import InputError, printable, shortened, shown
+from files.reading import read_text, reading
+from files.yaml12 import is_plain, parse
 
+_LONGEST_NAME = 100  # of one that is compared with those known, which takes time in its length squared
 _LEAVES = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
 
 
@@ -26,11 +28,7 @@ def read(cls: Any, path: Path | str) -> Any:
 
     Raises InputError, in one line, for a file that cannot be read, is no YAML or does not describe a `cls`.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
-    return structure(cls, parse(text, str(path)), str(path))
+    return structure(cls, parse(read_text(path), str(path)), str(path))
 
 
 def structure(cls: Any, mapping: Any, source: str) -> Any:
@@ -38,10 +36,11 @@ def structure(cls: Any, mapping: Any, source: str) -> Any:
 
     Raises InputError naming source, dotted path, offending value and what is allowed.
     """
-    try:
-        return _build(cls, mapping, "")
-    except InputError as error:
-        raise InputError(f"{source}: {' '.join(str(error).split())}") from None
+    with reading(source):
+        try:
+            return _build(cls, mapping, "")
+        except InputError as error:
+            raise InputError(printable(f"{source}: {error}")) from None
 
 
 def to_mapping(obj: Any) -> Any:
@@ -78,9 +77,11 @@ def _build(cls: Any, value: Any, path: str) -> Any:
 def _leaf(cls: type, value: Any, path: str) -> Any:
     fits = type(value) is cls or (cls is float and type(value) is int)
     if not fits:
-        raise _refusal(path, f"must be {_LEAVES[cls]}, got {_shown(value)}")
+        raise _refusal(path, f"must be {_LEAVES[cls]}, got {shown(value)}")
     if cls is float and not abs(value) <= sys.float_info.max:  # the comparison also holds for huge integers
-        raise _refusal(path, f"must be a finite number, got {_shown(value)}")
+        raise _refusal(path, f"must be a finite number, got {shown(value)}")
+    if cls is str and not is_plain(value):
+        raise _refusal(path, f"must hold no control characters, got {shown(value)}")
     return cls(value)
 
 
@@ -88,13 +89,13 @@ def _literal(allowed: tuple, value: Any, path: str) -> Any:
     # 1 == True in Python, so the type is compared as well.
     if not any(value == item and type(value) is type(item) for item in allowed):
         hint = _nearest(value, allowed)
-        raise _refusal(path, f"must be one of {_listed(allowed)}, got {_shown(value)}{hint}")
+        raise _refusal(path, f"must be one of {_listed(allowed)}, got {shown(value)}{hint}")
     return value
 
 
 def _tuple(args: tuple, value: Any, path: str) -> tuple:
     if not isinstance(value, list | tuple):
-        raise _refusal(path, f"must be a list, got {_shown(value)}")
+        raise _refusal(path, f"must be a list, got {shown(value)}")
     if len(args) == 2 and args[1] is Ellipsis:
         args = args[:1] * len(value)
     if len(value) != len(args):
@@ -119,7 +120,7 @@ def _union(members: tuple, value: Any, path: str) -> Any:
         raise _refusal(_join(path, "kind"), f"is missing; it must be one of {_listed(kinds)}")
     kind = value["kind"]
     if not isinstance(kind, str) or kind not in kinds:
-        allowed = f"must be one of {_listed(kinds)}, got {_shown(kind)}{_nearest(kind, kinds)}"
+        allowed = f"must be one of {_listed(kinds)}, got {shown(kind)}{_nearest(kind, kinds)}"
         raise _refusal(_join(path, "kind"), allowed)
     return _dataclass(kinds[kind], value, path)
 
@@ -129,11 +130,11 @@ def _dataclass(cls: Any, value: Any, path: str) -> Any:
     hints = _hints(cls)
     rest = dict(value)
     if (tag := _tag(cls)) and rest.pop("kind", tag) != tag:
-        raise _refusal(_join(path, "kind"), f"must be {tag}, got {_shown(value['kind'])}")
+        raise _refusal(_join(path, "kind"), f"must be {tag}, got {shown(value['kind'])}")
     for key in rest:
         if key not in hints:
             hint = _nearest(key, hints) or f"; allowed are {_listed(hints)}"
-            raise _refusal(_join(path, str(key)), f"is not a known key{hint}")
+            raise _refusal(_join(path, shortened(key)), f"is not a known key{hint}")
     for field in fields(cls):
         if field.name in hints and field.name not in rest and not _has_default(field):
             raise _refusal(_join(path, field.name), "is missing")
@@ -162,7 +163,7 @@ def _has_default(field: Any) -> bool:
 
 def _require_mapping(value: Any, path: str) -> None:
     if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-        raise _refusal(path, f"must be a mapping of named values, got {_shown(value)}")
+        raise _refusal(path, f"must be a mapping of named values, got {shown(value)}")
 
 
 def _join(path: str, key: str) -> str:
@@ -173,15 +174,12 @@ def _refusal(path: str, message: str) -> InputError:
     return InputError(f"{path or 'the document'} {message}")
 
 
-def _shown(value: Any) -> str:
-    text = "nothing" if value is None else repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
 def _listed(names: Iterable[Any]) -> str:
     return ", ".join(str(name) for name in names)
 
 
 def _nearest(name: Any, allowed: Iterable[Any]) -> str:
-    close = difflib.get_close_matches(str(name), [str(item) for item in allowed], n=1)
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME:
+        return ""
+    close = difflib.get_close_matches(name, [str(item) for item in allowed], n=1)
     return f"; did you mean {close[0]}?" if close else ""

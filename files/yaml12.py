@@ -1,64 +1,140 @@
 """YAML text to plain Python with the scalars of YAML 1.2, no duplicate keys and one-line errors.
 
 PyYAML reads YAML 1.1, where `1e7` is text, `no` is false and `12:30` is 750; the core schema of YAML 1.2.2
-(section 10.3.2) knows none of these surprises.
+(section 10.3.2) knows none of these surprises. Aliases count as often as they stand for something: a text
+that expands to more than `MOST_NODES` values, or deeper than `DEEPEST`, is refused before it is built.
 """
 
 import re
-from collections.abc import Hashable
-from copy import deepcopy
+import unicodedata
 from functools import lru_cache
 from typing import Any
 
 import yaml
 
-from files.errors import InputError
+from files.errors import InputError, printable, shortened, shown
+from files.reading import reading
+
+MOST_NODES = 200_000
+DEEPEST = 50
+_MESSAGE_LENGTH = 200
+_CORE_SCHEMA = {
+    "bool": (r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    "int": (r"[-+]?(?:0|[1-9][0-9]*)", "-+0123456789"),
+    "float": (
+        r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
+        "-+.0123456789",
+    ),
+    "null": (r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+}
+_TAG = "tag:yaml.org,2002:"
+_SPELLINGS = {f"{_TAG}{name}": re.compile(pattern) for name, (pattern, _) in _CORE_SCHEMA.items()}
+_KINDS = {f"{_TAG}seq": yaml.SequenceNode, f"{_TAG}map": yaml.MappingNode, f"{_TAG}str": yaml.ScalarNode}
+_KINDS |= dict.fromkeys(_SPELLINGS, yaml.ScalarNode)
 
 
 class _Loader(yaml.SafeLoader):
     """The safe loader with its own table of implicit scalars."""
 
     yaml_implicit_resolvers: dict = {}  # noqa: RUF012  (PyYAML's own name)
+    nodes = 0
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
-        seen: set[str] = set()
-        for key, _ in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                raise yaml.MarkedYAMLError(problem="a key must be plain text", problem_mark=key.start_mark)
-            if key.value in seen:
-                problem = f"the key {key.value!r} stands twice"
-                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key.start_mark)
-            seen.add(key.value)
-        return super().construct_mapping(node, deep)
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        self.nodes += 1
+        if self.nodes > MOST_NODES:
+            raise yaml.MarkedYAMLError(problem=f"more than {MOST_NODES} values", problem_mark=self.get_mark())
+        return super().compose_node(parent, index)  # type: ignore[no-untyped-call]
+
+    def get_single_node(self) -> Any:
+        node = super().get_single_node()
+        if node is not None:
+            _check(node, {})
+        return node
 
 
-_CORE_SCHEMA = (
-    ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
-    ("int", r"[-+]?(?:0|[1-9][0-9]*)", "-+0123456789"),
-    (
-        "float",
-        r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)",
-        "-+.0123456789",
-    ),
-    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
-)
-for _tag, _pattern, _first in _CORE_SCHEMA:
-    _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(rf"^(?:{_pattern})$"), list(_first))
+for _name, (_pattern, _first) in _CORE_SCHEMA.items():
+    _Loader.add_implicit_resolver(f"{_TAG}{_name}", re.compile(rf"^(?:{_pattern})$"), list(_first))
 
 
 def parse(text: str, source: str) -> Any:
     """The plain value that `text` spells; InputError names `source` and the line of a mistake."""
-    try:
-        return deepcopy(_parsed(text))
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = f", line {mark.line + 1}" if mark else ""
-        raise InputError(f"{source}{line}: {' '.join((error.problem or 'no YAML').split())}") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise InputError(f"{source}: {' '.join(str(error).split())}") from None
+    with reading(source):
+        try:
+            return _copied(_parsed(text))
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark or error.context_mark
+            line = f", line {mark.line + 1}" if mark else ""
+            raise InputError(f"{printable(source)}{line}: {_told(error.problem or 'no YAML')}") from None
+        except yaml.YAMLError as error:
+            raise InputError(f"{printable(source)}: {_told(error)}") from None
+
+
+def is_plain(text: str) -> bool:
+    """Whether the text holds no lone surrogates and no control characters but tab and line end."""
+    return not any(c not in "\t\n" and unicodedata.category(c) in ("Cc", "Cs") for c in text)
 
 
 @lru_cache(maxsize=256)
 def _parsed(text: str) -> Any:
     """A sweep reads the same few files for each of its drives."""
     return yaml.load(text, Loader=_Loader)
+
+
+def _copied(value: Any) -> Any:
+    """The value with containers of its own, also where one alias stands twice."""
+    if isinstance(value, dict):
+        return {key: _copied(inner) for key, inner in value.items()}
+    return [_copied(inner) for inner in value] if isinstance(value, list) else value
+
+
+def _check(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) -> tuple[int, int]:
+    """Values and levels that the node expands to; MarkedYAMLError for what is refused in or below it."""
+    if node in known:
+        if (found := known[node]) is None:
+            raise _mistake(node, "an alias must not stand for what it is in")
+        return found
+    known[node] = None
+    _check_tag(node)
+    if isinstance(node, yaml.MappingNode):
+        _check_keys(node)
+        inner = [_check(value, known) for _, value in node.value]
+    else:
+        inner = [_check(value, known) for value in node.value] if isinstance(node.value, list) else []
+    count = 1 + sum(size for size, _ in inner)
+    depth = 1 + max((levels for _, levels in inner), default=0)
+    if count > MOST_NODES:
+        raise _mistake(node, f"its aliases expand to more than {MOST_NODES} values")
+    if depth > DEEPEST:
+        raise _mistake(node, f"is nested more than {DEEPEST} levels deep")
+    known[node] = count, depth
+    return count, depth
+
+
+def _check_tag(node: yaml.Node) -> None:
+    kind, spelling = _KINDS.get(node.tag), _SPELLINGS.get(node.tag)
+    tag = shown(node.tag.replace(_TAG, "!!"))
+    if kind is None:
+        raise _mistake(node, f"the tag {tag} is not known")
+    if not isinstance(node, kind) or (spelling and not spelling.fullmatch(node.value)):
+        raise _mistake(node, f"the tag {tag} does not fit what it stands before")
+    if isinstance(node, yaml.ScalarNode) and not is_plain(node.value):
+        raise _mistake(node, f"text must hold no control characters, got {shown(node.value)}")
+
+
+def _check_keys(node: yaml.MappingNode) -> None:
+    seen: set[str] = set()
+    for key, _ in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            raise _mistake(key, "a key must be plain text")
+        _check_tag(key)
+        if key.value in seen:
+            raise _mistake(key, f"the key {shown(key.value)} stands twice")
+        seen.add(key.value)
+
+
+def _mistake(node: yaml.Node, problem: str) -> yaml.MarkedYAMLError:
+    return yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+
+
+def _told(problem: object) -> str:
+    return shortened(printable(problem), _MESSAGE_LENGTH)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from files import strict
-from files.errors import InputError
+from files.errors import InputError, shown
 
 Scalar = bool | int | float | str
 _RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
@@ -52,14 +52,14 @@ def read_axis(given: Any, place: str) -> Axis:
     """The axis that a study file gives at `place`; InputError for what is none."""
     if isinstance(given, list):
         given = {"values": given}
-    told = f"{place} must give values, or low and high, or mean and sigma, got {given!r}"
+    told = f"{place} must give values, or low and high, or mean and sigma, got {shown(given)}"
     if not isinstance(given, dict):
         raise InputError(told)
     kept = {name: value for name, value in given.items() if name != "values"}
     if "values" in given:
         values = given["values"]
         if kept or not isinstance(values, list) or not values:
-            raise InputError(f"{place}.values must be a list and stand alone, got {given!r}")
+            raise InputError(f"{place}.values must be a list and stand alone, got {shown(given)}")
         return Axis(tuple(scalar(value, f"{place}.values") for value in values))
     if not any(keys <= set(kept) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(kept):
         raise InputError(told)
@@ -71,5 +71,5 @@ def read_axis(given: Any, place: str) -> Axis:
 def scalar(value: Any, place: str) -> Scalar:
     """The value itself; InputError for what no field may be set to."""
     if not isinstance(value, bool | int | float | str):
-        raise InputError(f"{place} must hold numbers, texts, true or false, got {value!r}")
+        raise InputError(f"{place} must hold numbers, texts, true or false, got {shown(value)}")
     return value

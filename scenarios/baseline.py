@@ -10,6 +10,7 @@ from typing import Any
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.numbers import is_whole
 from scenarios.cases import Case
 from scenarios.loading import load
 from scenarios.regression import Tolerance
@@ -129,4 +130,4 @@ def _held(case: Mapping[str, Any]) -> Held:
 
 
 def _number(text: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in text.split(".") if part.isdigit())
+    return tuple(int(part) for part in text.split(".") if is_whole(part))

@@ -7,7 +7,9 @@ from typing import Any
 
 from controller.tuned import tuned_mapping
 from files import strict
-from files.errors import InputError
+from files.errors import InputError, printable, shortened, shown
+from files.numbers import is_whole
+from files.reading import read_text, reading
 from files.yaml12 import parse
 from scenarios import road_block
 from scenarios.schema import Scenario
@@ -53,22 +55,20 @@ def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: st
 
 def read(path: Path) -> Any:
     """What a YAML file holds; InputError where it cannot be read or is no YAML."""
-    try:
-        return parse(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from None
+    return parse(read_text(path), str(path))
 
 
 def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
-    if path.suffix in {".yaml", ".yml"} or path.exists():
-        if not path.is_file():
-            raise InputError(f"{path}: no such scenario file")
-        return path
+    with reading(name_or_path):
+        if path.suffix in {".yaml", ".yml"} or path.exists():
+            if not path.exists():
+                raise InputError(f"{printable(path)}: no such scenario file")
+            return path
     if name_or_path not in names():
         close = difflib.get_close_matches(name_or_path, names(), 1)
         hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(names())}"
-        raise InputError(f"scenario {name_or_path!r} is neither a file nor in the library; {hint}")
+        raise InputError(f"scenario {shown(name_or_path)} is neither a file nor in the library; {hint}")
     return FOLDER / f"{name_or_path}.yaml"
 
 
@@ -76,8 +76,8 @@ def _override(mapping: dict[str, Any], override: str) -> None:
     dotted, separator, text = override.partition("=")
     keys = dotted.strip().split(".")
     if not separator or not all(keys):
-        raise InputError(f"--set {override!r}: must read path.to.field=value")
-    value = parse(text, f"--set {override!r}")
+        raise InputError(f"--set {shown(override)}: must read path.to.field=value")
+    value = parse(text, f"--set {shown(override)}")
     place: Any = mapping
     for key in keys[:-1]:
         place = _step(place, key, override)
@@ -92,13 +92,13 @@ def _step(place: Any, key: str, override: str) -> Any:
         return place[_index(place, key, override)]
     inner = place.setdefault(key, {})
     if not isinstance(inner, dict | list):
-        raise InputError(f"--set {override!r}: {key} is a single value, it has no fields")
+        raise InputError(f"--set {shown(override)}: {key} is a single value, it has no fields")
     return inner
 
 
 def _index(place: list[Any], key: str, override: str) -> int:
-    if not key.isdigit() or int(key) >= len(place):
-        raise InputError(f"--set {override!r}: {key} must be an index 0 ... {len(place) - 1}")
+    if not is_whole(key) or int(key) >= len(place):
+        raise InputError(f"--set {shown(override)}: {shortened(key)} must be an index 0 ... {len(place) - 1}")
     return int(key)
 
 
@@ -108,17 +108,19 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     if not isinstance(choice, dict):
         raise InputError(
             f"{scenario}: vehicle must be a mapping with model (quarter, half, full or a file), "
-            f"got {choice!r}"
+            f"got {shown(choice)}"
         )
     model = choice.get("model", "half")
-    own = scenario.parent / str(model)
+    if not isinstance(model, str):
+        raise InputError(f"{scenario}: vehicle.model must be text, got {shown(model)}")
+    own = scenario.parent / model
     try:
-        parameters = strict.to_mapping(load_vehicle(own if own.is_file() else str(model)))
+        parameters = strict.to_mapping(load_vehicle(own if own.is_file() else model))
     except InputError as error:
         raise InputError(f"{scenario}: vehicle.model: {error}") from None
     replaced = choice.get("parameters", {})
     merged = parameters | replaced if isinstance(replaced, dict) else replaced
-    return choice | {"model": str(model), "parameters": merged}
+    return choice | {"model": model, "parameters": merged}
 
 
 def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:

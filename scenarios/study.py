@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from controller.registry import sees_ahead
 from files import strict
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.reading import read_text
 from files.yaml12 import parse
 from scenarios.axis import Axis, Scalar, read_axis, scalar
 from scenarios.cases import Case
@@ -73,10 +74,7 @@ class Sample:
 
 def read(path: Path) -> list[Sample]:
     """The drives that a study file asks for; InputError, in one line, for one that is malformed."""
-    try:
-        mapping = parse(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({' '.join(str(error).split())})") from None
+    mapping = parse(read_text(path), str(path))
     if not isinstance(mapping, dict):
         raise InputError(f"{path}: a study must be a mapping of fields, got {type(mapping).__name__}")
     fixed, varied = (_named(mapping.pop(name, None) or {}, f"{path}: {name}") for name in ("set", "vary"))
@@ -144,5 +142,5 @@ def _samples(
 
 def _named(mapping: Any, place: str) -> dict[str, Any]:
     if not isinstance(mapping, dict):
-        raise InputError(f"{place} must be a mapping of path.to.field to values, got {mapping!r}")
+        raise InputError(f"{place} must be a mapping of path.to.field to values, got {shown(mapping)}")
     return mapping

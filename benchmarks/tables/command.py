@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 
 from files.errors import InputError
+from files.numbers import is_whole
 
 
 def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:
@@ -35,6 +36,6 @@ def whole_numbers(option: str, text: str) -> list[int]:
     """Whole numbers from 0 on, comma between. Raises InputError."""
     asked = text.split(",")
     for word in asked:
-        if not word.isdecimal():
+        if not is_whole(word):
             raise InputError(f"{option}: must be whole numbers >= 0, comma between, got {word!r}")
     return [int(word) for word in asked]

@@ -11,7 +11,8 @@ from rich.progress import track
 
 from files import strict
 from files.atomic import write_text
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.numbers import is_whole
 from road.checkerboard import LEAST_VIEWS, Board, Calibration, Mounting, calibrate, find_corners, mounting
 from scenarios.commands.options import console
 from scenarios.runfolder import to_json
@@ -70,11 +71,12 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _board(squares: str, square_m: float) -> Board:
     columns, cross, rows = squares.partition("x")
-    if not (cross and columns.isdigit() and rows.isdigit() and min(int(columns), int(rows)) >= 4):
-        raise InputError(f"--squares must be like 9x6, each at least 4, got {squares!r}")
+    counts = [int(text) for text in (columns, rows) if is_whole(text)]
+    if not (cross and len(counts) == 2 and min(counts) >= 4 and max(counts) <= 100):
+        raise InputError(f"--squares must be like 9x6, each 4 ... 100, got {shown(squares)}")
     if not 0.001 <= square_m <= 1.0:
         raise InputError(f"--square_m must lie in 0.001 ... 1 m, got {square_m:g}")
-    return Board(int(columns), int(rows), square_m)
+    return Board(counts[0], counts[1], square_m)
 
 
 def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray], tuple[int, int]]:

@@ -20,6 +20,7 @@ from rich.progress import (
 from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError
+from files.reading import read_text
 from scenarios.cases import PERCEPTIONS, Case, cases
 from scenarios.closed_loop import Run
 from scenarios.named_files import try_files
@@ -111,7 +112,7 @@ def overrides_of(arguments: argparse.Namespace) -> list[str]:
 def settings_overrides(path: Path) -> list[str]:
     """The overrides that a file of controllers' settings stands for; what it leaves out stays as it is."""
     strict.read(ControllerSettings, path)
-    return _overrides("control.settings", yaml12.parse(path.read_text(encoding="utf-8"), str(path)))
+    return _overrides("control.settings", yaml12.parse(read_text(path), str(path)))
 
 
 def _overrides(place: str, value: Any) -> list[str]:

@@ -83,10 +83,12 @@ def test_defaults_nesting_and_tags() -> None:
         ({"road": {"length_m": float("nan")}}, "s.yaml: road.length_m must be a finite number, got nan"),
         (
             {"road": {"length_m": 10**400}},
-            f"s.yaml: road.length_m must be a finite number, got 1{'0' * 56}...",
+            "s.yaml: road.length_m must be a finite number, got a whole number of about 400 digits",
         ),
         ({"weights": {"a": float("inf")}}, "s.yaml: weights.a must be a finite number, got inf"),
         ({"name": 3}, "s.yaml: name must be text, got 3"),
+        ({"name": "a\0b"}, r"s.yaml: name must hold no control characters, got 'a\x00b'"),
+        ({"name": "\ud800"}, r"s.yaml: name must hold no control characters, got '\ud800'"),
         ({"name": None}, "s.yaml: name must be text, got nothing"),
         ({"preview": 1}, "s.yaml: preview must be true or false, got 1"),
         ({"seed": "7"}, "s.yaml: seed must be a whole number, got '7'"),
@@ -98,7 +100,7 @@ def test_defaults_nesting_and_tags() -> None:
         ({"extra": {"start_m": 1}}, "s.yaml: extra.kind is missing; it must be one of bump, pothole"),
         (
             {"extra": {"kind": ["bump"]}},
-            "s.yaml: extra.kind must be one of bump, pothole, got ['bump']; did you mean bump?",
+            "s.yaml: extra.kind must be one of bump, pothole, got ['bump']",
         ),
         (
             {"road": {"length_m": 9, "features": [{"kind": "bum", "start_m": 1}]}},
@@ -147,7 +149,7 @@ def test_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"bump\.yaml, line 3: the key 'start_m' stands twice"):
         read(Bump | Pothole, path)
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"bump\.yaml: cannot be read"):
+    with pytest.raises(InputError, match=r"bump\.yaml: is not UTF-8 text"):
         read(Bump, path)
     with pytest.raises(InputError, match=r"absent\.yaml: cannot be read .*No such file"):
         read(Bump, tmp_path / "absent.yaml")
@@ -157,16 +159,17 @@ numbers = st.floats(allow_nan=False, allow_infinity=False)
 bumps = st.builds(Bump, numbers, st.floats(0.001, 0.5))
 features = bumps | st.builds(Pothole, numbers, numbers)
 roads = st.builds(Road, numbers, st.lists(features, max_size=3).map(tuple), st.sampled_from(["dry", "wet"]))
+plain = st.text(st.characters(exclude_categories=["Cc", "Cs"], include_characters="\t\n"))
 scenarios = st.builds(
     Scenario,
     road=roads,
-    name=st.text(),
+    name=plain,
     lanes=st.integers(),
     preview=st.booleans(),
     axles=st.tuples(numbers, numbers),
     seed=st.none() | st.integers(),
     extra=st.none() | features,
-    weights=st.dictionaries(st.text(min_size=1), numbers, max_size=3),
+    weights=st.dictionaries(plain, numbers, max_size=3),
     level=st.sampled_from([1, 2]),
 )
 

@@ -1,0 +1,24 @@
+import pytest
+
+from files.errors import InputError
+from files.numbers import is_whole, whole, within
+
+
+@pytest.mark.parametrize("text", ["", "-1", "+1", "1.0", "1_0", " 1", "²", "٣", "1" * 10, "1" * 5000])
+def test_what_is_no_plain_whole_number(text: str) -> None:
+    assert not is_whole(text)
+    with pytest.raises(InputError, match=r"^--n must be a whole number in 0 \.\.\. 9, got "):
+        whole(text, "--n", 0, 9)
+
+
+def test_a_whole_number_lies_in_its_range() -> None:
+    assert whole("007", "--n", 0, 9) == 7
+    with pytest.raises(InputError, match="got '10'"):
+        whole("10", "--n", 0, 9)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-300, 2.1, 1e300])
+def test_a_number_lies_in_its_range(value: float) -> None:
+    within("x_m", 2.0, 0.0, 2.0, "m")
+    with pytest.raises(InputError, match=r"^x_m must lie in 0 \.\.\. 2 m, got "):
+        within("x_m", value, 0.0, 2.0, "m")
