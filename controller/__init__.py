@@ -1,1 +1,1 @@
-"""From an estimate of the car's state and a preview of the road to damper commands."""
+"""Suspension controllers: state estimate and road preview to damper settings and actuator forces."""

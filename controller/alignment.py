@@ -1,4 +1,7 @@
-"""Where on the previewed road a wheel really is: the shift that explains best what it has felt."""
+"""Preview alignment: longitudinal shift between the previewed road and the road measured at a wheel.
+
+Bayesian matching on a grid: the shift that best explains the road heights lately estimated under the wheel.
+"""
 
 from collections import deque
 from typing import NamedTuple
@@ -9,16 +12,20 @@ from controller.base import Estimate
 from preview.horizon import RoadPreview
 
 REACH_M = 0.5
-"""Length of felt road that is compared with the preview."""
+"""Length of the measured road that is compared with the preview, m."""
 FELT_SIGMA_M = 0.01
-"""Standard deviation of a felt height against the previewed shape."""
+"""Standard deviation of a measured road height about the previewed profile, m."""
 _SHIFTS = np.linspace(-3.0, 3.0, 21)
 _PRIOR = 0.5 * _SHIFTS**2
 _SPREAD = float(np.sqrt(np.exp(-_PRIOR) @ _SHIFTS**2 / np.exp(-_PRIOR).sum()))
 
 
 class Shift(NamedTuple):
-    """The road comes `earlier_m` than previewed (negative: later), with `doubt` (0..1) of the sigma left."""
+    """Estimated longitudinal error of the preview.
+
+    earlier_m: the road comes earlier than previewed by this distance (negative: later), m.
+    doubt: posterior over prior standard deviation of the position, 0 to 1.
+    """
 
     earlier_m: float
     doubt: float
@@ -28,7 +35,7 @@ AS_PREVIEWED = Shift(0.0, 1.0)
 
 
 class Alignment:
-    """Remembers the road that one wheel felt, and finds the preview's error along the road."""
+    """Estimator of the preview's longitudinal error at one wheel, from the road measured there."""
 
     def __init__(self, wheel: int):
         self._wheel = wheel
@@ -37,7 +44,7 @@ class Alignment:
         self._felt: deque[tuple[float, float]] = deque()
 
     def feel(self, estimate: Estimate) -> None:
-        """Note the height under the wheel, if it touches the road."""
+        """Record the road height under the wheel if the tyre touches the road."""
         if self._time_s is not None:
             self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)
         self._time_s = estimate.time_s
@@ -47,10 +54,11 @@ class Alignment:
             self._felt.popleft()
 
     def shift(self, preview: RoadPreview) -> Shift:
-        """Return mean and remaining doubt of the preview's error along the road.
+        """Return the posterior mean of the longitudinal error and its remaining relative standard deviation.
 
-        Bayes on a grid of ±3 sigmas: the preview's position sigma close to the wheel is the prior; the
-        heights felt lately, relative to where that stretch begins, differ from the preview by FELT_SIGMA_M.
+        Bayes' rule on a grid of ±3 sigma: the prior is the preview's position sigma close to the wheel; the
+        recent road heights, relative to the first of them, differ from the preview with standard deviation
+        FELT_SIGMA_M.
         """
         sigmas = preview.position_sigma_m[self._wheel]
         if len(self._felt) < 2 or not sigmas.any():

@@ -1,4 +1,4 @@
-"""What every controller is: estimate and preview in, one requested damping coefficient per wheel out."""
+"""Controller interface: estimate and preview in, one command per damper and actuator out."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -12,15 +12,15 @@ from preview.horizon import RoadPreview
 
 @dataclass(frozen=True)
 class Estimate:
-    """What is known of the car at one moment.
+    """Estimated state of the vehicle and the road under its wheels at one instant.
 
-    time_s: the moment the estimate stands for.
+    time_s: time for which the estimate is valid.
     x: (n,) state in the order of `vehicle.equations`, heights relative to the local road plane.
     road_height: (wheels,) effective road height under each wheel in the same frame as `x`, m.
-    road_velocity: (wheels,) its rate as the wheel moves on, m/s.
+    road_velocity: (wheels,) its rate of change as the wheel moves along, m/s.
     speed_m_s: forward speed.
-    faults: what is wrong at this moment, by name (sensors, timing); empty where all is well.
-    contact: (wheels,) False while a wheel is in the air; its `road_height` is then the highest possible one.
+    faults: names of the present faults (sensors, timing); empty if there are none.
+    contact: (wheels,) False while a wheel is off the ground; its `road_height` is then an upper bound.
     """
 
     time_s: float
@@ -32,14 +32,14 @@ class Estimate:
     faults: tuple[str, ...] = ()
 
     def is_finite(self) -> bool:
-        """Whether every number of it is one."""
+        """Whether all numbers of the estimate are finite."""
         numbers = np.concatenate([self.x, self.road_height, self.road_velocity])
         return isfinite(self.speed_m_s) and bool(np.isfinite(numbers).all())
 
 
 @dataclass(frozen=True)
 class Timing:
-    """When a controller is asked, and when its answer acts: `delay_s` after the asking."""
+    """Sampling period of a controller and the delay from sampling to actuation."""
 
     period_s: float = 0.01
     delay_s: float = 0.0
@@ -52,17 +52,17 @@ class Timing:
 
 
 class Controller(Protocol):
-    """Asked once every `Timing.period_s`; the command acts `Timing.delay_s` later and then holds."""
+    """Protocol of a controller, called every `Timing.period_s`; a command acts `delay_s` later and holds."""
 
     def reset(self) -> None:
-        """Forget the past, statistics included."""
+        """Clear the internal state and the statistics."""
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the requested damping coefficient of each wheel's damper, (wheels,) N·s/m."""
+        """Return the command: the requested damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
 
 class Stateless:
-    """Shared by the controllers whose command depends on the present alone."""
+    """Base class of controllers without internal state: the command depends on the present inputs alone."""
 
     def reset(self) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is no internal state."""

@@ -1,7 +1,7 @@
-"""Move blocking: intervals far ahead share the correction of a force, so that the program gets smaller.
+"""Move blocking: far intervals share one correction of an actuator force, for a smaller quadratic program.
 
-Cagienard, Grieder, Kerrigan & Morari, J. Process Control 17(6), 2007. An actuator's lag is longer than such a
-group, so little is lost; dampers are quicker and keep an entry for every interval.
+Cagienard, Grieder, Kerrigan & Morari, J. Process Control 17(6), 2007. Actuators lag by more than the length
+of a block, so little is lost; dampers are faster and keep one variable per interval.
 """
 
 import numpy as np
@@ -9,11 +9,11 @@ import numpy as np
 from controller.qp import Rows, Solution, solve_box
 
 ALONE, SHARED = 8, 4
-"""Intervals at the beginning that share nothing, and how many of the later ones go together."""
+"""Number of leading intervals that are not blocked, and the number of intervals per block after them."""
 
 
 class Blocks:
-    """Groups the entries of a plan (intervals, inputs) whose last inputs are forces."""
+    """Move blocks over the entries of a plan (intervals, inputs) whose last inputs are actuator forces."""
 
     def __init__(self, intervals: int, dampers: int, forces: int):
         interval, which = np.divmod(np.arange(intervals * (dampers + forces)), dampers + forces)
@@ -27,7 +27,7 @@ class Blocks:
     def solve(
         self, hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: Rows
     ) -> Solution:
-        """As `solve_box`, with equal corrections within a group; with free ones where that is impossible."""
+        """As `solve_box`, with equal corrections within a block; unblocked if that is infeasible."""
         order, starts = self._order, self._starts
         by_group = np.add.reduceat(hessian.take(order, axis=0), starts, axis=0)
         shared = solve_box(

@@ -1,4 +1,4 @@
-"""The book kept of a controller: how often it had no valid answer and why, and how long it took."""
+"""Controller statistics: solves, fallbacks by cause, active constraints and step times."""
 
 from array import array
 from collections import Counter
@@ -9,9 +9,10 @@ import numpy as np
 
 
 class Book:
-    """Counts solves and fallbacks by reason, and run times; the times are told but decide nothing.
+    """Counter of solves, fallbacks and active constraints; step times are reported but affect no decision.
 
-    problem: that of the last step, None where it had a valid answer. active: the constraints that bound it.
+    problem: cause of the last step's fallback, None if its answer was valid. active: constraints active in
+    it.
     """
 
     def __init__(self) -> None:
@@ -23,11 +24,11 @@ class Book:
         self._started = 0.0
 
     def start(self) -> None:
-        """A step begins."""
+        """Begin timing a step."""
         self._started = perf_counter()
 
     def finish(self, problem: str | None, active: tuple[str, ...] = ()) -> None:
-        """A step ends: with an answer that constraints bound, or with the problem that made it fall back."""
+        """End a step: record its time, its active constraints or the problem that caused a fallback."""
         self._times_s.append(perf_counter() - self._started)
         self.problem, self.active = problem, active
         if active:
@@ -36,7 +37,7 @@ class Book:
             self._fallbacks[problem] += 1
 
     def summary(self) -> dict[str, Any]:
-        """What `Supervised.stats` tells; times are None before any step."""
+        """Return the statistics as in `Supervised.stats`; times are None before the first step."""
         times = 1e3 * np.array(self._times_s)
         fallbacks = sum(self._fallbacks.values())
         return {

@@ -1,8 +1,9 @@
-"""The best that any controller could do on a drive: an optimal plan for all of it, and its replay.
+"""Clairvoyant optimum: the optimal open-loop plan for a whole drive, and its replay.
 
-Direct single shooting on the exact model (`controller.whole_drive`) with limits on every command, minimised
-by L-BFGS-B (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995). The problem is not convex, so it is
-solved from several starts; how far apart they end tells how far the best of them can be trusted.
+A lower bound for J on that drive. Direct single shooting on the exact model (`controller.whole_drive`) with
+limits on every command, minimised by L-BFGS-B (Byrd, Lu, Nocedal & Zhu, SIAM J. Sci. Comput. 16(5), 1995).
+The problem is not convex, so it is solved from several starts; the spread of their results shows how tight
+the best one is.
 """
 
 from collections.abc import Mapping
@@ -19,13 +20,16 @@ from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 SETTLED = 1e-8
-"""Relative fall of J in one iteration under which the search ends."""
+"""Convergence tolerance: relative decrease of J per iteration."""
 MOST_ITERATIONS = 4000
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """plan: (intervals, inputs), kN·s/m and kN. objective: its J. found: J from each start, by name."""
+    """Best local optimum over all starts.
+
+    plan: (intervals, inputs), kN·s/m and kN. objective: its J. found: J reached from each start, by name.
+    """
 
     plan: np.ndarray
     objective: float
@@ -33,14 +37,14 @@ class Optimum:
 
     @property
     def gap(self) -> float:
-        """How much worse than the best the worst of the starts ended, relative."""
+        """Relative excess of J of the worst start over that of the best."""
         return max(self.found.values()) / self.objective - 1.0
 
 
 def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) -> Optimum:
-    """Minimise J from each start (intervals, inputs) and return the best.
+    """Minimise J from each start (intervals, inputs) and return the best result.
 
-    A search that ends before it has settled counts like the others: its J is one that a plan reaches.
+    A search that stops before convergence counts like the others: its plan is feasible and attains its J.
     """
     low, high = (np.tile(limit, drive.intervals) for limit in plan_limits(vehicle))
     best: np.ndarray | None = None
@@ -63,14 +67,14 @@ def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) 
 
 
 class Replay(Stateless):
-    """Gives the commands of a plan one after the other, the last one ever after."""
+    """Open-loop controller that issues the commands of a plan in turn and then holds the last one."""
 
     def __init__(self, plan: np.ndarray):
         self._plan = plan
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew."""
+        """Return to the start of the plan."""
         self._asked = 0
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:

@@ -1,8 +1,8 @@
-"""From a plan to the quadratic program of its best correction: rollout, sensitivities, Gauss–Newton.
+"""Condensing: the Gauss–Newton quadratic program of a plan's correction, with the states eliminated.
 
-The states are eliminated (condensing): with S the sensitivity of the state by the plan and C that of a step's
-residuals r by the state, each step adds (CS)ᵀCS to H and (CS)ᵀr to g. Model and its slopes run as compiled by
-`controller.native`, the slopes of several steps at once; the algebra is Numba's.
+With S the sensitivity of the state to the plan and C that of a step's residuals r to the state, each step
+adds (CS)ᵀCS to H and (CS)ᵀr to g. The model and its Jacobians run as code compiled by `controller.native`,
+the Jacobians of several steps at once; Numba compiles the matrix algebra.
 """
 
 from typing import NamedTuple
@@ -17,18 +17,18 @@ from vehicle.equations import input_size
 
 
 class Condensed(NamedTuple):
-    """½ dᵀHd + gᵀd for a correction d (intervals · inputs,) of the plan, interval by interval."""
+    """Quadratic program ½ dᵀHd + gᵀd in the plan's correction d (intervals · inputs,), by intervals."""
 
     hessian: np.ndarray
     gradient: np.ndarray
 
 
 class Condenser:
-    """Linearises the model along a plan and eliminates the states; buffers are allocated once.
+    """Linearisation of the model along a plan and elimination of the states; buffers are allocated once.
 
-    The cost is the integral over the horizon, in units of `period_s`, of the residuals' squares and of
-    `input_weights` (inputs,) times the squares of forces and of settings less 1 kN·s/m. Results are views
-    that the next call overwrites.
+    The cost is the integral over the horizon, in units of `period_s`, of the squared residuals, plus
+    `input_weights` (inputs,) times the squares of the forces and of the damper settings less 1 kN·s/m.
+    Results are views that the next call overwrites.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Condenser:
         self._nominal = np.tile(np.arange(inputs) < model.vehicle.wheels, intervals).astype(float)
         lanes = model.linearise.lanes
         padded = -(-steps // lanes) * lanes
-        # Columns are steps; the state that a step reaches is written where the next one begins.
+        # One column per step; the state reached by a step is written where the next step starts.
         self._points = np.zeros((model.linearise.rows_in, padded + 1))
         self._points[-1] = grid.step_s[-1]
         self._points[-1, :steps] = grid.step_s
@@ -62,7 +62,7 @@ class Condenser:
 
     @property
     def states(self) -> np.ndarray:
-        """The states that the last plan led through, its start included, (n_x, steps + 1)."""
+        """Predicted states along the last plan including the initial one, (n_x, steps + 1)."""
         return self._points[: self._model.n_x, : self._steps + 1]
 
     def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
@@ -97,7 +97,10 @@ class Condenser:
 
 
 def _entries(model: PredictionModel) -> np.ndarray:
-    """Which matrix (0: state by state, 1: state by command, 2: residuals by state), row and column, each."""
+    """Nonzero Jacobian entries as (matrix, row, column) indices.
+
+    Matrices: 0 next state by state, 1 next state by command, 2 residuals by next state.
+    """
     listed = []
     for matrix in range(3):
         rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
@@ -118,7 +121,7 @@ def _add_squares(
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
-    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are not zero."""
+    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are nonzero."""
     for r in range(len(residuals)):
         for i in range(inputs):
             factor = weight * jacobian[r, i]
@@ -141,7 +144,7 @@ def _condense(
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
-    """Accumulate H and g; columns of commands that have not acted yet are left out."""
+    """Accumulate H and g, skipping the columns of commands that have not yet acted."""
     n_x, n_r, size = len(ending), results.shape[0] - len(entries), len(gradient)
     inputs = size // (interval[-1] + 1)
     now, after = np.zeros((n_x, size)), np.zeros((n_x, size))

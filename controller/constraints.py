@@ -1,4 +1,4 @@
-"""What a plan must keep to, and which constraints bind at a step, by name, for the log."""
+"""Constraints of the predictive controller, and the names of the active ones."""
 
 import numpy as np
 
@@ -14,13 +14,14 @@ SOFT, HARD, FORCE, RATE, POWER = "least damping", "greatest damping", "force", "
 TRAVEL, LIFT = "rattle space", "wheel lift"
 NAMES = (SOFT, HARD, FORCE, RATE, POWER, TRAVEL, LIFT)
 _NEAR = 1e-5
-"""kN·s/m and kN."""
+"""Tolerance within which a constraint counts as active, kN·s/m and kN."""
 
 
 class Constraints:
-    """Limits of a plan for dampers and actuators, which the program keeps, and of the car, which it feels.
+    """Limits of dampers and actuators, enforced by the program, and of the car, part of the prediction model.
 
-    Bump stops and lift-off are part of the prediction model; that they bind means that the plan reaches them.
+    Bump stops and wheel lift-off are modelled rather than constrained; they are active if the plan reaches
+    them.
     """
 
     def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
@@ -39,14 +40,16 @@ class Constraints:
         self._deflection = column("static_tyre_deflection_m")
 
     def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows | None:
-        """Limits of corrections of a plan that leads through `states` (n_x, steps + 1), beside bounds."""
+        """Constraint rows on corrections of a plan that leads through `states` (n_x, steps + 1)."""
         return None if self._forces is None else self._forces.rows(plan, states)
 
     def active(
         self, rows: Rows | None, change: np.ndarray, plan: np.ndarray, states: np.ndarray, road: np.ndarray
     ) -> tuple[str, ...]:
-        """Names of what binds: of dampers, forces and their rate at the first command, of the rest anywhere.
+        """Return the names of the active constraints.
 
+        Damper and force limits and the force rate are checked at the first command, the others over the
+        horizon.
         plan: (intervals, inputs) as corrected by `change`. states: (n_x, steps + 1) as predicted before that,
         on `road` heights (wheels, steps + 1), m.
         """
@@ -61,7 +64,7 @@ class Constraints:
         return tuple(name for name in NAMES if name in found and np.count_nonzero(found[name]))
 
     def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
-        """On the stops; in the air, as far as the tyre's spring decides it."""
+        """Bump-stop contact, and wheel lift-off judged by the static tyre deflection."""
         place = self._gauge @ states
         travel, wheel = place[: self._wheels], place[self._wheels :]
         stopped = (travel < self._jounce) | (travel > self._rebound)

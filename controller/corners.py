@@ -1,4 +1,4 @@
-"""What the reactive laws look at: how body and wheel move at each corner."""
+"""Corner kinematics: body and wheel motion at each corner, the inputs of the reactive laws."""
 
 from typing import NamedTuple
 
@@ -9,10 +9,11 @@ from vehicle.parameters import Car
 
 
 class Corners(NamedTuple):
-    """Vertical motion at each wheel, (wheels,) each, m and m/s, up.
+    """Vertical motion at each corner, (wheels,) each, positive upwards.
 
-    body: velocity of the body above the wheel; wheel: of the wheel; travel: rattle space body minus wheel
-    from equilibrium; relative: its rate, body minus wheel.
+    body: velocity of the body above the wheel, m/s. wheel: velocity of the wheel, m/s. travel: suspension
+    deflection (rattle space), body minus wheel from equilibrium, m. relative: its rate, body minus wheel,
+    m/s.
     """
 
     body: np.ndarray
@@ -22,7 +23,7 @@ class Corners(NamedTuple):
 
 
 def corners(vehicle: Car, x: np.ndarray) -> Corners:
-    """Read the corners' motion out of the state x in the order of `vehicle.equations`."""
+    """Extract the corner motion from the state x in the order of `vehicle.equations`."""
     state = x.tolist()
     travel, relative = rattle(vehicle, state, FLOATS)
     wheel = np.array(motion(vehicle, state).wheel_velocity)

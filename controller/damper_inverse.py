@@ -1,8 +1,8 @@
-"""Which setting makes a damper act like a linear one, where its force is not coefficient times rate.
+"""Equivalent damping: the setting at which a nonlinear damper acts like a given linear coefficient.
 
-A setting stands for a share of the damper's range of current (`vehicle.damper`), while the laws of the
-literature ask for coefficients. What comes closest is the setting at which the damper's force meets
-coefficient times rate, as force demands are turned into currents in practice (e.g. Savaresi et al.,
+A setting stands for a fraction of the damper's current range (`vehicle.damper`), whereas the control laws of
+the literature request coefficients. The closest equivalent is the setting at which the damper's force equals
+coefficient times rate, as force demands are converted to currents in practice (e.g. Savaresi et al.,
 Semi-Active Suspension Control Design for Vehicles, 2010, ch. 2).
 """
 
@@ -16,22 +16,22 @@ from vehicle.damper import IdealDamper
 from vehicle.parameters import Car
 
 _TYPICAL_M_S = 0.3
-"""Amplitude of the strut's rate at which a constant setting is compared with a linear damper."""
+"""Amplitude of the damper velocity at which a constant setting is matched to a linear damper."""
 _STILL_M_S = 1e-3
 _HALVINGS = 20
 
 
 def is_linear(vehicle: Car) -> bool:
-    """Whether a setting is a coefficient."""
+    """Whether the dampers are ideal, so that a setting is itself a damping coefficient."""
     return isinstance(vehicle.corners[0].damper, IdealDamper)
 
 
 def constant_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
-    """Settings (wheels,) with which the dampers take as much energy out of a stroke as linear ones would.
+    """Settings (wheels,) with which the dampers dissipate as much energy per stroke as linear ones.
 
-    Equivalent viscous damping (e.g. Thomson, Theory of Vibration with Applications, sec. 3.9) at a harmonic
-    stroke whose rate reaches 0.3 m/s; the nearest setting where the damper cannot do that. The dampers must
-    be `coarse`.
+    Equivalent viscous damping (e.g. Thomson, Theory of Vibration with Applications, sec. 3.9) for a harmonic
+    stroke with a peak velocity of 0.3 m/s; the nearest setting if the damper's range does not suffice. The
+    dampers must be `coarse`.
     """
     if is_linear(vehicle):
         return damping_ns_m
@@ -41,17 +41,17 @@ def constant_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
 
 
 class Inverted:
-    """A law that asks for coefficients, on dampers for which a setting is something else."""
+    """Wrapper of a law that requests coefficients, for dampers whose setting is not a coefficient."""
 
     def __init__(self, law: Controller, vehicle: Car):
         self._law, self._vehicle = law, vehicle
 
     def reset(self) -> None:
-        """Forget what the law remembers."""
+        """Reset the wrapped law."""
         self._law.reset()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the settings (wheels,) whose forces are nearest to what the law's coefficients give."""
+        """Return the settings (wheels,) whose forces come closest to those of the law's coefficients."""
         asked = self._law.step(estimate, preview)
         rates = corners(self._vehicle, estimate.x).relative
         rates = np.where(rates < 0.0, np.minimum(rates, -_STILL_M_S), np.maximum(rates, _STILL_M_S))
@@ -60,9 +60,9 @@ class Inverted:
 
 
 def _setting(corner: Corner, wanted_ns_m: float, rates: np.ndarray) -> float:
-    """The setting whose mean coefficient over these rates is nearest to the wanted one, by bisection.
+    """Setting whose mean coefficient over `rates` is nearest to the wanted one, by bisection.
 
-    A coarse damper's force grows with the setting and does not depend on travel.
+    The force of a coarse damper grows with the setting and does not depend on travel.
     """
     low, high, power = corner.damping_min_ns_m, corner.damping_max_ns_m, wanted_ns_m * (rates @ rates)
     for _ in range(_HALVINGS):

@@ -1,4 +1,4 @@
-"""What actuators may do below their greatest force: how fast it changes, how much power it gives."""
+"""Actuator constraints: rate and power limits of the actuator forces, as rows of the quadratic program."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ from vehicle.parameters import Car
 
 
 class ForceLimits:
-    """Rows for a plan (intervals, inputs) in which the forces asked for are the last inputs, kN.
+    """Constraint rows for a plan (intervals, inputs) whose last inputs are the requested actuator forces, kN.
 
-    An actual force follows the one asked for with a first-order lag, so at the start of every interval it is
-    linear in the plan, and so is its rate, (asked − actual) / lag. Its power is taken at the rate at which
-    the last plan lets the strut move. Where that turns sooner than the force can, the force may fall as fast
-    as it is allowed to: some plan is always allowed.
+    The actual force follows the requested one with a first-order lag; at the start of every interval it is
+    thus linear in the plan, and so is its rate, (requested − actual) / lag. The power is taken at the
+    suspension velocity predicted for the previous plan. If that velocity changes sign faster than the force
+    can, the force may fall as fast as its rate limit allows, so that the program stays feasible.
     """
 
     def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
@@ -36,7 +36,7 @@ class ForceLimits:
         self._from_start = from_start[:, None]
         forces = np.eye(input_size(vehicle))[wheels:]
         self._actual = np.kron(from_asked, forces)
-        bound = self._change < 2.0 * self._limit  # more than that the greatest force does not allow anyway
+        bound = self._change < 2.0 * self._limit  # otherwise the force limit is the tighter one
         self._rising = np.kron(np.eye(intervals) - from_asked, forces)[: None if bound else 0]
         self.rate_rows = len(self._rising)
         self._starts = np.searchsorted(grid.interval, np.arange(intervals))
@@ -44,9 +44,9 @@ class ForceLimits:
         self._strut_rate = rattle(vehicle, np.eye(n))[1]
 
     def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows:
-        """Limits of a correction of the plan that leads through `states` (n_x, steps + 1).
+        """Constraints on a correction of the plan that leads through `states` (n_x, steps + 1).
 
-        First those of the rate, interval by interval, then those of the power, where there are any.
+        The rate limits come first, interval by interval, then the power limits, if there are any.
         """
         now = self._force @ states[: self._force.shape[1], 0]
         free = (self._from_start * now).ravel()
@@ -59,7 +59,7 @@ class ForceLimits:
         return Rows(matrix, least - along, most - along)
 
     def _powered(self, states: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Least and greatest actual forces, kN, interval by interval."""
+        """Lower and upper power limits of the actual forces, kN, interval by interval."""
         rate = (self._strut_rate @ states[: self._strut_rate.shape[1], self._starts]).T
         most = self._power_kw / np.maximum(np.abs(rate), 1e-6)
         release = self._release * now

@@ -1,8 +1,8 @@
-"""Hybrid of skyhook and groundhook, each gated by itself.
+"""Hybrid skyhook–groundhook control, each part with its own semi-active condition.
 
-Goncalves & Ahmadian, Shock and Vibration 10(1), 2003, after Ahmadian, ASME DETC 1997: the damper is asked
-for gain·(alpha·σ_sky + (1 − alpha)·σ_ground), where σ_sky is the body's velocity while the damper opposes it,
-else zero, and σ_ground likewise the wheel's.
+Goncalves & Ahmadian, Shock and Vibration 10(1), 2003, after Ahmadian, ASME DETC 1997: the requested force is
+gain·(alpha·σ_sky + (1 − alpha)·σ_ground), where σ_sky is the body velocity while the damper opposes it and
+zero otherwise, and σ_ground likewise the wheel velocity.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from vehicle.parameters import Car
 
 
 class Hybrid(Stateless):
-    """c = gain·(alpha·σ_sky + (1 − alpha)·σ_ground) / (v_s − v_u), clipped to floor and dampers."""
+    """c = gain·(alpha·σ_sky + (1 − alpha)·σ_ground) / (v_s − v_u), clipped to floor and damper range."""
 
     def __init__(self, vehicle: Car, settings: HybridSettings | None = None, timing: Timing | None = None):
         self._vehicle = vehicle

@@ -1,8 +1,8 @@
-"""How body corners and wheels move: a stationary Kalman filter of the car's own sensors.
+"""Kinematic Kalman filter: stationary estimator of corner and wheel motion from the car's own sensors.
 
-Accelerations drive double integrators, so no stiffness, damping or bump stop takes part. Rattle space and
-pitch rate correct them; that the wheels stay near the mean road in the long run bounds the drift of what is
-left.
+Measured accelerations drive double integrators, so stiffness, damping and bump stops play no part. Suspension
+travel and pitch rate correct them; the pseudo-measurement that the wheels stay near the mean road bounds the
+remaining drift.
 """
 
 from functools import lru_cache
@@ -15,22 +15,22 @@ from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 
 OFFSET_TIME_S = 60.0
-"""Time over which sensors' offsets may wander by their standard deviation."""
+"""Time over which a sensor offset drifts by its standard deviation (random walk), s."""
 ROAD_WANDER_M2_S = 1e-3
-"""Spectral density of the wheels' distance from the mean road, as far as the drift correction cares."""
+"""Spectral density of the wheels' distance from the mean road in the drift correction, m²·s."""
 
 GUESSED_BODY_M_S2, GUESSED_WHEEL_M_S2, GUESSED_RATTLE_M = 1.0, 30.0, 0.03
-"""Standard deviations of what stands in for a lost sensor."""
+"""Standard deviations of the substitutes for a lost sensor: m/s², m/s², m."""
 NOTHING_KNOWN = 1e3
 
 
 class Kinematics(NamedTuple):
-    """s⁺ = transition·s + drive·a, then s + gain·(y − output·s).
+    """Filter matrices: s⁺ = transition·s + drive·a, then s + gain·(y − output·s).
 
-    s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), and the
-    offset of the gyro.
-    a: (2w,) accelerations of body corners, then wheels. y: rattle (w), pitch rate, distance of the wheels
-    from the mean road (w), taken as zero.
+    s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), gyro
+    offset.
+    a: (2w,) accelerations of body corners, then wheels. y: suspension travel (w), pitch rate, distance of the
+    wheels from the mean road (w), taken as zero.
     """
 
     transition: np.ndarray
@@ -39,7 +39,7 @@ class Kinematics(NamedTuple):
     gain: np.ndarray
 
     def step(self, s: np.ndarray, acceleration: np.ndarray, reading: np.ndarray) -> np.ndarray:
-        """Return the state after an interval of this mean acceleration that ends with this reading."""
+        """Return the state after one period with this mean acceleration and this reading at its end."""
         predicted = self.transition @ s + self.drive @ acceleration
         return predicted + self.gain @ (reading - self.output @ predicted)
 
@@ -48,10 +48,10 @@ class Kinematics(NamedTuple):
 def kinematics(
     vehicle: Car, noise: SensorNoise, period_s: float, lost: tuple[bool, ...] | None = None
 ) -> Kinematics:
-    """Build the filter for one reading every `period_s`.
+    """Design the filter for one reading every `period_s`.
 
-    lost: channels that tell nothing, in the order of `controller.sensor_watch.Checked`. For a lost
-    acceleration a guess is expected, for a lost rattle space zero: the suspension stays between its stops.
+    lost: lost channels, in the order of `controller.sensor_watch.Checked`. A lost acceleration is replaced by
+    a model value, a lost suspension travel by zero, as the suspension stays between its stops.
     """
     w, t = vehicle.wheels, period_s
     one, none = np.eye(2 * w), np.zeros((2 * w, 2 * w))
@@ -81,7 +81,7 @@ def _output(vehicle: Car) -> np.ndarray:
 def _covariances(
     vehicle: Car, noise: SensorNoise, drive: np.ndarray, period_s: float, lost: tuple[bool, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of the process over one period and of one reading; floors keep ideal sensors from a singular filter."""
+    """Covariances of the process per period and of one reading, with floors that keep the filter regular."""
     w, gone = vehicle.wheels, np.array(lost)
     root = np.sqrt(noise.bandwidth_hz)
     acceleration = np.repeat([noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root], w)

@@ -1,4 +1,4 @@
-"""Commands on their way: which of them act between now and the moment the next one will."""
+"""Command delay line: commands issued but not yet acting, for the controller's delay compensation."""
 
 from collections import deque
 from typing import NamedTuple
@@ -9,7 +9,7 @@ from controller.base import Timing
 
 
 class Hold(NamedTuple):
-    """A command (wheels,) that acts for `duration_s`, starting `start_s` from now."""
+    """Command (wheels,) that acts for `duration_s`, starting `start_s` from now."""
 
     start_s: float
     duration_s: float
@@ -17,7 +17,7 @@ class Hold(NamedTuple):
 
 
 class Pipeline:
-    """Remembers the commands issued, each of which acts `delay_s` after its issue until the next one acts."""
+    """Delay line of issued commands, each of which acts `delay_s` after its issue until the next one acts."""
 
     def __init__(self, timing: Timing, first: np.ndarray):
         self._timing = timing
@@ -26,20 +26,20 @@ class Pipeline:
         self.reset()
 
     def reset(self) -> None:
-        """Before the first command, the initial one has always been acting."""
+        """Fill the line with the initial command."""
         self._issued = deque([self._first] * self._count, maxlen=self._count)
 
     def issue(self, command: np.ndarray) -> None:
-        """Note the command that was given now."""
+        """Append the command issued now."""
         self._issued.append(command)
 
     def amend(self, command: np.ndarray) -> None:
-        """Note that this command was given in the place of the last one."""
+        """Replace the last command by the one that was issued in its place."""
         if self._issued:
             self._issued[-1] = command
 
     def pending(self) -> list[Hold]:
-        """Return what acts from now until a command issued now would act; empty without delay."""
+        """Return the commands that act from now until one issued now would act; empty without delay."""
         period, holds, start = self._timing.period_s, [], 0.0
         for i, command in enumerate(self._issued):
             end = self._timing.delay_s - (self._count - 1 - i) * period

@@ -1,4 +1,4 @@
-"""What the dampers of a car can do, as arrays over the wheels."""
+"""Command limits of dampers and actuators, as arrays over wheels and inputs."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from vehicle.equations import input_size
 from vehicle.parameters import Car
 
 HAIR = 1e-9
-"""kN·s/m and kN."""
+"""Margin to the limits of a plan's entries, kN·s/m and kN."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Least, greatest and passive damping coefficient of each wheel's damper, (wheels,) N·s/m."""
+    """Minimum, maximum and passive damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
     low: np.ndarray
     high: np.ndarray
@@ -22,12 +22,12 @@ class Limits:
 
     @classmethod
     def of(cls, vehicle: Car) -> "Limits":
-        """Read them from the vehicle's corners."""
+        """Read the limits from the vehicle's corners."""
         names = ("damping_min_ns_m", "damping_max_ns_m", "damping_passive_ns_m")
         return cls(*(np.array([getattr(corner, name) for corner in vehicle.corners]) for name in names))
 
     def clip(self, command: np.ndarray | float) -> np.ndarray:
-        """Return the nearest command that the dampers can follow."""
+        """Clip a command to the dampers' range."""
         return np.clip(command, self.low, self.high)
 
     def __str__(self) -> str:
@@ -35,29 +35,29 @@ class Limits:
 
 
 def command_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest command: damper settings, N·s/m, then actuator forces, N; (inputs,) each."""
+    """Lower and upper command limits (inputs,): damper settings, N·s/m, then actuator forces, N."""
     dampers = Limits.of(vehicle)
     forces = [corner.actuator.force_limit_n for corner in vehicle.corners if corner.actuator is not None]
     return np.array([*dampers.low, *(-force for force in forces)]), np.array([*dampers.high, *forces])
 
 
 def passive_command(vehicle: Car) -> np.ndarray:
-    """Passive dampers and actuators without force, (inputs,), N·s/m and N."""
+    """Passive damper settings and zero actuator forces, (inputs,), N·s/m and N."""
     return full_command(vehicle, Limits.of(vehicle).passive)
 
 
 def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
-    """The command (inputs,) that one of damper settings alone stands for: no force."""
+    """Extend a command of damper settings alone by zero actuator forces, (inputs,)."""
     full = np.zeros(input_size(vehicle))
     full[: len(command)] = command
     return full
 
 
 def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
-    """The same for the entries of a plan, kN·s/m and kN.
+    """Limits of the entries of a plan, kN·s/m and kN.
 
-    They keep a hair off what the parts can do, as beyond that a model clips its command and its derivative by
-    it vanishes: an entry that rounding puts there would look as if it did nothing.
+    They keep a margin to the physical limits: beyond those the model clips the command, so that its
+    derivative vanishes, and an entry placed there by rounding would appear to have no effect.
     """
     least, most = (limit / KILO for limit in command_limits(vehicle))
     margin = np.minimum(HAIR, 0.25 * (most - least))

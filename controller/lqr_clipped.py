@@ -1,9 +1,9 @@
-"""Clipped optimal control: a linear-quadratic regulator's force, as far as a damper can give it.
+"""Clipped optimal control: the force of a linear-quadratic regulator, as far as a damper can produce it.
 
 The H2-optimal state feedback for a road whose slope is white noise (Hrovat, Automatica 33(10), 1997, sections
-3 and 5): forces beside dampers of nominal damping minimise Wk² + rho·(relative tyre load)², with the
-second-order Wk of `comfort.weighting` on the seats; what the damper cannot give is clipped (Margolis, Tylee &
-Hrovat, J. Dyn. Syst. Meas. Control 97, 1975).
+3 and 5): forces in parallel with dampers of nominal damping minimise Wk² + rho·(relative tyre load)², with
+the second-order Wk of `comfort.weighting` at the seats; forces that the damper cannot produce are clipped
+(Margolis, Tylee & Hrovat, J. Dyn. Syst. Meas. Control 97, 1975).
 """
 
 import control
@@ -21,11 +21,11 @@ from vehicle.linear import linear_twin
 from vehicle.parameters import Car
 
 _FORCE_SCALE_N = 1e3
-"""Forces in the cost are in kN, so that their weight is of the size of the other terms."""
+"""Forces in the cost are in kN, so that their weight is of the order of the other terms."""
 
 
 class ClippedLqr(Stateless):
-    """c = nominal − f·v / (v² + smoothing²), f the regulator's force on the body, v the suspension's rate."""
+    """c = nominal − f·v / (v² + smoothing²), f the regulator's force on the body, v the suspension rate."""
 
     def __init__(self, vehicle: Car, settings: LqrSettings | None = None, timing: Timing | None = None):
         self._vehicle = vehicle
@@ -36,7 +36,7 @@ class ClippedLqr(Stateless):
         self._rest = _rest(vehicle)
 
     def reset(self) -> None:
-        """Let the comfort filters start from rest."""
+        """Reset the comfort filters to rest."""
         self._filter.reset()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
@@ -50,10 +50,10 @@ class ClippedLqr(Stateless):
 
 
 def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
-    """Return K (wheels, n) of f = −K·s, N, up on the body and down on the wheel.
+    """Return the LQR gain K (wheels, n) of f = −K·s, N, up on the body and down on the wheel.
 
-    s: the state of `vehicle.equations` without damping, relative to rest on the road as it is under the
-    wheels, then two states of the Wk filter a seat.
+    s: the state of `vehicle.equations` without the damper settings, relative to rest on the road as it is
+    under the wheels, then two states of the Wk filter per seat.
     """
     twin = linear_twin(vehicle, [settings.nominal_ns_m] * vehicle.wheels)
     drive = _force_input(vehicle)
@@ -73,7 +73,7 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
 
 
 def _force_input(vehicle: Car) -> np.ndarray:
-    """Accelerations caused by a unit force of each actuator, in the rows of the linear twin's state."""
+    """Accelerations per unit force of each corner's actuator, in the rows of the linear twin's state."""
     levers = np.array([corner.lever for corner in vehicle.corners])
     bodies = levers.shape[1]
     drive = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))
@@ -83,14 +83,14 @@ def _force_input(vehicle: Car) -> np.ndarray:
 
 
 def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, rho: float) -> np.ndarray:
-    """Weighted seat accelerations and relative tyre loads, scaled so that their squares add up to J."""
+    """Output matrix of the weighted seat accelerations and relative tyre loads; its squares sum to J."""
     static = np.array([corner.static_tyre_n for corner in vehicle.corners])
     load = twin.C[-vehicle.wheels :] / static[:, None] * np.sqrt(rho / vehicle.wheels)
     return block_diag(load, weighted / np.sqrt(len(weighted)))
 
 
 def _rest(vehicle: Car) -> np.ndarray:
-    """State without damping at rest on unit road heights, (n, wheels)."""
+    """Rest state, without the damper settings, on unit road heights, (n, wheels)."""
     levers = np.array([corner.lever for corner in vehicle.corners])
     bodies = levers.shape[1]
     rest = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))

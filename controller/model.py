@@ -1,8 +1,8 @@
-"""The prediction model: the vehicle's own equations, comfort filters on its seats, and the cost's residuals.
+"""Prediction model: vehicle equations, comfort filters at the seats, and the residuals of the cost.
 
-The squared residuals sum up to wk² + rho·load², with wk the Wk-weighted acceleration averaged over the seats
-and load the dynamic tyre load relative to the static one averaged over the wheels, so their mean over time is
-the objective J of `comfort.metrics`.
+The squared residuals sum to wk² + rho·load², with wk the Wk-weighted acceleration averaged over the seats and
+load the dynamic tyre load relative to the static one averaged over the wheels; their mean over time is the
+objective J of `comfort.metrics`.
 """
 
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from vehicle import equations
 from vehicle.parameters import Car
 
 KILO = 1000.0
-"""Plans are in kN·s/m and kN, so that a plan's elements are of order one."""
+"""Plans are in kN·s/m and kN, so that their entries are of order one."""
 LANES = 8
-"""Steps that are linearised side by side."""
+"""Number of steps linearised together in SIMD lanes."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class PredictionModel:
     """One Runge–Kutta step with the command held, as CasADi functions and compiled.
 
     State (n_x,): the vehicle's, then two of the second-order Wk filter for each seat.
-    step: (state, command (inputs,) kN·s/m and kN, heights at start and end (wheels,) m, duration s) → next
-    state.
-    slopes: the same → residuals (n_r,) at the step's end, derivatives of the next state by state and by
-    command, and of the residuals by the next state; only the entries that can differ from zero.
+    step: (state, command (inputs,) kN·s/m and kN, road heights at start and end (wheels,) m, duration s) →
+    next state.
+    slopes: the same → residuals (n_r,) at the step's end, Jacobians of the next state by state and by
+    command, and of the residuals by the next state; structural nonzeros only.
     outputs: (n_x,) → the residuals on a road at height zero.
     advance, linearise: `step` and `slopes` compiled.
     """
@@ -47,7 +47,7 @@ class PredictionModel:
 
 @lru_cache(maxsize=16)
 def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
-    """Assemble the model; the same arguments give the same object, as compiling takes half a second.
+    """Build the prediction model; cached by its arguments, as compiling takes half a second.
 
     rho: (m/s²)², weight of the tyre load.
     """
@@ -78,7 +78,7 @@ def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
 
 
 def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velocity: casadi.SX) -> casadi.SX:
-    """Rate of change of the vehicle's and the comfort filters' states."""
+    """Time derivatives of the vehicle's and the comfort filters' states."""
     n = equations.state_size(vehicle)
     rates = equations.derivative(vehicle, x[:n], KILO * u, height, velocity, casadi)
     felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_levers, casadi)
@@ -90,7 +90,7 @@ def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velo
 def _integrate(
     vehicle: Car, x: casadi.SX, u: casadi.SX, start: casadi.SX, velocity: casadi.SX, h: casadi.SX
 ) -> casadi.SX:
-    """Classical Runge–Kutta on a road that is a straight line over the step."""
+    """Classical fourth-order Runge–Kutta step with the road height linear over the step."""
     middle, end = start + 0.5 * h * velocity, start + h * velocity
     k1 = derivative(vehicle, x, u, start, velocity)
     k2 = derivative(vehicle, x + 0.5 * h * k1, u, middle, velocity)
@@ -100,7 +100,7 @@ def _integrate(
 
 
 def _outputs(vehicle: Car, x: casadi.SX, height: casadi.SX, velocity: casadi.SX, rho: float) -> casadi.SX:
-    """Weighted accelerations and relative dynamic tyre loads, each over the root of their number."""
+    """Weighted accelerations and relative dynamic tyre loads, each divided by the root of their number."""
     n, seats = equations.state_size(vehicle), len(vehicle.seat_x_m)
     gain = wk_second_order().state_space()[2]
     tyre = equations.forces(vehicle, x[:n], height, velocity, casadi).tyre

@@ -30,7 +30,7 @@ Sight = Literal["none", "wheelbase", "preview"]
 
 
 class PredictiveController:
-    """MPC that knows the road ahead by `sight`; with "none" it is reactive and knows what it feels."""
+    """Model predictive controller; `sight` selects its preview, and with "none" it is reactive."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class PredictiveController:
         self._condense = Condenser(self._model, terminal, grid, period, self._input_weights(vehicle))
         self._shift = grid.shift(period)
         forces = input_size(vehicle) - vehicle.wheels
-        # The program of one wheel is small enough as it is.
+        # A single actuator's program is small enough without blocking.
         self._blocks = Blocks(len(grid.intervals_s), vehicle.wheels, forces) if forces > 1 else None
         self._node_times = self._timing.delay_s + grid.nodes_s
         self._passive = passive_command(vehicle)
@@ -64,7 +64,7 @@ class PredictiveController:
         self.reset()
 
     def reset(self) -> None:
-        """Forget plan, past commands and statistics."""
+        """Clear the plan, the past commands and the statistics."""
         self._plan = np.tile(self._passive / KILO, (len(self._shift), 1))
         self._filter.reset()
         self._pipeline.reset()
@@ -75,9 +75,9 @@ class PredictiveController:
         self.active: tuple[str, ...] = ()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the command (inputs,), N·s/m and N, for the moment it acts.
+        """Return the command (inputs,), N·s/m and N, for the time at which it acts.
 
-        Where `problem` says afterwards that the solver failed, it is that of the last valid plan.
+        If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
         """
         self._plan = self._shift @ self._plan
         self.problem = self._improve(estimate, preview)
@@ -86,11 +86,11 @@ class PredictiveController:
         return command.copy()
 
     def acted(self, command: np.ndarray) -> None:
-        """Note that this command (inputs,), N·s/m and N, was given in the place of the last answer."""
+        """Record that this command (inputs,), N·s/m and N, was issued in place of the last answer."""
         self._pipeline.amend(command)
 
     def _improve(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
-        """Correct the plan by one quadratic program; return what prevented it, if something did."""
+        """Correct the plan by one quadratic program; return the reason if that failed."""
         self._road.look(estimate, self._seen(estimate, preview))
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
         roads = self._road.roads(self._node_times)
@@ -113,9 +113,9 @@ class PredictiveController:
         return solution.problem
 
     def _condensed(self, state: np.ndarray, roads: np.ndarray) -> Condensed:
-        """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
+        """Condensed program on the road, or its expectation over several roads (roads, wheels, nodes).
 
-        The likeliest road comes last, so that the states which the condenser keeps are those on it.
+        The likeliest road comes last, so that the condenser retains the states on it.
         """
         weights, likeliest = self._road.weights, self._road.likeliest
         others = [index for index in np.flatnonzero(weights)[::-1] if index != likeliest]
@@ -130,7 +130,7 @@ class PredictiveController:
         return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 
     def _input_weights(self, vehicle: Car) -> np.ndarray:
-        """Of each input, (inputs,)."""
+        """Weight of each input in the cost, (inputs,)."""
         forces = input_size(vehicle) - vehicle.wheels
         return np.repeat([self._settings.input_weight, self._settings.force.weight], [vehicle.wheels, forces])
 
@@ -140,7 +140,7 @@ class PredictiveController:
         return preview if self._sight == "preview" else None
 
     def _predict(self, state: np.ndarray) -> np.ndarray:
-        """Carry the state forward through the commands that are still on their way."""
+        """Propagate the state through the commands that are still pending (delay compensation)."""
         for start, duration, command in self._pipeline.pending():
             grid = TimeGrid((duration,))
             heights = self._road.heights(start + grid.nodes_s)

@@ -1,8 +1,8 @@
-"""CasADi's expressions as machine code: an SX function's instruction list, put down as LLVM's and compiled.
+"""CasADi-to-LLVM compiler: the instruction list of an SX function, translated to LLVM and compiled.
 
 CasADi interprets its instructions one by one; here each becomes an LLVM instruction, for one point or for
-several side by side in the lanes of the processor's vector registers. Nothing is reordered or contracted, so
-the numbers are CasADi's own. The compiler is the one that Numba brings along; users need none.
+several side by side in the processor's vector registers. Nothing is reordered or contracted, so the results
+equal CasADi's bit for bit. The compiler is llvmlite, which Numba installs.
 """
 
 import ctypes
@@ -46,23 +46,23 @@ _SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2, *[ctypes.c_int64] * 
 
 
 class Kernel:
-    """An SX function compiled for the columns of an array, each column a point.
+    """SX function compiled for evaluation over the columns of an array, one point per column.
 
-    The rows of `points` are the inputs, argument below argument, nonzeros by columns as CasADi stores them;
-    those of `results` the outputs likewise. With one lane, a point may read what the point before it wrote.
-    Raises NotImplementedError for an operation that it does not know.
+    The rows of `points` are the inputs, one argument below the other, nonzeros in CasADi's column order; the
+    rows of `results` are the outputs likewise. With one lane, a point may read what the previous point wrote.
+    Raises NotImplementedError for an unsupported operation.
     """
 
     def __init__(self, function: casadi.Function, lanes: int = 1):
         module = llvm.parse_assembly(_module(function, lanes))
-        # More optimising would compile four times longer for code that runs in a few microseconds anyway.
+        # Higher optimisation would quadruple the compile time of code that runs in a few microseconds.
         machine = llvm.Target.from_default_triple().create_target_machine(
             cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=0
         )
         engine = llvm.create_mcjit_compiler(module, machine)
         engine.finalize_object()
         self._run = _SIGNATURE(engine.get_function_address("kernel"))
-        self._run.engine = engine  # type: ignore[attr-defined]  # which owns the code
+        self._run.engine = engine  # type: ignore[attr-defined]  # keep the owner of the code alive
         self.lanes = lanes
         self.rows_in = sum(function.nnz_in(i) for i in range(function.n_in()))
         self.rows_out = sum(function.nnz_out(i) for i in range(function.n_out()))
@@ -70,13 +70,13 @@ class Kernel:
     def __call__(self, points: np.ndarray, results: np.ndarray, count: int) -> None:
         """Evaluate the first `count` columns of `points` (rows_in, n) into `results` (rows_out, n), float64.
 
-        count: a multiple of the lanes. Both may be views of one array. Raises ValueError for what does
+        count: a multiple of the lanes. Both may be views of one array. Raises ValueError for arrays that do
         not fit.
         """
         self.bind(points, results, count)()
 
     def bind(self, points: np.ndarray, results: np.ndarray, count: int) -> Callable[[], None]:
-        """Return the call that does this again and again for as long as both arrays are kept alive."""
+        """Return a callable that repeats this evaluation; both arrays must be kept alive by the caller."""
         self._check("points", points, self.rows_in, count)
         self._check("results", results, self.rows_out, count)
         lengths = points.strides[0] // 8, results.strides[0] // 8
@@ -91,7 +91,7 @@ class Kernel:
 
 
 def _module(function: casadi.Function, lanes: int) -> str:
-    """LLVM assembly of `kernel(points, results, count, row length of points, of results)`."""
+    """LLVM assembly of `kernel(points, results, count, row length of points, row length of results)`."""
     number, suffix = ("double", "f64") if lanes == 1 else (f"<{lanes} x double>", f"v{lanes}f64")
     body = "\n".join(f"  {line}" for line in _body(function, lanes, number, suffix))
     intrinsics = {"minnum": 2, "maxnum": 2, "fabs": 1, "sqrt": 1, "exp": 1, "log": 1, "tanh": 1}
@@ -118,7 +118,7 @@ done:
 
 
 def _body(function: casadi.Function, lanes: int, number: str, suffix: str) -> Iterator[str]:
-    """Each of CasADi's instructions in turn; `held` tells what its work vector holds."""
+    """LLVM instructions for each of CasADi's; `held` maps the slots of its work vector to LLVM values."""
     held: dict[int, str] = {}
     flag = "i1" if lanes == 1 else f"<{lanes} x i1>"
     symbols = {"t": number, "s": suffix, "zero": _constant(0.0, lanes), "one": _constant(1.0, lanes)}
@@ -159,6 +159,6 @@ def _address(k: int, array: str, row_length: str, row: int) -> Iterator[str]:
 
 
 def _constant(value: float, lanes: int) -> str:
-    """LLVM writes doubles exactly as hexadecimal bits."""
+    """LLVM literal of a double, written exactly as hexadecimal bits."""
     bits = f"0x{np.float64(value).view(np.uint64):016X}"
     return bits if lanes == 1 else "<" + ", ".join([f"double {bits}"] * lanes) + ">"

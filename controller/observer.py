@@ -1,4 +1,4 @@
-"""What the controllers know of the car: from the simulator itself, or from noisy sensors."""
+"""State observer: state and road estimate from the car's sensors, or error-free from the simulator."""
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from vehicle.state import VehicleState
 
 SPEED_FILTER_S = 0.2
 LIFTED = 0.02
-"""Share of the static load under which a wheel counts as lifted, and its tyre tells nothing of the road."""
+"""Fraction of the static wheel load below which a wheel counts as lifted."""
 
 
 def truth_estimate(state: VehicleState) -> Estimate:
-    """Return the simulator's own state at one moment as an estimate without error."""
+    """Return the simulator's own state as an error-free estimate."""
     return Estimate(
         time_s=float(state.time_s),
         x=np.array(state.x, dtype=float),
@@ -28,12 +28,13 @@ def truth_estimate(state: VehicleState) -> Estimate:
 
 
 class Observer:
-    """Estimates from the car's own sensors, with the road as unknown input; one `update` per reading.
+    """Estimator of vehicle state and road height from the car's sensors, with the road as unknown input.
 
-    Readings come through `controller.sensor_watch`; lost channels are replaced by what the rest makes likely.
-    Motion comes from `controller.kinematics`, the damping from the commands and the damper's lag, the road
-    from the tyre: its force is what accelerates the car's masses, its deflection what that force asks for.
-    Heights are relative to a mean road that follows slowly, the same for `x` and `road_height`.
+    Readings are validated by `controller.sensor_watch`; lost channels are replaced by model-based
+    substitutes. Motion comes from `controller.kinematics`, the damping from the commands and the damper lag,
+    the road from the
+    tyre: the tyre force follows from the accelerations of the masses, and the deflection from that force.
+    Heights are relative to a slowly following mean road, the same for `x` and `road_height`.
     """
 
     def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
@@ -59,7 +60,7 @@ class Observer:
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything: the car stands at rest on the mean road."""
+        """Reset to a car at rest on the mean road."""
         self._motion = np.zeros(len(self._filter.transition))
         self._acceleration: np.ndarray | None = None
         self._damping = self._passive.copy()
@@ -69,7 +70,7 @@ class Observer:
         self._speed: float | None = None
 
     def update(self, checked: Checked, command: np.ndarray) -> Estimate:
-        """Take in a reading and the command that acted until it; return the state now."""
+        """Process a reading and the command that acted until then; return the present estimate."""
         w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
         rattle, motion = measurement.rattle_m, self._filter
@@ -106,15 +107,16 @@ class Observer:
         self._force = self._force + follow * (np.clip(asked, -limit, limit) - self._force)
 
     def _guess(self) -> np.ndarray:
-        """Readings (2w,) expected of the accelerometers: struts move the body, the wheels roll steadily."""
+        """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""
         w, level = self._wheels, np.zeros(self._wheels)
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
         return self._motion[4 * w : 6 * w] + np.concatenate([body, level])
 
     def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Highest that the road can be, and whether the tyre touches it there, (wheels,) each.
+        """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
 
-        On more wheels than the body has motions, forces that cancel in the body are those of the struts.
+        Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
+        the forces that cancels in the body is taken from the strut model.
         """
         force = self._mass @ acceleration
         if self._warp is not None:

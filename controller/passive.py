@@ -1,4 +1,4 @@
-"""Fixed dampers: the car as built, and the best that fixed dampers can do."""
+"""Passive suspension: the car's own fixed dampers, and tuned fixed dampers."""
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from vehicle.parameters import Car
 
 
 class Constant(Stateless):
-    """Constant settings `command` (wheels,), N·s/m, that damp like linear dampers of the coefficients given.
+    """Constant settings `command` (wheels,), N·s/m, equivalent to linear dampers of the given coefficients.
 
-    Raises InputError for a coefficient out of the dampers' range.
+    Raises InputError for a coefficient outside the dampers' range.
     """
 
     def __init__(self, vehicle: Car, damping_ns_m: np.ndarray, name: str):
@@ -25,12 +25,12 @@ class Constant(Stateless):
         self.command = constant_settings(vehicle, damping_ns_m)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the same settings whatever happens, (wheels,) N·s/m."""
+        """Return the constant settings, (wheels,) N·s/m."""
         return self.command.copy()
 
 
 def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None) -> Constant:
-    """The car as it was built, which every other controller is measured against."""
+    """Passive baseline: the dampers as built, against which every other controller is compared."""
     asked = settings.damping_ns_m if settings else None
     built = Limits.of(vehicle).passive
     return Constant(
@@ -39,7 +39,7 @@ def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timin
 
 
 def fixed(vehicle: Car, settings: FixedSettings | None = None, timing: Timing | None = None) -> Constant:
-    """One coefficient an axle, tuned: what passive dampers could do at best."""
+    """Fixed damping: one tuned coefficient per axle, the best that passive dampers can do."""
     settings = settings or FixedSettings()
     ahead = np.array(vehicle.axle_x_m) >= 0.0
     name = "front_ns_m and rear_ns_m"

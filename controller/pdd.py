@@ -1,8 +1,8 @@
-"""Power-driven damping: no power from the suspension into the body where the damper can prevent it.
+"""Power-driven damper control: no power flows from the suspension into the body if the damper can prevent it.
 
 Morselli & Zanasi, Mechatronics 18, 2008, in the form of Poussot-Vassal et al., Annual Reviews in Control
-36(1), 2012: spring and damper take up the power p(c) = k·z·v + c·v² at rattle space z and its rate v; the
-damper is soft where p(soft) >= 0, hard where p(hard) < 0, and between them such that p vanishes.
+36(1), 2012: spring and damper absorb the power p(c) = k·z·v + c·v² at suspension travel z and velocity v; the
+damper is soft if p(soft) >= 0, hard if p(hard) < 0, and between them such that p vanishes.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ _STILL_M_S = 1e-9
 
 
 class PowerDriven(Stateless):
-    """c = −k·z/v between soft and hard; halfway where a deflected suspension stands still."""
+    """c = −k·z/v between soft and hard; their mean if the suspension is deflected but at rest."""
 
     def __init__(self, vehicle: Car, settings: TwoStateSettings | None = None, timing: Timing | None = None):
         settings = settings or TwoStateSettings()

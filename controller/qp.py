@@ -1,4 +1,4 @@
-"""The quadratic program with bounds, and whether its answer may be used."""
+"""Quadratic program with bounds and linear constraints, solved by DAQP, and the check of its solution."""
 
 from typing import NamedTuple
 
@@ -7,14 +7,14 @@ import numpy as np
 
 
 class Solution(NamedTuple):
-    """`x` is meaningful only where `problem` is None; otherwise `problem` says what went wrong."""
+    """Solution of a quadratic program; `x` is valid only if `problem`, the cause of failure, is None."""
 
     x: np.ndarray
     problem: str | None
 
 
 class Rows(NamedTuple):
-    """low <= matrix · x <= high, (rows, n) and (rows,) each."""
+    """Linear constraints low <= matrix · x <= high, of shapes (rows, n) and (rows,)."""
 
     matrix: np.ndarray
     low: np.ndarray
@@ -32,9 +32,9 @@ def solve_box(
 ) -> Solution:
     """Minimise ½ xᵀHx + gᵀx subject to low ≤ x ≤ high and `rows`, by DAQP's dual active-set method.
 
-    Arnström, Bemporad & Axehill, IEEE Trans. Autom. Control 67(8), 2022. The answer passes only with status
-    "optimal", all numbers finite and inside the box; a solver's numbers without that are not to be trusted.
-    The search begins with those bounds active at which x = 0 lies: x corrects a plan that was optimal lately.
+    Arnström, Bemporad & Axehill, IEEE Trans. Autom. Control 67(8), 2022. A solution is accepted only with
+    status "optimal", finite values and satisfied constraints. Warm start: the bounds on which x = 0 lies are
+    taken as active, as x corrects a plan that was optimal one period ago.
     """
     n = len(gradient)
     with np.errstate(invalid="ignore"):

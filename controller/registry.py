@@ -1,4 +1,4 @@
-"""Controllers by name, and controllers of the user's own."""
+"""Registry of controllers by name, and loading of user-defined controllers."""
 
 import importlib.util
 from collections.abc import Callable
@@ -27,10 +27,10 @@ Factory = Callable[..., Controller]
 
 
 class Entry(NamedTuple):
-    """A controller that can be built by name.
+    """Registered controller.
 
     settings: the field of `ControllerSettings` it takes, if any. sees_ahead: whether it uses a preview.
-    knows_damper: whether it asks for settings of the damper that the car has; others ask for coefficients.
+    knows_damper: whether it commands settings of the car's own damper; others command coefficients.
     """
 
     make: Factory
@@ -56,10 +56,10 @@ CONTROLLERS: dict[str, Entry] = {
 }
 
 CLAIRVOYANT = "clairvoyant"
-"""The replay of a drive's optimum, which only the closed loop can build: it is made for one drive."""
+"""Replay of a drive's optimum; only the closed loop can build it, as it belongs to one drive."""
 
 UNSUPERVISED = ("passive", "fixed")
-"""What nothing can happen to."""
+"""Controllers that cannot fail and therefore need no supervisor."""
 
 
 def build(

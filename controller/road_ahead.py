@@ -1,4 +1,4 @@
-"""The road that the plan counts on: the previewed shape, anchored to what the wheels feel."""
+"""Road reference: the previewed profile, anchored to the road heights estimated under the wheels."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from controller.settings import RoadSettings
 from preview.horizon import RoadPreview
 
 _STILL_M_S = 0.1
-"""Speed under which the road does not move past the wheels."""
+"""Speed below which the road is taken not to move under the wheels."""
 
 
 class Way(NamedTuple):
-    """One road that may lie ahead: the seen one `sigmas` standard deviations nearer, or none of it."""
+    """Hypothesis of the road ahead: the previewed one, `sigmas` standard deviations nearer, or a flat one."""
 
     sigmas: float
     there: bool
@@ -22,20 +22,20 @@ class Way(NamedTuple):
 
 _NODE = np.sqrt(3.0)
 WAYS = (Way(0.0, True), Way(_NODE, True), Way(-_NODE, True), Way(0.0, False))
-"""The normal distribution of the position by Gauss–Hermite quadrature with three nodes, and nothing there."""
+"""Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
 _POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
 
 
 class RoadAhead:
-    """Joins preview and measurement: `look` once a period, then ask for `heights` at times from then on.
+    """Fusion of preview and measurement: `look` once a period, then query `heights` at future times.
 
-    With `uncertainty` "scenarios" there are several roads, each with its weight; otherwise one, which stands
-    for all that is not known.
+    With `uncertainty` "scenarios" there are several roads, each with its weight; otherwise a single one that
+    represents the whole uncertainty.
 
-    The preview is moved to where it fits what the wheels felt (`controller.alignment`); what they feel now in
-    excess of it stays as a height and fades as a slope. While a wheel is in the air it feels nothing but that
-    the road is no higher than its tyre, and the excess is that of its last contact. Without preview the road
-    ahead is taken as flat, and all that is felt is excess.
+    The preview is shifted to where it matches the measured road (`controller.alignment`); the present excess
+    of the measured over the previewed height is kept, and the excess slope decays. A wheel off the ground
+    only gives an upper bound of the road height, and its excess is that of the last contact. Without preview
+    the road ahead is taken as flat, and the whole measured height is excess.
     """
 
     def __init__(self, wheels: int, settings: RoadSettings):
@@ -45,7 +45,7 @@ class RoadAhead:
         self.reset()
 
     def reset(self) -> None:
-        """Nothing felt yet, nothing seen."""
+        """Clear all measured and previewed heights."""
         self._height, self._slope = np.zeros((2, self._ways, self._wheels))
         self._alignments = [Alignment(wheel) for wheel in range(self._wheels)]
         self._before: Estimate | None = None
@@ -53,7 +53,7 @@ class RoadAhead:
         self._see(None)
 
     def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
-        """Take in what is felt and seen now."""
+        """Take in the present estimate and preview."""
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STILL_M_S else 0.0
         for alignment in self._alignments:
             alignment.feel(estimate)
@@ -68,26 +68,26 @@ class RoadAhead:
         if preview is not None:
             slope = np.zeros((self._ways, self._wheels))
             if before is not None and since > 0.0:
-                # Momentary rates would differ by metres a second wherever an edge lies between two samples.
+                # Instantaneous rates would differ by metres per second if an edge lies between two samples.
                 unforeseen = (estimate.road_height - before.road_height) - (now - past)
                 slope = np.where(before.contact, unforeseen / since, 0.0)
         self._slope = np.where(estimate.contact, slope, 0.0)
         self._before = estimate
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
-        """Return the height under each wheel (wheels, n), m, `times_s` (n,) after the last look.
+        """Return the road height under each wheel (wheels, n), m, at `times_s` (n,) after the last look.
 
-        Of several roads that may lie ahead it is the likeliest one.
+        With several hypotheses it is the height of the likeliest one.
         """
         return self.roads(times_s)[self.likeliest]
 
     @property
     def likeliest(self) -> int:
-        """Which of the roads has the greatest weight."""
+        """Index of the road with the greatest weight."""
         return int(self.weights.argmax())
 
     def roads(self, times_s: np.ndarray) -> np.ndarray:
-        """The same of every road that may lie ahead, (roads, wheels, n); `weights` (roads,) add up to one."""
+        """Return the heights for every road hypothesis, (roads, wheels, n); `weights` (roads,) sum to one."""
         decay = self._settings.slope_decay_s
         carried = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * carried
@@ -106,7 +106,7 @@ class RoadAhead:
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
     def _roads(self, preview: RoadPreview, wheel: int, alignment: Alignment) -> np.ndarray:
-        """Heights (roads, n) of one wheel's roads on the preview's grid."""
+        """Heights (roads, n) of one wheel's road hypotheses on the preview's grid."""
         settings, heights = self._settings, preview.height_m[wheel]
         sigma, existence = preview.position_sigma_m[wheel], preview.existence[wheel]
         earlier_m, doubt = alignment.shift(preview)
@@ -126,7 +126,7 @@ class RoadAhead:
 
 
 def _likelihood(preview: RoadPreview) -> float:
-    """How likely it is that what the preview shows is there: mean existence, weighted by height."""
+    """Probability that the previewed features exist: mean existence, weighted by height."""
     size = np.abs(preview.height_m)
     total = size.sum()
     return float((size * preview.existence).sum() / total) if total else 1.0
@@ -135,7 +135,7 @@ def _likelihood(preview: RoadPreview) -> float:
 def moved(preview: RoadPreview, heights: np.ndarray, nearer_m: np.ndarray) -> np.ndarray:
     """Return heights (n,) on the preview's grid, each moved towards the car by its own distance (n,).
 
-    What lies between keeps its order: what is moved squeezes the road before or, moved away, behind it.
+    The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
     """
     if not nearer_m.any():
         return heights

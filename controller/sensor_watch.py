@@ -1,4 +1,4 @@
-"""Which of the car's sensors can be believed: silent, stuck and impossible readings are held back."""
+"""Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from vehicle.sensors import Measurement, SensorNoise
 
 STUCK_READINGS = 4
-"""Equal readings in a row after which a sensor that has noise counts as stuck."""
+"""Number of equal consecutive readings after which a noisy sensor counts as stuck."""
 MOST = {
     "body_acc": 150.0,
     "wheel_acc": 2000.0,
@@ -16,18 +16,18 @@ MOST = {
     "speed_m_s": 110.0,
     "roll_rate": 10.0,
 }
-"""Largest magnitude that a working sensor reports, SI units."""
+"""Largest plausible magnitude of each channel, SI units."""
 EVERYTHING = "all sensors silent"
 
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """A reading whose unbelievable channels are held at their last believable values.
+    """Validated reading: rejected channels are held at their last valid values.
 
     lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.
-    faults: what is wrong, by name, such as `rattle_m_0 stuck`; empty where all that control needs is sound.
-    The roll gyro is not among them, as only a perception reads it: while it is lost its reading is 0, since a
-    rate that is held would turn the body on and on.
+    faults: fault names, such as `rattle_m_0 stuck`; empty if all channels that control needs are valid.
+    The roll gyro is not among them, as only a perception reads it: while it is lost its reading is 0, since
+    integrating a held rate would make the roll angle drift.
     """
 
     measurement: Measurement
@@ -36,7 +36,7 @@ class Checked:
 
 
 class SensorWatch:
-    """Judges one reading after the other of a car with so many wheels and sensors of this noise."""
+    """Validator of consecutive readings, for a car with `wheels` wheels and sensors of this noise."""
 
     def __init__(self, wheels: int, noise: SensorNoise):
         self._wheels = wheels
@@ -54,13 +54,13 @@ class SensorWatch:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all readings."""
+        """Clear the history of readings."""
         self._held = np.zeros(len(self._most))
         self._before = np.full(len(self._most), np.nan)
         self._equal = self._none
 
     def check(self, measurement: Measurement) -> Checked:
-        """Return what can be believed of a reading."""
+        """Return the validated reading."""
         m = measurement
         moved = [m.pitch_rate, m.speed_m_s, m.roll_rate]
         values = np.concatenate([m.body_acc, m.wheel_acc, m.rattle_m, moved])
@@ -72,7 +72,7 @@ class SensorWatch:
         return self._judge(measurement, values, equal)
 
     def _judge(self, measurement: Measurement, values: np.ndarray, equal: np.ndarray) -> Checked:
-        """Name what is wrong with a reading; `equal` are the channels that read as they did before."""
+        """Classify the faults of a reading; `equal` marks the channels that repeat their previous value."""
         silent = ~np.isfinite(values)
         impossible = np.abs(values) > self._most  # false for NaN
         self._equal = np.where(equal, self._equal + 1, 0)
@@ -88,7 +88,7 @@ class SensorWatch:
         return Checked(self._with_held(measurement), tuple(lost.tolist()), faults)
 
     def _faults(self, silent: np.ndarray, impossible: np.ndarray, stuck: np.ndarray) -> tuple[str, ...]:
-        """Names of what control needs and cannot have."""
+        """Fault names of the channels that control needs."""
         why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")[:-1]
         if (why != "").all():
             return (EVERYTHING,)

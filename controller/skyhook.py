@@ -1,8 +1,8 @@
-"""Continuous skyhook with a groundhook share.
+"""Continuous skyhook with a groundhook part.
 
-Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974, with the groundhook share of Savaresi et al., *Semi-Active
-Suspension Control Design for Vehicles*, 2010, ch. 6: an imagined damper `sky` between body and sky and
-another, `ground`, between wheel and ground ask for a force; the real damper gives the part of it that it can.
+Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974, with the groundhook part of Savaresi et al., *Semi-Active
+Suspension Control Design for Vehicles*, 2010, ch. 6: virtual dampers `sky`, between body and sky, and
+`ground`, between wheel and ground, request a force, which the real damper follows as far as it can.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from vehicle.parameters import Car
 
 
 class Skyhook(Stateless):
-    """c = (sky·v_s − ground·v_u) / (v_s − v_u), clipped to floor and dampers."""
+    """c = (sky·v_s − ground·v_u) / (v_s − v_u), clipped to floor and damper range."""
 
     def __init__(self, vehicle: Car, settings: SkyhookSettings | None = None, timing: Timing | None = None):
         self._vehicle = vehicle
@@ -24,7 +24,7 @@ class Skyhook(Stateless):
         self._limits = Limits.of(vehicle)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the damping (wheels,) in N·s/m that comes nearest to the imagined dampers' force."""
+        """Return the damping (wheels,), N·s/m, that best approximates the force of the virtual dampers."""
         s, at = self._settings, corners(self._vehicle, estimate.x)
         force = s.sky_ns_m * at.body - s.ground_ns_m * at.wheel
         damping = force * at.relative / (at.relative**2 + s.smoothing_m_s**2)

@@ -1,8 +1,7 @@
-"""Who acts: the controller asked for while all that it rests on is sound, a simpler one while it is not.
+"""Fallback supervisor: the selected controller, then a reactive law, then fixed damping.
 
-Two steps down: the tuned reactive law named in the settings, which needs the state of the car alone, and
-fixed damping, which needs nothing. A preview that cannot be believed is only taken away: the controller goes
-on with what the wheels feel.
+The tuned reactive law named in the settings needs only the state of the car; fixed damping needs nothing. An
+invalid preview is merely withheld: the controller then relies on the measured road alone.
 """
 
 from typing import Any
@@ -20,12 +19,12 @@ from vehicle.parameters import Car
 
 
 class Supervised:
-    """A controller with a reactive law and fixed damping to fall back on, within the sample that fails.
+    """Controller with a reactive law and fixed damping as fallbacks, effective in the sample that fails.
 
-    Changes from one to the other are bumpless: the command starts where the last one was and the difference
-    fades with `transfer_s`. A controller may have `problem` (why its last answer is not valid, None where it
-    is), `active` (names of the constraints that bound it) and `acted(command)`, which is told the command
-    that takes the place of its own.
+    Changes from one to the other are bumpless: the command starts at the last one and the difference decays
+    with the time constant `transfer_s`. A controller may have `problem` (the reason why its last answer is
+    invalid, or None), `active` (names of the active constraints) and `acted(command)`, which is given the
+    command issued in place of its own.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The cost of everything after the horizon: a Lyapunov function of the car with constant damping."""
+"""Terminal cost: the infinite-horizon cost of the car with constant damping (Lyapunov equation)."""
 
 from dataclasses import dataclass, replace
 
@@ -15,9 +15,9 @@ from vehicle.parameters import Car
 
 @dataclass(frozen=True)
 class TerminalCost:
-    """|root · (state − rest · road)|²: what the cost adds up to on a road that stays at its last heights.
+    """Quadratic cost to go |root · (state − rest · road)|², on a road that stays at its last heights.
 
-    root: (n_x, n_x). rest: (n_x, wheels), the state at rest on road heights.
+    root: (n_x, n_x). rest: (n_x, wheels), the rest state per unit road height.
     """
 
     root: np.ndarray
@@ -29,9 +29,9 @@ def terminal_cost(
 ) -> TerminalCost:
     """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
 
-    Dampers are linear ones, also where those of the car are not. C gives the cost's weighted outputs; P is
-    divided by `period_s`, the unit of time of the cost. Bump stops and lift-off play no part; actual damping
-    has no weight, as at rest it does nothing.
+    Dampers are taken as linear even if those of the car are not. C gives the weighted outputs of the cost; P
+    is divided by `period_s`, the unit of time of the cost. Bump stops and lift-off play no part; the damper
+    states have no weight, as they have no effect at rest.
     """
     vehicle = model.vehicle
     damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
@@ -57,7 +57,7 @@ def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarra
 
 
 def _rest(vehicle: Car, n_x: int) -> np.ndarray:
-    """State at rest, (n_x, wheels), for unit road heights: wheels on the road, the body as they carry it."""
+    """Rest state per unit road height, (n_x, wheels): wheels on the road, the body in equilibrium on them."""
     levers = np.array([corner.lever for corner in vehicle.corners])
     bodies = levers.shape[1]
     rest = np.zeros((n_x, vehicle.wheels))

@@ -1,4 +1,4 @@
-"""How a plan divides the time ahead: intervals with one command each, integrated in short steps."""
+"""Time grid of the horizon: control intervals with one command each, integrated in shorter steps."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 LONGEST_STEP_S = 0.005
-"""Longest Runge–Kutta step that bump stops and damper lag allow."""
+"""Longest Runge–Kutta step at which bump stops and damper lag are stable."""
 
 
 @dataclass(frozen=True)
@@ -23,19 +23,19 @@ class TimeGrid:
 
     @cached_property
     def interval(self) -> np.ndarray:
-        """The interval that each step belongs to, (steps,)."""
+        """Index of the interval to which each step belongs, (steps,)."""
         counts = [int(np.ceil(length / LONGEST_STEP_S - 1e-9)) for length in self.intervals_s]
         return np.repeat(np.arange(len(counts)), counts)
 
     @cached_property
     def nodes_s(self) -> np.ndarray:
-        """Where the steps begin, and where the last one ends, (steps + 1,)."""
+        """Start times of the steps and the end of the last one, (steps + 1,)."""
         return np.concatenate([[0.0], np.cumsum(self.step_s)])
 
     def shift(self, by_s: float) -> np.ndarray:
-        """The matrix (intervals, intervals) that carries a plan on by a time, holding its last entry.
+        """Matrix (intervals, intervals) that shifts a plan forward in time, holding its last entry.
 
-        An entry becomes the mean of the old plan over what its interval now stands for.
+        An entry becomes the mean of the old plan over the new span of its interval.
         """
         edges = np.concatenate([[0.0], np.cumsum(self.intervals_s)])
         start, end = edges[:-1, None] + by_s, edges[1:, None] + by_s
@@ -45,7 +45,7 @@ class TimeGrid:
 
 
 def growing(length_s: float, fine_s: float, period_s: float) -> TimeGrid:
-    """Intervals of one period for the first `fine_s`, two at least, and of two periods after that."""
+    """Grid of one-period intervals over the first `fine_s`, at least two, then of two-period intervals."""
     fine = max(2, round(min(fine_s, length_s) / period_s))
     coarse = max(0, round((length_s - fine * period_s) / (2.0 * period_s)))
     return TimeGrid((period_s,) * fine + (2.0 * period_s,) * coarse)

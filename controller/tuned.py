@@ -1,4 +1,4 @@
-"""The tuned settings that are shipped for each kind of car; `foreride tune` makes them."""
+"""Tuned controller settings shipped for each kind of car, produced by `foreride tune`."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -12,14 +12,14 @@ FOLDER = Path(__file__).parent / "tuned"
 
 @lru_cache(maxsize=8)
 def tuned_settings(kind: str) -> ControllerSettings:
-    """What is shipped for cars of this kind: `quarter_car`, `half_car` or `full_car`."""
+    """Load the settings shipped for cars of this kind: `quarter_car`, `half_car` or `full_car`."""
     settings = strict.read(ControllerSettings, FOLDER / f"{kind}.yaml")
     assert isinstance(settings, ControllerSettings)
     return settings
 
 
 def tuned_mapping(kind: str) -> dict[str, dict[str, Any]]:
-    """The same as plain values, one mapping for each controller that is tuned."""
+    """Return the same as plain values, one mapping per tuned controller."""
     mapping = strict.to_mapping(tuned_settings(kind))
     return {name: values for name, values in mapping.items() if name in TUNED}
 
@@ -35,4 +35,4 @@ TUNED = (
     "pdd",
     "lqr_clipped",
 )
-"""The controllers whose settings are tuned."""
+"""Controllers with tuned settings."""

@@ -1,11 +1,11 @@
-"""On–off semi-active laws: the damper is either soft or hard.
+"""Two-state (on–off) semi-active laws: the damper is either soft or hard.
 
-skyhook2: hard while the damper opposes the body's motion (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974).
-groundhook: hard while it opposes the wheel's motion (Valášek et al., Vehicle Syst. Dyn. 27, 1997).
-add: hard while it opposes the body's acceleration (acceleration-driven damping: Savaresi, Silani & Bittanti,
+skyhook2: hard while the damper opposes the body velocity (Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974).
+groundhook: hard while it opposes the wheel velocity (Valášek et al., Vehicle Syst. Dyn. 27, 1997).
+add: hard while it opposes the body acceleration (acceleration-driven damping: Savaresi, Silani & Bittanti,
 J. Dyn. Syst. Meas. Control 127, 2005).
-sh_add: skyhook2 below a crossover frequency, add above it, told apart without a filter by |acceleration| over
-|velocity| of the body (Savaresi & Spelta, J. Dyn. Syst. Meas. Control 129, 2007).
+sh_add: skyhook2 below a crossover frequency, add above it, selected without a filter by the ratio of body
+acceleration to velocity (Savaresi & Spelta, J. Dyn. Syst. Meas. Control 129, 2007).
 """
 
 from collections.abc import Callable
@@ -22,27 +22,27 @@ from vehicle.equations import FLOATS, body_acceleration
 from vehicle.parameters import Car
 
 Law = Callable[[Car, Estimate], np.ndarray]
-"""The motion of each corner (wheels,) that the damper should oppose; its sign is all that counts."""
+"""Motion of each corner (wheels,) that the damper should oppose; only its sign matters."""
 
 
 def skyhook2(vehicle: Car, estimate: Estimate) -> np.ndarray:
-    """Velocity of the body over each wheel, m/s."""
+    """Body velocity above each wheel, m/s."""
     return corners(vehicle, estimate.x).body
 
 
 def groundhook(vehicle: Car, estimate: Estimate) -> np.ndarray:
-    """Velocity of each wheel, downwards, m/s."""
+    """Downward velocity of each wheel, m/s."""
     return -corners(vehicle, estimate.x).wheel
 
 
 def add(vehicle: Car, estimate: Estimate) -> np.ndarray:
-    """Acceleration of the body over each wheel, m/s²."""
+    """Body acceleration above each wheel, m/s²."""
     height, velocity = estimate.road_height.tolist(), estimate.road_velocity.tolist()
     return np.array(body_acceleration(vehicle, estimate.x.tolist(), height, velocity, xp=FLOATS))
 
 
 class TwoState(Stateless):
-    """Hard where `law` and suspension velocity agree in sign, soft where they do not."""
+    """Hard if `law` and suspension velocity have the same sign, soft otherwise."""
 
     def __init__(
         self,
@@ -65,7 +65,7 @@ class TwoState(Stateless):
 
 
 def sh_add(vehicle: Car, settings: ShAddSettings | None = None, timing: Timing | None = None) -> TwoState:
-    """The mixed law of Savaresi & Spelta with the crossover and the two levels of `settings`."""
+    """Mixed skyhook–ADD law of Savaresi & Spelta with crossover frequency and levels from `settings`."""
     settings = settings or ShAddSettings()
     crossover = tau * settings.crossover_hz
 

@@ -1,4 +1,4 @@
-"""Wheelbase preview: what the front wheels felt is what the rear wheels will feel, one wheelbase later."""
+"""Wheelbase preview: the road measured by the front wheels serves as preview for the rear wheels."""
 
 from collections import deque
 
@@ -14,9 +14,9 @@ STEP_M = 0.025
 
 
 class WheelbasePreview:
-    """A `RoadPreview` whose rear rows come from the front wheels of the same side; front rows know nothing.
+    """Source of a `RoadPreview` for the rear wheels, measured by the front wheels of the same side.
 
-    Raises InputError for a car with one axle.
+    The rows of the front wheels are unknown. Raises InputError for a car with one axle.
     """
 
     def __init__(self, vehicle: Car):
@@ -32,15 +32,16 @@ class WheelbasePreview:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the road behind."""
+        """Clear the road behind."""
         self._travelled_m = 0.0
         self._time_s: float | None = None
         self._felt: deque[tuple[float, np.ndarray, np.ndarray]] = deque()
 
     def look(self, estimate: Estimate) -> RoadPreview:
-        """Note what the front feels now; return what that says of the road ahead of each wheel.
+        """Record the road under the front wheels; return the preview for each wheel.
 
-        Between two contacts the road is a straight line, or the path of the tyre where that is lower.
+        Between two contacts the road is interpolated linearly, or follows the path of the tyre if that is
+        lower.
         """
         if self._time_s is not None:
             self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)

@@ -1,8 +1,8 @@
-"""The objective J of a whole drive and its gradient by the commands, on the exact model of the plant.
+"""Single shooting over a whole drive: the objective J and its gradient, on the exact plant model.
 
-The model is `vehicle.equations`, integrated tick by tick as the plant does; J is that of `comfort.metrics`,
-its weighting filter included. The gradient comes from one sweep back in time (adjoint method): as the filter
-is linear and starts at rest, its adjoint is the same filter run backwards.
+The model is `vehicle.equations`, integrated tick by tick as in the plant; J is that of `comfort.metrics`,
+including its weighting filter. The gradient comes from one backward sweep (adjoint method): as the filter is
+linear and starts at rest, its adjoint is the same filter run backwards.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from vehicle.parameters import Car
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """What happens to the car from outside, in ticks.
+    """External inputs of a drive, by tick.
 
     height, velocity: (wheels, ticks + 1) of the road under the wheels at each tick.
-    middle: (wheels, ticks) height in the middle between two ticks.
-    forward_acc: (ticks + 1,) of the car along the road at each tick, m/s².
-    surge: (ticks,) the same as mean over each tick.
-    interval: (ticks,) which command acts during each tick; -1 where the dampers are still passive.
-    start: (states,). rho: weight of the tyre load in J, (m/s²)².
+    middle: (wheels, ticks) height midway between two ticks.
+    forward_acc: (ticks + 1,) longitudinal acceleration of the car at each tick, m/s².
+    surge: (ticks,) the same, averaged over each tick.
+    interval: (ticks,) index of the command acting during each tick; -1 while the dampers are still passive.
+    start: (states,) initial state. rho: weight of the tyre load in J, (m/s²)².
     """
 
     rate_hz: float
@@ -42,7 +42,7 @@ class Drive:
 
 
 class WholeDrive:
-    """J and its gradient for plans (intervals, inputs): damper settings, kN·s/m, then actuator forces, kN."""
+    """Objective J and its gradient for plans (intervals, inputs): settings, kN·s/m, then forces, kN."""
 
     def __init__(self, vehicle: Car, drive: Drive):
         self._vehicle, self._drive = vehicle, drive
@@ -61,7 +61,7 @@ class WholeDrive:
         self._passive[: vehicle.wheels] = [c.damping_passive_ns_m / KILO for c in vehicle.corners]
 
     def _outside(self) -> np.ndarray:
-        """The kernels' points with what comes from outside filled in; a column a tick, padded to LANES."""
+        """Input columns of the compiled functions, one per tick, with the external inputs filled in."""
         drive, ticks = self._drive, self._ticks
         rows = [
             np.zeros((self._n_x + self.inputs, ticks + 1)),
@@ -96,7 +96,7 @@ class WholeDrive:
 
 
 def _functions(vehicle: Car, tick_s: float) -> tuple[casadi.Function, casadi.Function]:
-    """One tick, and what `WholeDrive` needs along the way: outputs and slopes, by sparse entries."""
+    """CasADi functions of one tick: next state; outputs and sparse Jacobians."""
     x = casadi.SX.sym("x", equations.state_size(vehicle))
     u = casadi.SX.sym("u", equations.input_size(vehicle))
     middle, rate, height, velocity = (casadi.SX.sym(name, vehicle.wheels) for name in "mrhv")
@@ -124,7 +124,7 @@ def _tick(
     surge: casadi.SX,
     tick_s: float,
 ) -> casadi.SX:
-    """Classical Runge–Kutta on the road in the middle of the tick, in as many steps as the dampers need."""
+    """Classical Runge–Kutta step with the road of the tick's middle, in the substeps that the damper needs."""
 
     def rates(state: casadi.SX) -> casadi.SX:
         return equations.derivative(vehicle, state, KILO * u, middle, rate, casadi, surge)
@@ -149,9 +149,10 @@ def _sweep_back(
     states: int,
     gradient: np.ndarray,
 ) -> None:
-    """Add to `gradient` (intervals + 1, inputs) what each command does to J through all later ticks.
+    """Add to `gradient` (intervals + 1, inputs) the sensitivity of J to each command (adjoint sweep).
 
-    results: outputs, then the entries of dx⁺/dx, dx⁺/du, d outputs/dx, a column a tick. slopes: dJ/d outputs.
+    results: outputs, then the entries of dx⁺/dx, dx⁺/du, d outputs/dx, one column per tick. slopes: dJ/d
+    outputs.
     """
     first, ticks = len(slopes), len(interval)
     costate, before = np.zeros(states), np.zeros(states)
