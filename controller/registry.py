@@ -1,10 +1,7 @@
-"""Registry of controllers by name, and loading of user-defined controllers."""
+"""Registry of controllers by name; user-defined ones are in `controller.own`."""
 
-import importlib.util
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
-from types import ModuleType
 from typing import NamedTuple
 
 from controller.base import Controller, Timing
@@ -12,6 +9,7 @@ from controller.damper_inverse import Inverted, is_linear
 from controller.hybrid import Hybrid
 from controller.lqr_clipped import ClippedLqr
 from controller.mpc import PredictiveController
+from controller.own import build_own, is_own
 from controller.passive import fixed, passive
 from controller.pdd import PowerDriven
 from controller.settings import ControllerSettings
@@ -82,8 +80,8 @@ def build(
 
 
 def _make(name: str, vehicle: Car, settings: ControllerSettings, timing: Timing) -> Controller:
-    if _is_user(name):
-        return _build_user(name, vehicle, settings.user, timing)
+    if is_own(name):
+        return build_own(name, vehicle, settings.user, timing)
     entry = _entry(name)
     law = entry.make(vehicle, getattr(settings, entry.settings) if entry.settings else None, timing)
     return law if entry.knows_damper or is_linear(vehicle) else Inverted(law, vehicle)
@@ -94,11 +92,7 @@ def sees_ahead(name: str) -> bool:
 
     Raises InputError for a name that does not exist.
     """
-    return name != CLAIRVOYANT and (_is_user(name) or _entry(name).sees_ahead)
-
-
-def _is_user(name: str) -> bool:
-    return ":" in name
+    return name != CLAIRVOYANT and (is_own(name) or _entry(name).sees_ahead)
 
 
 def _entry(name: str) -> Entry:
@@ -106,49 +100,3 @@ def _entry(name: str) -> Entry:
         known = ", ".join([*CONTROLLERS, CLAIRVOYANT])
         raise InputError(f"controller must be one of {known} or FILE.py:NAME, got {name!r}")
     return CONTROLLERS[name]
-
-
-def load_user_controller(target: str) -> Factory:
-    """Return the class or function that `path/to/file.py:name` names.
-
-    It is called as name(vehicle, timing, **settings) and returns an object with `reset()` and
-    `step(estimate, preview)`. Raises InputError, in one line, where file or name are missing or do not load.
-    """
-    path_text, _, name = target.rpartition(":")
-    path = Path(path_text)
-    if path.suffix != ".py" or not path.is_file():
-        raise InputError(f"controller {target}: {path_text!r} must be an existing .py file")
-    factory = getattr(_load(path, target), name, None)
-    if not callable(factory):
-        raise InputError(f"controller {target}: {path} must define a class or function called {name!r}")
-    return factory
-
-
-def _load(path: Path, target: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"user_controller_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may raise anything
-        raise InputError(f"controller {target}: {path} does not load ({_tell(error)})") from error
-    return module
-
-
-def _build_user(target: str, vehicle: Car, settings: dict[str, float], timing: Timing) -> Controller:
-    factory = load_user_controller(target)
-    try:
-        controller = factory(vehicle, timing, **settings)
-    except InputError:
-        raise
-    except Exception as error:  # a user's code may raise anything
-        raise InputError(f"controller {target}: cannot be built ({_tell(error)})") from error
-    missing = [method for method in ("reset", "step") if not callable(getattr(controller, method, None))]
-    if missing:
-        raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
-    return controller
-
-
-def _tell(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}".replace("\n", " ")

@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from controller.registry import load_user_controller
+from controller.own import is_own, load_user_controller
 from preview.memory import read as read_memory
 from scenarios.cases import Case
 from scenarios.eyes import load_detector
@@ -22,7 +22,7 @@ def try_files(case: Case) -> None:
         read_map(case.scenario)
     if case.perception in SEEING and case.scenario.memory is not None:
         read_memory(case.scenario.memory)
-    if ":" in case.controller:
+    if is_own(case.controller):
         load_user_controller(case.controller)
 
 

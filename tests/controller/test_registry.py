@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from controller.base import Timing
-from controller.registry import CONTROLLERS, build, load_user_controller, sees_ahead
+from controller.own import load_user_controller
+from controller.registry import CONTROLLERS, build, sees_ahead
 from controller.settings import ControllerSettings
 from files.errors import InputError
 from files.strict import structure

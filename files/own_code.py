@@ -1,0 +1,81 @@
+"""Python code of the user's own, named on the command line: loading it, and the line where it fails."""
+
+import importlib.util
+import os
+import sys
+import threading
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+
+from files.errors import InputError, printable, shortened
+
+PATIENCE_S = 10.0
+"""How long own code may load before the user is told what is being waited for."""
+_LONGEST = 200
+_said: set[str] = set()
+
+
+def load(path: Path, what: str) -> ModuleType:
+    """The module in a file; `what` names it in messages.
+
+    Raises InputError, in one line with file and line, whatever the file does: a syntax error, any exception,
+    sys.exit. Ctrl-C passes.
+    """
+    spec = importlib.util.spec_from_file_location(f"own_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses and pickle look classes up by their module
+    try:
+        with waiting_for(f"{what}: {path} to load"):
+            spec.loader.exec_module(module)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise InputError(f"{what}: {path} does not load ({told(error, path)})") from error
+    return module
+
+
+@contextmanager
+def waiting_for(what: str) -> Iterator[None]:
+    """Say on stderr what is being waited for, should it take long."""
+    message = f"foreride: still waiting for {printable(what)}; Ctrl-C ends it"
+    timer = threading.Timer(PATIENCE_S, lambda: print(message, file=sys.stderr, flush=True))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+def place(error: BaseException, path: Path) -> str:
+    """`file.py:12`: the innermost line in the user's file that the error passed, else where it was raised."""
+    if isinstance(error, SyntaxError) and error.filename and error.lineno:
+        return f"{Path(error.filename).name}:{error.lineno}"
+    frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
+    own = [(file, line) for file, line in frames if file == os.path.abspath(path)]
+    if not frames:
+        return path.name
+    file, line = (own or frames)[-1]
+    return f"{Path(file).name}:{line}"
+
+
+def told(error: BaseException, path: Path) -> str:
+    """Kind of the error, its message and its place, in one line of bounded length."""
+    try:
+        message = error.msg if isinstance(error, SyntaxError) else str(error)
+    except Exception:  # own exceptions may fail to tell of themselves
+        message = ""
+    message = shortened(printable(message), _LONGEST)
+    return f"{type(error).__name__}{': ' if message else ''}{message} at {place(error, path)}"
+
+
+def say_once(of: str, message: str) -> None:
+    """Print a warning on stderr, unless this process has printed one `of` the same before."""
+    if of not in _said:
+        _said.add(of)
+        print(f"foreride: {message}", file=sys.stderr, flush=True)
