@@ -8,12 +8,15 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from time import perf_counter
 from typing import Any, Protocol
 
 import numpy as np
 
 from detector.detection import Detections
+from files.errors import InputError
+from files.own_code import place, say_once, told
 from preview.estimator import Estimator
 from preview.horizon import RoadPreview
 from preview.memory import Memory
@@ -117,6 +120,8 @@ class Seeing:
 
     `eye` turns the car's state at exposure into a `Look`. It runs in a thread of its own while simulated
     time goes on; its result is waited for at the tick where it is due, so real time never changes a result.
+    An eye that raises has not seen: the estimator goes on with what it knows, and the look is counted as
+    failed. One whose first look already is an InputError has bad input, and that ends the run.
     `looks` holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
     """
 
@@ -132,6 +137,7 @@ class Seeing:
         self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
         self._keep_images, self._correct = keep_images, correct
         self._latency = ticks(latency_s)
+        self._failed = 0
         self._pool = ThreadPoolExecutor(max_workers=1)
         self._pending: deque[tuple[int, Future[Look]]] = deque()
         self.looks: list[Look] = []
@@ -154,25 +160,41 @@ class Seeing:
         events = []
         while self._pending and self._pending[0][0] + self._latency <= tick:
             exposed, future = self._pending.popleft()
-            look = future.result()
-            self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
-            start = perf_counter()
-            exposure_s = exposed / TICKS_PER_SECOND
-            self._estimator.update_boxes(exposure_s, look.detections, look.image, look.second)
-            self.estimator_s.append(perf_counter() - start)
-            events.append(
-                {
-                    "time_s": tick / TICKS_PER_SECOND,
-                    "event": "boxes",
-                    "exposed_s": exposed / TICKS_PER_SECOND,
-                    "boxes": look.detections.boxes,
-                    "scores": look.detections.scores,
-                    "classes": look.detections.classes,
-                    "odometer_m": self._estimator.motion.x_m,
-                    "tracks": self._estimator.stats(),
-                }
-            )
+            when = {"time_s": tick / TICKS_PER_SECOND, "exposed_s": exposed / TICKS_PER_SECOND}
+            try:
+                look = future.result()
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # own detectors may raise anything, SystemExit too
+                if isinstance(error, InputError) and not self.looks:
+                    raise
+                events.append(when | {"event": "look failed", "reason": self._blame(error)})
+                continue
+            events.append(when | {"event": "boxes", **self._take(exposed / TICKS_PER_SECOND, look)})
         return events
+
+    def _take(self, exposure_s: float, look: Look) -> Event:
+        """Hand one look to the estimator; returns what is logged of it."""
+        self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
+        start = perf_counter()
+        self._estimator.update_boxes(exposure_s, look.detections, look.image, look.second)
+        self.estimator_s.append(perf_counter() - start)
+        return {
+            "boxes": look.detections.boxes,
+            "scores": look.detections.scores,
+            "classes": look.detections.classes,
+            "odometer_m": self._estimator.motion.x_m,
+            "tracks": self._estimator.stats(),
+        }
+
+    def _blame(self, error: BaseException) -> str:
+        """Count and tell a look that failed; returns what failed, without what differs from look to look."""
+        self._failed += 1
+        code = getattr(self._eye, "__code__", None)
+        file = Path(code.co_filename if code else "")
+        reason = f"{type(error).__name__} at {place(error, file)}"
+        say_once(f"perception: {reason}", f"perception: a look failed and is left out: {told(error, file)}")
+        return reason
 
     def sense(self, measurement: Measurement) -> None:
         """Update the ego motion."""
@@ -186,9 +208,10 @@ class Seeing:
         return self._estimator.preview(time_s, lambda track: correct(track, drift_m))
 
     def stats(self) -> dict[str, Any]:
-        """Frames, boxes and tracks."""
+        """Frames, boxes and tracks; `failed_looks` where there are any."""
         confirmed = [event for event in self._estimator.events if event["event"] == "confirmed"]
-        return {
+        failed = {"failed_looks": self._failed} if self._failed else {}
+        return failed | {
             "frames": len(self.looks),
             "boxes": sum(len(look.detections) for look in self.looks),
             "confirmed_tracks": len(confirmed),
