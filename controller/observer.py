@@ -32,8 +32,8 @@ class Observer:
 
     Readings are validated by `controller.sensor_watch`; lost channels are replaced by model-based
     substitutes. Motion comes from `controller.kinematics`, the damping from the commands and the damper lag,
-    the road from the
-    tyre: the tyre force follows from the accelerations of the masses, and the deflection from that force.
+    the road from the tyre: the tyre force follows from the accelerations of the masses, and the deflection
+    from that force.
     Heights are relative to a slowly following mean road, the same for `x` and `road_height`.
     """
 

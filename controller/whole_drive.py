@@ -124,7 +124,7 @@ def _tick(
     surge: casadi.SX,
     tick_s: float,
 ) -> casadi.SX:
-    """Classical Runge–Kutta step with the road of the tick's middle, in the substeps that the damper needs."""
+    """Classical Runge–Kutta step with the road of the tick's middle, in the substeps the damper needs."""
 
     def rates(state: casadi.SX) -> casadi.SX:
         return equations.derivative(vehicle, state, KILO * u, middle, rate, casadi, surge)

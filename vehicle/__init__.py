@@ -1,1 +1,1 @@
-"""Quarter, half and full car: parameters, equations, the MuJoCo plant, its sensors and its linear twin."""
+"""Quarter-, half- and full-car models: parameters, equations of motion, plant, sensors, linear twin."""

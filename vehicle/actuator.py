@@ -1,7 +1,7 @@
-"""Actuators beside the damper, which can push and pull and so put energy into the car.
+"""Force actuators in parallel with the damper, which push and pull and thus can supply energy to the car.
 
-A requested force is clipped to the limit and followed with a first-order lag. `power` and `work` account for
-what an actuator delivers.
+A requested force is clipped to the limit and followed with a first-order lag. `power` and `work` compute the
+mechanical power and energy that an actuator delivers.
 """
 
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class SlowActive:
 
 @dataclass(frozen=True)
 class FullyActive:
-    """Actuator whose bandwidth reaches over the wheel hop: a lag of 5 ms is 32 Hz."""
+    """Fully active ("high-bandwidth") actuator, faster than the wheel hop: a lag of 5 ms is 32 Hz."""
 
     kind: ClassVar[str] = "fully_active"
 
@@ -58,12 +58,12 @@ Actuator = SlowActive | FullyActive
 
 
 def power(force: Array, rattle_velocity: Array) -> Array:
-    """Mechanical power that actuators deliver, (w, n) W; negative while they take power up."""
+    """Mechanical power delivered by the actuators, (w, n) W; negative while they absorb power."""
     return force * rattle_velocity
 
 
 def work(delivered: Array, rate_hz: float) -> tuple[float, float]:
-    """Energy delivered and energy taken up by all actuators, J each, from their power (w, n), W."""
+    """Energy delivered and energy absorbed by all actuators, J each, from their power (w, n), W."""
     return float(np.maximum(delivered, 0.0).sum() / rate_hz), float(
         -np.minimum(delivered, 0.0).sum() / rate_hz
     )

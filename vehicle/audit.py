@@ -1,4 +1,4 @@
-"""What dampers and actuators did with energy over a run: the passivity audit and the actuators' account."""
+"""Energy audit of a run: passivity of the dampers, energy and power of the actuators."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ _ROUNDING = 1e-9
 
 
 def energy_audit(parameters: Car, record: VehicleState) -> dict[str, float]:
-    """Audit of a recorded drive (signals at every tick).
+    """Audit a recorded drive (signals at every tick).
 
-    damper_produced: J that dampers gave to the car, 0 for a passive part. damping_outside: s during which any
-    damper's setting lay outside its range. Of a car with actuators also actuator_energy: J they gave;
-    actuator_recovered: J they took up; actuator_power, actuator_power_peak: W, mean over the run of what all
-    gave, and its greatest value.
+    damper_produced: energy that dampers supplied to the car, J; 0 for a passive element. damping_outside:
+    time during which any damper's setting lay outside its range, s. With actuators also actuator_energy:
+    energy delivered, J; actuator_recovered: energy absorbed, J; actuator_power, actuator_power_peak: mean
+    over the run and maximum of the total power delivered, W.
     """
     delivered = record.damper_force * record.rattle_velocity
     low, high = (

@@ -1,7 +1,7 @@
-"""Many cars at once, for parameter studies: one road and one speed, each car with its own parameters.
+"""Fleet simulation for parameter studies: many cars with parameters of their own at one speed on one road.
 
-MuJoCo steps them on threads, with results that are bit-identical at any number of threads and equal to those
-of `vehicle.plant.Plant` at the same commands.
+MuJoCo steps them in threads; the results are bit-identical for any number of threads and equal to those of
+`vehicle.plant.Plant` for the same commands.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ _PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 class Fleet:
-    """Cars of one kind (all quarter, all half or all full cars) with ideal dampers, driven side by side.
+    """Cars of one kind (all quarter, all half or all full cars) with ideal dampers, simulated together.
 
-    threads: 0 takes all processors. Raises InputError for a mixture of kinds and for dampers of other kinds.
+    threads: 0 uses all processors. Raises InputError for mixed kinds and for other dampers.
     """
 
     def __init__(self, cars: Sequence[Car], threads: int = 0) -> None:
@@ -46,7 +46,7 @@ class Fleet:
     def drive(
         self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, command: ArrayLike, ticks: int
     ) -> Array:
-        """States (cars, ticks + 1, states) in the order of `vehicle.equations`, standstill first.
+        """Return the states (cars, ticks + 1, states) in the order of `vehicle.equations`, standstill first.
 
         profiles: one for each wheel of a car. command: (cars, inputs), held over the drive.
         """
@@ -77,7 +77,7 @@ class Fleet:
         speed_m_s: float,
         command: ArrayLike,
     ) -> VehicleState:
-        """Everything about one car of a drive, from the states that `drive` returned."""
+        """Return all signals of one car, computed from the states that `drive` returned."""
         time = np.arange(states.shape[1]) / RATE_HZ
         travel = ConstantSpeed(speed_m_s).ahead(x_m, 0, len(time) - 1).edges_m
         asked = np.tile(np.asarray(command, float)[car][:, None], len(time))
@@ -87,6 +87,6 @@ class Fleet:
         )
 
     def _road_force(self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, ticks: int) -> Array:
-        """Tyre forces of the road's own motion, (cars, ticks, wheels)."""
+        """Tyre forces due to the road's motion, (cars, ticks, wheels)."""
         stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
         return np.stack([np.stack(road_forces(car, profiles, stretch), axis=1) for car in self.cars])

@@ -1,4 +1,4 @@
-"""Checks of single numbers."""
+"""Range checks of scalar parameters."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""One wheel with its suspension, as the equations see it, and how its numbers are checked."""
+"""Corner of the car: one wheel with tyre, suspension and damper, and the checks of its parameters."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,12 +13,12 @@ GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 
 @dataclass(frozen=True)
 class Corner:
-    """One wheel with its suspension, and where it holds the sprung mass.
+    """One wheel with its suspension, and its attachment to the sprung mass.
 
-    `lever` turns body motion into vertical motion of the body above the wheel: z = lever · (heave[, pitch[,
-    roll]]). `body_load_n` is the share of the sprung weight that rests on this corner at standstill. At
-    travel t from there the spring pushes with -(spring_n_m·t + spring_n_m3·t³) beside its static load; past
-    -stop_gap_m (jounce) and rebound_gap_m a stop pushes with stop_n_m2 · (overlap)².
+    `lever` maps body motion to the vertical motion of the body above the wheel: z = lever · (heave[, pitch[,
+    roll]]). `body_load_n` is the part of the sprung weight that this corner carries at standstill. At travel
+    t from there the spring force is -(spring_n_m·t + spring_n_m3·t³) in addition to its static load; beyond
+    -stop_gap_m (jounce) and rebound_gap_m a bump stop pushes with stop_n_m2 · (overlap)².
     """
 
     x_m: float
@@ -41,7 +41,7 @@ class Corner:
     actuator: Actuator | None
 
     def share(self, setting: Any) -> Any:
-        """Which share of the damper's range a setting in N·s/m is, 0 ... 1."""
+        """Normalised setting, 0 ... 1, of a setting in N·s/m within the damper's range."""
         return (setting - self.damping_min_ns_m) / (self.damping_max_ns_m - self.damping_min_ns_m)
 
     @property
@@ -51,19 +51,19 @@ class Corner:
 
     @property
     def static_rattle_m(self) -> float:
-        """How far the static load compresses the suspension spring, m."""
+        """Static compression of the suspension spring, m."""
         return self.body_load_n / self.spring_n_m
 
     @property
     def static_tyre_deflection_m(self) -> float:
-        """How far the static load compresses the tyre, m."""
+        """Static deflection of the tyre, m."""
         return self.static_tyre_n / self.tyre_n_m
 
 
 def axle_corners(
     car: Any, x_m: tuple[float, ...], y_m: tuple[float, ...], levers: tuple[tuple[float, ...], ...]
 ) -> tuple[Corner, ...]:
-    """Corners of a car that gives its numbers as pairs (front, rear), for wheels at x_m, front first."""
+    """Corners of a two-axle car with parameters in pairs (front, rear), for wheels at x_m, front first."""
     wheelbase = car.front_axle_m + car.rear_axle_m
     abreast = len(x_m) // 2
     shares = (car.rear_axle_m / wheelbase / abreast, car.front_axle_m / wheelbase / abreast)
@@ -100,14 +100,14 @@ MAY_BE_ZERO = ("tyre_damping_ns_m", "spring_n_m3")
 
 
 def require_order(least: float, passive: float, most: float, suffix: str = "") -> None:
-    """Raise InputError unless the passive damping lies in the damper's range."""
+    """Raise InputError unless the passive damping lies within the damper's range."""
     if not least <= passive <= most:
         allowed = f"between damping_min_ns_m ({least:g}) and damping_max_ns_m ({most:g})"
         raise InputError(f"damping_passive_ns_m{suffix} must lie {allowed}, got {passive:g}")
 
 
 def require_axles(car: Any) -> None:
-    """Check what a car of two axles says of them in tuples (front, rear), and where its seats are."""
+    """Check the axle parameters of a two-axle car, pairs (front, rear), and its seat positions."""
     for name in CORNER_FIELDS:
         values = getattr(car, name)
         if len(values) != 2:

@@ -1,18 +1,19 @@
-"""Dampers as swappable parts: what force a strut's damper gives at its setting.
+"""Damper models: force law of each kind of damper as a function of setting, travel and rate.
 
-Every damper is asked for a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it
-with a first-order lag, which stands for current and valve. `IdealDamper` gives that coefficient; for the
-others the setting's `share` of the range, 0 ... 1, stands for the same share of the current range.
+Every damper receives a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it with
+a first-order lag, which represents current and valve. For `IdealDamper` the setting is the damping
+coefficient; for the others the setting's `share` of the range, 0 ... 1, is the same fraction of the current
+range.
 
-A damper is a frozen dataclass with `inner`, its number of inner states, and
+A damper is a frozen dataclass with `inner`, its number of internal states, and
 
     force(setting, share, travel, rate, inner, xp)   N on the body, up
     inner_rates(share, travel, rate, inner, xp)      list of d(inner)/dt
 
-for travel and rate of the strut (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
-`substeps` is how many steps a tick the plant needs; `coarse(steepest_ns_m)` is the damper as a model with
-steps of milliseconds can have it: without inner states, and not steeper than that at zero rate. A gas spring
-inside a damper belongs to the car's spring.
+for travel and rate of the suspension (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
+`substeps` is the number of integration steps per tick that the plant needs; `coarse(steepest_ns_m)` is the
+reduced model for steps of milliseconds: without internal states, and not steeper than that at zero rate. A
+gas spring inside a damper belongs to the car's spring.
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +29,7 @@ __all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDam
 
 @dataclass(frozen=True)
 class IdealDamper:
-    """Variable coefficient: force = -setting · rate."""
+    """Ideal linear damper of variable coefficient: force = -setting · rate."""
 
     kind: ClassVar[str] = "ideal"
     inner: ClassVar[int] = 0
@@ -39,23 +40,23 @@ class IdealDamper:
         return -setting * rate
 
     def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """No inner states."""
+        """Return no rates: there are no internal states."""
         return []
 
     def coarse(self, steepest_ns_m: float) -> "Damper":
-        """Itself."""
+        """Return the damper unchanged."""
         return self
 
 
 @dataclass(frozen=True)
 class ValveDamper:
-    """Continuously controlled valve: a map of force over velocity and current, linear between its points.
+    """Continuously variable valve damper: a force map over velocity and current, linear between its points.
 
-    rebound_n, compression_n: a row for each of currents_a (ascending), a value for each of speeds_m_s
-    (ascending, from above zero); beyond the last speed the last slope goes on. The speeds are those of the
-    usual dynamometer test; the forces are of the class of a valve-controlled twin-tube damper for a compact
-    car, with two to three times the force in rebound that it has in compression (J. C. Dixon, The Shock
-    Absorber Handbook, 2nd ed. 2007, ch. 6 and 10), and digressive towards high current.
+    rebound_n, compression_n: one row for each of currents_a (ascending), one value for each of speeds_m_s
+    (ascending, above zero); beyond the last speed the last slope is continued. The speeds are those of the
+    usual dynamometer test; the forces are typical of a valve-controlled twin-tube damper for a compact car,
+    with two to three times the force in rebound that it has in compression (J. C. Dixon, The Shock Absorber
+    Handbook, 2nd ed. 2007, ch. 6 and 10), and digressive towards high current.
     """
 
     kind: ClassVar[str] = "valve"
@@ -101,18 +102,18 @@ class ValveDamper:
         return total
 
     def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """No inner states."""
+        """Return no rates: there are no internal states."""
         return []
 
     def coarse(self, steepest_ns_m: float) -> "Damper":
-        """Itself, with forces at the lowest speed that keep to the slope."""
+        """Return the damper with the forces at the lowest speed limited to the slope."""
         most = steepest_ns_m * self.speeds_m_s[0]
         maps = (self.rebound_n, self.compression_n)
         rebound, compression = (tuple((min(row[0], most), *row[1:]) for row in rows) for rows in maps)
         return replace(self, rebound_n=rebound, compression_n=compression)
 
     def _weights(self, current: Any, xp: Any) -> list:
-        """Share of each current's row: hat functions."""
+        """Interpolation weight of each current's row (hat functions)."""
         nodes, weights = self.currents_a, []
         for i, node in enumerate(nodes):
             rise = (current - nodes[i - 1]) / (node - nodes[i - 1]) if i else 1.0
@@ -122,7 +123,7 @@ class ValveDamper:
 
 
 def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ...], xp: Any) -> Any:
-    """Piecewise linear through zero and the points, as a sum of ramps."""
+    """Piecewise-linear interpolation through the origin and the points, as a sum of ramps."""
     total, before, at, last = 0.0, 0.0, 0.0, 0.0
     for point, force in zip(speeds, forces, strict=True):
         slope = (force - last) / (point - at)

@@ -1,12 +1,12 @@
-"""MuJoCo underneath the plant: advances the car by ticks under given controls.
+"""MuJoCo integration engines of the plant, which advance the car by ticks under given controls.
 
-An engine keeps the car's state as a row of numbers; `row[order]` is the state of `vehicle.equations`.
-Control is a column for each damper's setting, tyre's road force, actuator's force and, on a car that pitches,
-the moment of the surge.
+An engine holds the car's state as a row of numbers; `row[order]` is the state of `vehicle.equations`. The
+control has a column for each damper's setting, each tyre's road force, each actuator's force and, for a car
+that pitches, the pitching moment of the longitudinal acceleration.
 
-`Native` lets MuJoCo run many ticks at once; all forces are elements of the model, so each of the four
-Runge-Kutta stages evaluates them anew. `Stepped` serves dampers that MuJoCo has no element for: it goes in
-fractions of a tick, over each of which a damper's force is the tangent at the rate expected for its middle.
+`Native` has MuJoCo integrate many ticks in one call; all forces are elements of the model, so each of the
+four Runge-Kutta stages evaluates them. `Stepped` serves dampers that are no MuJoCo elements: it proceeds in
+substeps, over each of which the damper force is linearised about the rate expected at its midpoint.
 """
 
 from math import exp
@@ -28,15 +28,15 @@ _PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 def build_model(parameters: Car) -> mujoco.MjModel:
-    """The MuJoCo model of a car.
+    """Build the MuJoCo model of a car.
 
-    Gravity is on and carried by preload, so that joint zero is static equilibrium.
+    Gravity is balanced by preload, so that joint position zero is static equilibrium.
     """
     return mujoco.MjModel.from_xml_string(car_xml(parameters, STEP_S / parameters.corners[0].damper.substeps))
 
 
 class Native:
-    """Ideal dampers, on MuJoCo's own rollout."""
+    """Engine for ideal dampers, on MuJoCo's own rollout."""
 
     def __init__(self, parameters: Car) -> None:
         model = build_model(parameters)
@@ -46,13 +46,13 @@ class Native:
         self._rollout = Rollout(nthread=0)  # on the calling thread
         self.size = mujoco.mj_stateSize(model, _PHYSICS)
         self.order = _state_order(parameters)
-        self._reached: Array | None = None  # the row at which MuJoCo's data stands
+        self._reached: Array | None = None  # the row that MuJoCo's data holds
 
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
 
-        Returns the last one. Rows of one tick may be (size,) and (columns,): if it goes on from the last
-        row, that is quicker without a rollout.
+        Returns the last one. For a single tick, rows may be (size,) and control (columns,); if `row` is the
+        last one returned, this is faster as it needs no rollout.
         """
         if rows.ndim == 1 and row is self._reached:
             self._control[:] = control
@@ -75,7 +75,10 @@ class Native:
 
 
 class Stepped:
-    """Any damper; a row is MuJoCo's state, the dampers' settings and inner states, and the last rates."""
+    """Engine for any damper, in substeps.
+
+    A row holds MuJoCo's state, the dampers' settings and internal states, and the previous suspension rates.
+    """
 
     def __init__(self, parameters: Car) -> None:
         self._model = build_model(parameters)
@@ -98,7 +101,7 @@ class Stepped:
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
 
-        Returns the last one. Rows of one tick may be (size,) and (columns,).
+        Returns the last one. For a single tick, rows may be (size,) and control (columns,).
         """
         control, rows = np.atleast_2d(control, rows)
         mujoco.mj_setState(self._model, self._data, row[: self._physics], _PHYSICS)
@@ -121,7 +124,7 @@ class Stepped:
         return rows[-1]
 
     def _substep(self, asked: list, settings: list, inner: list, before: list) -> list:
-        """One step of the physics; settings and inner states move on in place. Returns the rates before."""
+        """Advance by one substep, settings and internal states in place; return the rates at its start."""
         step, wheels, control = self._step_s, self._wheels, self._data.ctrl
         travel, rate = self._strut_motion()
         for i, corner in enumerate(self._corners):
@@ -145,7 +148,7 @@ class Stepped:
         return rate
 
     def _strut_motion(self) -> tuple[list, list]:
-        """Travel and rate of each strut."""
+        """Travel and rate of each suspension."""
         motions = []
         for values in (self._data.qpos.tolist(), self._data.qvel.tolist()):
             body, wheel = values[: self._bodies], values[self._bodies :]
@@ -160,13 +163,13 @@ Engine = Native | Stepped
 
 
 def build_engine(parameters: Car) -> Engine:
-    """The engine that a car's dampers need."""
+    """Build the engine that suits a car's dampers."""
     ideal = isinstance(parameters.corners[0].damper, IdealDamper)
     return Native(parameters) if ideal else Stepped(parameters)
 
 
 def _state_order(parameters: Car) -> NDArray[np.int64]:
-    """Where MuJoCo's state [time, positions, velocities, activations] keeps what the equations' x holds."""
+    """Indices into MuJoCo's state [time, positions, velocities, activations] of the equations' x."""
     freedoms = len(parameters.body_inertia) + parameters.wheels
     motion = [index for i in range(freedoms) for index in (1 + i, 1 + freedoms + i)]
     activations = parameters.wheels * (1 if parameters.corners[0].actuator is None else 2)

@@ -1,24 +1,24 @@
-"""Vertical dynamics of quarter, half and full car, written once for NumPy and CasADi.
+"""Equations of motion for the vertical dynamics of quarter, half and full car, for NumPy and CasADi alike.
 
-State, as deviations from static equilibrium on a flat road (SI; pitch positive nose-down, roll
-positive left side up):
+State, as deviations from static equilibrium on a flat road (SI; axes of ISO 8855: x forward, y left, z up;
+pitch positive nose-down, roll positive left side up):
 
     quarter  x = [z_s, v_s, z_u, v_u, c]
     half     x = [z, v_z, theta, omega, z_uf, v_uf, z_ur, v_ur, c_f, c_r]
     full     x = [z, v_z, theta, omega, phi, p, z_u1, v_u1, ... z_u4, v_u4, c_1, ... c_4]
 
 with c the actual setting of the damper, N·s/m, behind its lag, and wheels in the order front, rear or front
-left, front right, rear left, rear right. A car with actuators goes on with their actual forces, one a wheel;
-a car whose dampers have inner states (`vehicle.damper`) ends with those, wheel by wheel. `motion` gives all
-of it by name, `state_size` counts it.
+left, front right, rear left, rear right. Actual actuator forces, one per wheel, follow for a car with
+actuators; internal states of the dampers (`vehicle.damper`) come last, wheel by wheel. `motion` returns all
+of them by name, `state_size` their number.
 
-A command is one setting for each damper, N·s/m, and on a car with actuators then one force for each, N,
-positive pushing the body up; `input_size` counts it. Settings are clipped to the damper's range, forces to
-the actuator's. A command of settings alone asks the actuators for nothing.
+A command is one setting for each damper, N·s/m, followed for a car with actuators by one force for each, N,
+positive pushing the body up; `input_size` is their number. Settings are clipped to the damper's range, forces
+to the actuator's. A command of settings alone requests zero actuator force.
 
-Rows come first: with NumPy a state may carry a trailing axis, x (states,
-n), and then every result does. `xp` names the arithmetic: the module `numpy`, the module `casadi` (columns),
-or FLOATS for lists of floats, the quickest way to a single state.
+The first axis runs over states or wheels; with NumPy a state may carry a trailing axis, x (states, n), and
+every result then carries it too. `xp` selects the arithmetic: the module `numpy`, the module `casadi`
+(columns), or FLOATS for lists of floats, the fastest for a single state.
 """
 
 import math
@@ -35,10 +35,11 @@ Arithmetic = ModuleType | SimpleNamespace
 
 
 class Forces(NamedTuple):
-    """Vertical forces of each wheel, rows (wheels, ...), N.
+    """Vertical forces at each wheel, rows (wheels, ...), N.
 
     spring, damper, stop and actuator push the body up and the wheel down, as deviations from standstill;
-    spring includes the anti-roll bars; tyre is the whole tyre force, static share included, never negative.
+    spring includes the anti-roll bars; tyre is the total tyre force including the static load, never
+    negative.
     """
 
     spring: Any
@@ -49,7 +50,7 @@ class Forces(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """The state vector by name; each entry is a list of rows, `inner` one of lists, wheel by wheel."""
+    """State vector by name; each entry is a list of rows, `inner` a list of lists, wheel by wheel."""
 
     body: list
     body_velocity: list
@@ -73,20 +74,20 @@ def input_size(parameters: Car) -> int:
 
 
 def damping_rows(parameters: Car) -> slice:
-    """Where the state vector keeps the dampers' settings."""
+    """Slice of the dampers' settings in the state vector."""
     first = 2 * (len(parameters.body_inertia) + parameters.wheels)
     return slice(first, first + parameters.wheels)
 
 
 def rest_state(parameters: Car) -> np.ndarray:
-    """Standstill with passive dampers, (states,)."""
+    """State at standstill with passive dampers, (states,)."""
     x = np.zeros(state_size(parameters))
     x[damping_rows(parameters)] = [corner.damping_passive_ns_m for corner in parameters.corners]
     return x
 
 
 def motion(parameters: Car, x: Any) -> Motion:
-    """Split the state vector (states, ...) into its named rows."""
+    """Split the state vector (states, ...) into named rows."""
     body, wheels = len(parameters.body_inertia), parameters.wheels
     first = 2 * body
     forces = wheels if parameters.corners[0].actuator else 0
@@ -104,7 +105,7 @@ def motion(parameters: Car, x: Any) -> Motion:
 
 
 def rattle(parameters: Car, x: Any, xp: Arithmetic = np) -> tuple[Any, Any]:
-    """Suspension travel body minus wheel (positive: extended) and its rate, rows (wheels, ...), m and m/s."""
+    """Suspension travel, body minus wheel (positive: extended), and its rate, rows (wheels, ...), m, m/s."""
     state = motion(parameters, x)
     travel, rate = _rattle(parameters, state)
     return _rows(xp, travel), _rows(xp, rate)
@@ -119,7 +120,7 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
 def act(
     parameters: Car, state: Motion, road_height: Any, road_velocity: Any, xp: Arithmetic
 ) -> tuple[list, list, Forces]:
-    """Travel and rate of each strut and the forces at each wheel, lists of rows."""
+    """Travel and rate of each suspension and the forces at each wheel, lists of rows."""
     travel, rate = _rattle(parameters, state)
     spring, damper, stop, actuator, tyre = [], [], [], [], []
     for i, corner in enumerate(parameters.corners):
@@ -145,9 +146,9 @@ def act(
 
 
 def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> tuple[list, list]:
-    """Accelerations (body motions; wheels) that the forces cause, lists of rows.
+    """Accelerations (body motions; wheels) due to the forces, lists of rows.
 
-    forward_acc: m/s² along the road, whose inertial force pitches the body; None for none.
+    forward_acc: longitudinal acceleration, m/s², whose inertial force pitches the body; None for none.
     """
     suspension = [
         acting.spring[i] + acting.damper[i] + acting.stop[i] + acting.actuator[i]
@@ -180,7 +181,7 @@ def derivative(
     xp: Arithmetic = np,
     forward_acc: Any = None,
 ) -> Any:
-    """dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
+    """State derivative dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
     state = motion(parameters, x)
     travel, rate, acting = act(parameters, state, road_height, road_velocity, xp)
     body, wheel = accelerations(parameters, acting, forward_acc)
@@ -200,7 +201,7 @@ def derivative(
 
 
 def _actuator_rates(parameters: Car, state: Motion, command: Any, xp: Arithmetic) -> list:
-    """First-order lag towards the clipped force asked for."""
+    """Rates of the actuator forces: first-order lag towards the clipped request."""
     wheels, rates = parameters.wheels, []
     given = command.shape[0] if hasattr(command, "shape") else len(command)
     for i, actual in enumerate(state.force):
@@ -220,9 +221,9 @@ def body_acceleration(
     levers: Sequence[Sequence[float]] | None = None,
     xp: Arithmetic = np,
 ) -> Any:
-    """Vertical acceleration of places on the body, rows, m/s².
+    """Vertical acceleration of points on the body, rows, m/s².
 
-    `levers` turn body motion into vertical motion of each place; without them: above each wheel.
+    `levers` map body motion to the vertical motion of each point; the default is the points above the wheels.
     `parameters.seat_levers` gives the seats.
     """
     body, _ = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
@@ -232,7 +233,7 @@ def body_acceleration(
 
 
 def carried(lever: Sequence[float], body: Sequence[Any]) -> Any:
-    """Vertical motion of the place on the body with this lever, for the body's motions."""
+    """Vertical motion of the point on the body with this lever, from the body motions."""
     return sum(arm * part for arm, part in zip(lever[1:], body[1:], strict=True)) + lever[0] * body[0]
 
 

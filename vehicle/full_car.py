@@ -1,4 +1,4 @@
-"""The full car: heave, pitch and roll of the body on four wheels."""
+"""Full-car model: heave, pitch and roll of the body on four wheels."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,8 +19,8 @@ class FullCar:
     stiffnesses and damping those of one wheel. Roll is positive to the right (left side up) and small like
     pitch: the body above (x, y) moves by heave - x · pitch + y · roll. An anti-roll bar presses the wheel
     whose strut is the shorter one down and lifts the other by anti_roll_n_m times their difference.
-    Accelerating and braking pitch the body by its inertial force at cg_height_m; no anti-dive geometry takes
-    a share of it. The rest is as in `QuarterCar`.
+    Accelerating and braking pitch the body through its inertial force at cg_height_m; no anti-dive geometry
+    takes up part of it. The rest is as in `QuarterCar`.
     """
 
     kind: ClassVar[str] = "full_car"
@@ -87,21 +87,21 @@ class FullCar:
 
     @property
     def seat_levers(self) -> tuple[tuple[float, ...], ...]:
-        """What turns body motion into vertical motion of each seat."""
+        """Map from body motion to the vertical motion of each seat."""
         return tuple((1.0, -x, y) for x, y in zip(self.seat_x_m, self.seat_y_m, strict=True))
 
     @property
     def body_inertia(self) -> tuple[float, ...]:
-        """Inertia against each body motion: heave (kg), pitch, roll (kg·m²)."""
+        """Generalised mass of each body motion: heave (kg), pitch, roll (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2)
 
     @property
     def inertial_arm_m(self) -> tuple[float, ...]:
-        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        """Lever arm of the longitudinal inertial force about each body motion, m."""
         return (0.0, self.cg_height_m, 0.0)
 
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
-        """Front left, front right, rear left, rear right."""
+        """Corners: front left, front right, rear left, rear right."""
         levers = tuple((1.0, -x, y) for x, y in zip(self.axle_x_m, self.wheel_y_m, strict=True))
         return axle_corners(self, self.axle_x_m, self.wheel_y_m, levers)

@@ -1,4 +1,4 @@
-"""The half car's parameters (see `vehicle.parameters`)."""
+"""Half-car model: heave and pitch of the body on two axles."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,8 +16,8 @@ class HalfCar:
 
     Masses, stiffnesses and damping are those of one side of the car. Pitch is positive nose-down and small:
     the body above the wheel at x moves by heave - x · pitch (at 0.1 rad the sine differs by 0.2 %).
-    Accelerating and braking pitch the body by its inertial force at cg_height_m; no anti-dive geometry takes
-    a share of it. The rest is as in `QuarterCar`.
+    Accelerating and braking pitch the body through its inertial force at cg_height_m; no anti-dive geometry
+    takes up part of it. The rest is as in `QuarterCar`.
     """
 
     kind: ClassVar[str] = "half_car"
@@ -62,31 +62,31 @@ class HalfCar:
 
     @property
     def wheel_y_m(self) -> tuple[float, ...]:
-        """Lateral positions of the wheels, left positive, m: the right track."""
+        """Lateral position of the wheels, left positive, m: the right wheel track."""
         return (-self.track_m / 2,) * 2
 
     @property
     def anti_roll_n_m(self) -> tuple[float, ...]:
-        """No anti-roll bars."""
+        """Stiffness of the anti-roll bars: none."""
         return ()
 
     @property
     def seat_levers(self) -> tuple[tuple[float, ...], ...]:
-        """What turns body motion into vertical motion of each seat."""
+        """Map from body motion to the vertical motion of each seat."""
         return tuple((1.0, -x) for x in self.seat_x_m)
 
     @property
     def body_inertia(self) -> tuple[float, ...]:
-        """Inertia against each body motion: heave (kg), pitch (kg·m²)."""
+        """Generalised mass of each body motion: heave (kg), pitch (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2)
 
     @property
     def inertial_arm_m(self) -> tuple[float, ...]:
-        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        """Lever arm of the longitudinal inertial force about each body motion, m."""
         return (0.0, self.cg_height_m)
 
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
-        """Front and rear corner."""
+        """Corners: front, rear."""
         levers = tuple((1.0, -x) for x in self.axle_x_m)
         return axle_corners(self, self.axle_x_m, self.wheel_y_m, levers)

@@ -1,6 +1,6 @@
-"""The linear twin: the car at fixed damping, without bump stops and with tyres that also pull.
+"""Linear twin: the car with constant damping, without bump stops and with tyres that keep contact.
 
-M q̈ + C q̇ + K q = Kₜ h + Cₜ ḣ, assembled from mass, stiffness and damping matrices and so independently of
+M q̈ + C q̇ + K q = Kₜ h + Cₜ ḣ, assembled from mass, stiffness and damping matrices and thus independently of
 `vehicle.equations`, with which it must agree for small motions.
 """
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 def linear_twin(parameters: Car, damping_ns_m: Sequence[float] | None = None) -> control.StateSpace:
-    """State space of the car at constant damping (one value per wheel; passive by default).
+    """State-space model of the car at constant damping (one value per wheel; passive by default).
 
     States: those of `vehicle.equations` without the damping. Inputs: road_height_i (m), then road_velocity_i
     (m/s). Outputs per wheel i: body_acc_i (m/s²), then rattle_i (m), then dynamic tyre force tyre_i (N).
@@ -54,13 +54,13 @@ def linear_twin(parameters: Car, damping_ns_m: Sequence[float] | None = None) ->
 
 
 def natural_frequencies_hz(parameters: Car) -> Array:
-    """Undamped natural frequencies, ascending, Hz: the body's motions first, then the wheels' hop."""
+    """Undamped natural frequencies, ascending, Hz: body modes first, then wheel hop."""
     mass, _, _ = _geometry(parameters)
     return np.sqrt(scipy.linalg.eigh(_stiffness(parameters), np.diag(mass), eigvals_only=True)) / (2 * np.pi)
 
 
 def _geometry(parameters: Car) -> tuple[Array, Array, Array]:
-    """Masses (q,) and what turns q = (body motions, wheels) into rattle and wheel height, (w, q) each."""
+    """Masses (q,), and the maps from q = (body motions, wheels) to travel and wheel height, (w, q)."""
     corners, wheels = parameters.corners, parameters.wheels
     mass = np.array([*parameters.body_inertia, *(corner.unsprung_mass_kg for corner in corners)])
     lever = np.array([corner.lever for corner in corners])

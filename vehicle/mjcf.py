@@ -1,9 +1,9 @@
-"""A car as MJCF, MuJoCo's model format.
+"""MJCF model of a car (MuJoCo's model format).
 
-Joint zero is static equilibrium on a flat road: gravity is on and carried by the springs' rest lengths and a
-bias of the tyres. A strut's length is linear in the motions of body and wheel: small-angle geometry. With
-equal inertia in pitch and yaw the two hinges of a full car do not couple, so its mass matrix is the diagonal
-one of `vehicle.equations` at any angle.
+Joint position zero is static equilibrium on a flat road: gravity is balanced by the springs' rest lengths and
+a bias force of the tyres. The suspension length is linear in the motions of body and wheel (small angles).
+With equal inertia in pitch and yaw the two hinges of a full car do not couple, so its mass matrix is the
+diagonal one of `vehicle.equations` at any angle.
 """
 
 from vehicle.corner import GRAVITY_M_S2, Corner
@@ -42,16 +42,16 @@ _WHEEL = """    <body name="{name}" pos="{corner.x_m} {corner.y_m} 0">
 _DAMPER = """    <general name="{name}_damper" tendon="{name}_strut"
              dyntype="filter" dynprm="{corner.damper_lag_s}" gaintype="affine" gainprm="0 0 -1"
              ctrllimited="true" ctrlrange="{corner.damping_min_ns_m} {corner.damping_max_ns_m}"/>"""
-# The tangent of a damper's law: control of the first is its slope, of the second its force at rate zero.
+# Linearised damper: the control of the first is its slope, that of the second its force at zero rate.
 _SLOPE = '    <general name="{name}_damper" tendon="{name}_strut" gaintype="affine" gainprm="0 0 -1"/>'
 _OFFSET = '    <general name="{name}_damper_offset" tendon="{name}_strut"/>'
 # Control: requested force. Activation: actual force, behind the lag.
 _ACTUATOR = """    <general name="{name}_actuator" tendon="{name}_strut" ctrllimited="true"
              ctrlrange="-{corner.actuator.force_limit_n} {corner.actuator.force_limit_n}"
              dyntype="filter" dynprm="{corner.actuator.lag_s}"/>"""
-# Control: moment of the inertial force of forward acceleration.
+# Control: pitching moment of the longitudinal inertial force.
 _SURGE = '    <general name="surge" joint="pitch"/>'
-# Control: force of the road's own motion. A tyre does not pull, hence the force range.
+# Control: force due to the road's motion. A tyre cannot pull, hence the force range.
 _TYRE = """    <general name="{name}_tyre" joint="{name}" biastype="affine"
              biasprm="{corner.static_tyre_n} -{corner.tyre_n_m} -{corner.tyre_damping_ns_m}"
              forcelimited="true" forcerange="0 1e12"/>"""
@@ -63,10 +63,10 @@ _WHEEL_NAMES = {
 
 
 def car_xml(parameters: Car, step_s: float) -> str:
-    """The MJCF of a car.
+    """Return the MJCF of a car.
 
-    Joints: the body's motions, then the wheels. Actuators: dampers, tyres, actuators, the offsets of dampers
-    that are no MuJoCo elements, and the surge of a car that pitches; what a car does not have is left out.
+    Joints: the body's motions, then the wheels. Actuators: dampers, tyres, actuators, offsets of dampers that
+    are no MuJoCo elements, and the surge moment of a car that pitches; absent elements are omitted.
     """
     first = parameters.corners[0]
     native = isinstance(first.damper, IdealDamper)
@@ -101,14 +101,14 @@ def _body(parameters: Car) -> str:
 
 
 def _tendon(name: str, stiffness: str, springlength: str, length: dict[str, float]) -> str:
-    """A spring on a length that is the sum of joint coordinates times coefficients."""
+    """Spring on a tendon whose length is a linear combination of joint coordinates."""
     joints = [f'      <joint joint="{joint}" coef="{coef}"/>' for joint, coef in length.items()]
     head = f'    <fixed name="{name}" stiffness="{stiffness}" springlength="{springlength}">'
     return "\n".join([head, *joints, "    </fixed>"])
 
 
 def _rattle(name: str, corner: Corner, sign: float = 1.0) -> dict[str, float]:
-    """Body minus wheel in terms of the joints, positive when extended."""
+    """Suspension travel as a combination of joints: body minus wheel, positive when extended."""
     motions = zip(("heave", "pitch", "roll"), corner.lever, strict=False)
     return {joint: sign * arm for joint, arm in motions} | {name: -sign}
 
@@ -119,7 +119,7 @@ def _strut(name: str, corner: Corner) -> str:
 
 
 def _stops(name: str, corner: Corner) -> list[str]:
-    """A stop acts past its gap with a purely quadratic stiffness."""
+    """Bump stops: purely quadratic stiffness beyond the gap."""
     law, jounce, rebound = f"0 {corner.stop_n_m2}", corner.stop_gap_m, corner.rebound_gap_m
     return [
         _tendon(f"{name}_rebound_stop", law, f"-1e3 {rebound}", _rattle(name, corner)),
@@ -128,12 +128,12 @@ def _stops(name: str, corner: Corner) -> list[str]:
 
 
 def _progression(name: str, corner: Corner) -> str:
-    """What the spring's rate gains with travel."""
+    """Progressive (cubic) part of the spring."""
     return _tendon(f"{name}_progression", f"0 0 {corner.spring_n_m3}", "0", _rattle(name, corner))
 
 
 def _anti_roll_bars(parameters: Car) -> list[str]:
-    """Springs on the difference in rattle of an axle's wheels."""
+    """Anti-roll bars: springs on the difference in suspension travel of an axle's wheels."""
     bars, names = [], _WHEEL_NAMES[parameters.wheels]
     for axle, stiffness in enumerate(parameters.anti_roll_n_m):
         left, right = 2 * axle, 2 * axle + 1

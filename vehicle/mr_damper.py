@@ -1,4 +1,4 @@
-"""Magnetorheological dampers, as `vehicle.damper` describes dampers."""
+"""Magnetorheological damper models; see `vehicle.damper` for the common interface."""
 
 from dataclasses import dataclass, replace
 from math import atanh, sqrt, tanh
@@ -10,13 +10,13 @@ from vehicle.checks import require
 
 @dataclass(frozen=True)
 class MrTanhDamper:
-    """Magnetorheological damper by a hyperbolic tangent with hysteresis.
+    """Magnetorheological damper: hyperbolic-tangent model with hysteresis.
 
     force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
     A novel hysteretic model for magnetorheological fluid dampers and parameter identification using particle
     swarm optimization, Sensors and Actuators A 132, 2006, fit for a LORD RD-1005). The paper's linear
-    stiffness and constant gas force are left out: they belong to the car's spring. The sign is smoothed over
-    `switch_m`. The model gives energy back where beta·|v| < delta: a run's audit tells how much.
+    stiffness and constant gas force are omitted: they belong to the car's spring. The sign is smoothed over
+    `switch_m`. The model returns energy where beta·|v| < delta; a run's energy audit quantifies it.
     """
 
     kind: ClassVar[str] = "mr_tanh"
@@ -44,11 +44,11 @@ class MrTanhDamper:
         return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
 
     def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """No inner states."""
+        """Return no rates: there are no internal states."""
         return []
 
     def coarse(self, steepest_ns_m: float) -> "MrTanhDamper":
-        """Itself with a wider step through zero and without hysteresis."""
+        """Return the damper with a less steep transition through zero and without hysteresis."""
         amps = self.current_max_a
         strongest = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
         left = steepest_ns_m - self.viscous_ns_m[0] - self.viscous_ns_m[1] * amps
@@ -58,7 +58,7 @@ class MrTanhDamper:
 
 @dataclass(frozen=True)
 class MrBoucWenDamper:
-    """Magnetorheological damper by the modified Bouc-Wen model; inner states y and z, m.
+    """Magnetorheological damper: modified Bouc-Wen model; internal states y and z, m.
 
     B. F. Spencer et al., Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123(3), 1997,
     with exponent 2 and without the accumulator's spring k₁. Values of C. Y. Lai and W. H. Liao, Vibration
@@ -90,7 +90,7 @@ class MrBoucWenDamper:
         require("c1_ns_m[0]", self.c1_ns_m[0], above=0.0)
 
     def _creep(self, share: Any, travel: Any, rate: Any, inner: list) -> tuple[Any, Any]:
-        """Velocity of the inner node y, and c₁."""
+        """Velocity of the internal node y, and c₁."""
         y, z = inner
         volts = self.voltage_max_v * share
         c0, c1, alpha = (pair[0] + pair[1] * volts for pair in (self.c0_ns_m, self.c1_ns_m, self.alpha_n_m))
@@ -102,14 +102,14 @@ class MrBoucWenDamper:
         return -c1 * velocity
 
     def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
-        """Rates of y and z."""
+        """Time derivatives of y and z."""
         velocity, _ = self._creep(share, travel, rate, inner)
         slip, z = rate - velocity, inner[1]
         evolved = self.gain * slip - self.gamma_m2 * xp.fabs(slip) * z * xp.fabs(z)
         return [velocity, evolved - self.beta_m2 * slip * z**2]
 
     def coarse(self, steepest_ns_m: float) -> "MrTanhDamper":
-        """The curve it follows when it yields: z at its bound, the inner node at rest."""
+        """Return the static force curve at yield: z at its bound, the internal node at rest."""
         bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
         curve = MrTanhDamper(
             current_max_a=self.voltage_max_v,
@@ -119,10 +119,10 @@ class MrBoucWenDamper:
         return curve.coarse(steepest_ns_m)
 
     def advance(self, share: float, travel: float, rate: float, inner: list, step_s: float) -> list:
-        """Inner states after a step at constant slip, over which z's equation has a closed solution.
+        """Internal states after a step at constant slip rate, for which z has a closed-form solution.
 
-        With s = |slip|·t and w = z·sign(slip) it reads dw/ds = A - (beta ± gamma)·w², + for w > 0: a
-        hyperbolic tangent. As z may turn on 0.1 mm of slip, ordinary steps would be unstable.
+        With s = |slip|·t and w = z·sign(slip) its equation reads dw/ds = A - (beta ± gamma)·w², + for w > 0:
+        a hyperbolic tangent. As z may reverse within 0.1 mm of slip, explicit steps would be unstable.
         """
         velocity, _ = self._creep(share, travel, rate, inner)
         slip, z = rate - velocity, inner[1]

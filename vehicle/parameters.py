@@ -1,8 +1,8 @@
-"""What a car is made of: parameters of quarter, half and full car, read from YAML.
+"""Vehicle parameters: quarter, half and full car, read from YAML.
 
-All cars look alike to the equations: a rigid sprung mass with one inertia per body motion (heave, pitch,
-roll, as far as the car has them), a tuple of corners (front, rear or front left, front right, rear left, rear
-right) and the stiffness of its anti-roll bars.
+To the equations of motion all cars have the same structure: a rigid sprung mass with one generalised mass per
+body motion (heave, pitch, roll, as far as the car has them), a tuple of corners (front, rear or front left,
+front right, rear left, rear right) and the stiffness of its anti-roll bars.
 """
 
 from dataclasses import replace
@@ -32,10 +32,10 @@ Car = QuarterCar | HalfCar | FullCar
 
 
 def prediction_car(parameters: Car) -> Car:
-    """The car as a controller's model with steps of 5 ms knows it: its dampers `coarse`.
+    """Return the control model of a car: the same car with reduced (`coarse`) dampers.
 
-    Explicit Runge-Kutta steps of 5 ms are stable on the lightest wheel at the slope chosen. States are those
-    of the car without the dampers' inner ones, which come last.
+    At the slope chosen, explicit Runge-Kutta steps of 5 ms are stable for the lightest wheel. The states are
+    those of the car without the dampers' internal ones, which come last.
     """
     lightest = min(corner.unsprung_mass_kg for corner in parameters.corners)
     return replace(parameters, damper=parameters.damper.coarse(1.6 * lightest / 0.005))
@@ -50,7 +50,7 @@ def load_vehicle(name_or_path: Literal["full", "full_car"]) -> FullCar: ...
 @overload
 def load_vehicle(name_or_path: str | Path) -> Car: ...
 def load_vehicle(name_or_path: str | Path) -> Car:
-    """The car of a shipped name (such as `half_car`, or `half` for short) or of a YAML file.
+    """Load a car by its shipped name (such as `half_car`, or `half` for short) or from a YAML file.
 
     Raises InputError for an unknown name and for a file that does not describe a car.
     """

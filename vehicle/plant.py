@@ -1,4 +1,4 @@
-"""The car driven over a road, in ticks of 1 ms."""
+"""Plant: the car driven over a road, integrated in ticks of 1 ms."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,11 +17,11 @@ from vehicle.state import Array, Profile, VehicleState, observe, road_forces, ro
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 
-_CHUNK = 1000  # ticks of road prepared at once: looking it up tick by tick would cost more than the dynamics
+_CHUNK = 1000  # ticks of road prepared at once: lookup tick by tick would cost more than the dynamics
 
 
 class _Leg(NamedTuple):
-    """What stood at the ends of ticks driven: position, speed and, where there is any, acceleration, (n,)."""
+    """Segment of a drive: position, speed and, if any, acceleration at the ends of its ticks, (n,)."""
 
     x_m: Array
     speed_m_s: Array
@@ -29,9 +29,9 @@ class _Leg(NamedTuple):
 
 
 class Plant:
-    """A car on a road: `reset`, then `step` with commands, then `state` or `signals`.
+    """Simulated car on a road: `reset`, then `step` with commands, then read `state` or `signals`.
 
-    The road is sampled in the middle of each tick and held over it, which is second-order accurate; its rate
+    The road is sampled at the middle of each tick and held over it, which is second-order accurate; its rate
     of change is the mean over the tick.
     """
 
@@ -48,10 +48,10 @@ class Plant:
         self._forces = np.s_[..., 2 * self._wheels : self._wheels + self._inputs]
 
     def reset(self, profiles: Sequence[Profile], x_m: float, speed: float | SpeedProfile) -> None:
-        """Put the car with its centre of gravity at x_m on the road of `profiles`, one a wheel, front first.
+        """Place the car with its centre of gravity at x_m on the road of `profiles`, one per wheel.
 
-        Wheels stand at the height of the road, the body in equilibrium above them; vertical velocities are
-        zero, the dampers passive and actuators without force. The car goes at a constant speed, m/s, or by a
+        The wheels stand on the road with the body in equilibrium above them; vertical velocities are zero,
+        the dampers passive and the actuators without force. The car moves at constant speed, m/s, or by a
         profile, whose `start_m` is then x_m.
         """
         wheels = self.parameters.wheels
@@ -67,11 +67,11 @@ class Plant:
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
         self._legs, self._driven = [self._ends(slice(0, 1))], [self._row[None]]
         self._commands, self._counts = [passive], [1]
-        self._seen: VehicleState | None = None  # the state asked for last, several ask for the same
+        self._seen: VehicleState | None = None  # cache of the last observed state
 
     @property
     def speed_m_s(self) -> float:
-        """Speed along the road now; setting it ends a profile."""
+        """Present speed along the road; setting it ends a profile."""
         return float(self._stretch.speed_m_s[self._used])
 
     @speed_m_s.setter
@@ -84,10 +84,10 @@ class Plant:
         return float(self._stretch.edges_m[self._used])
 
     def step(self, command: ArrayLike, ticks: int = 1) -> None:
-        """Advance `ticks` of 1 ms with a command as `vehicle.equations` describes it, held over them.
+        """Advance by `ticks` of 1 ms with the command held (`vehicle.equations` describes its order).
 
         One call for all ticks up to the next command is the fast way and gives the same states. Raises
-        InputError when the motion diverges.
+        InputError if the motion diverges.
         """
         first, last = self._used, self._used + ticks
         if last > self._prepared:
@@ -109,12 +109,12 @@ class Plant:
         self._commands.append(asked)
         self._counts.append(ticks)
         reached = self._row.item(0)
-        if not reached >= (self._tick - 0.5) * STEP_S:  # MuJoCo stops its clock at a state it cannot advance
+        if not reached >= (self._tick - 0.5) * STEP_S:  # MuJoCo's clock stops if a step fails
             raise InputError(f"vehicle diverged at {reached:.3f} s: too stiff or too light for 1 ms ticks")
 
     @property
     def state(self) -> VehicleState:
-        """The car now."""
+        """Present state of the car."""
         if self._seen is None:
             x_m, speed_m_s, acc = (
                 self._ends(slice(self._used, self._used + 1)) if self._used else self._legs[-1]
@@ -126,7 +126,7 @@ class Plant:
 
     @property
     def signals(self) -> VehicleState:
-        """The car at every tick since `reset`, its standstill included; n = ticks + 1."""
+        """Signals of the car at every tick since `reset`, including the standstill; n = ticks + 1."""
         here = slice(1, self._used + 1)
         legs = [*self._legs, self._ends(here)]
         forward = None
@@ -144,7 +144,7 @@ class Plant:
         )
 
     def _ends(self, edges: slice) -> _Leg:
-        """The motion along the road at these edges of the stretch under way."""
+        """Longitudinal motion at these tick boundaries of the current stretch."""
         x_m, _, speed_m_s, acc = self._stretch
         return _Leg(x_m[edges], speed_m_s[edges], None if acc is None else acc[edges])
 
@@ -155,20 +155,20 @@ class Plant:
         return observe(self.parameters, time_s, x_m, speed_m_s, x, command, road, acc)
 
     def _without_force(self, given: Array) -> Array:
-        """The command with all inputs that one of damper settings alone stands for."""
+        """Extend a command of damper settings alone by zero actuator forces."""
         if given.shape != (self._wheels,):
             wanted = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
             raise InputError(f"command must hold {wanted} values, got shape {given.shape}")
         return np.concatenate([given, np.zeros(self._inputs - self._wheels)])
 
     def _finish_leg(self) -> None:
-        """Put what was driven of the prepared road on record."""
+        """Record the part of the prepared road that has been driven."""
         if self._used:
             self._legs.append(self._ends(slice(1, self._used + 1)))
             self._driven.append(self._rows[: self._used])
 
     def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
-        """Travel at the next ticks from x_m on, and what road and surge do to the car during each."""
+        """Prepare motion, road forces and pitching moment for the next ticks from x_m on."""
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
         self._prepared, self._used = max(ticks, _CHUNK), 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
@@ -182,7 +182,7 @@ class Plant:
 
 
 def standing(parameters: Car, road_height: list[float]) -> Array:
-    """State at rest on wheels at `road_height` (w,), the body where its corners are level with the wheels."""
+    """Rest state on wheels at `road_height` (w,), the body level with them (least squares)."""
     x = rest_state(parameters)
     body = len(parameters.body_inertia)
     levers = np.array([corner.lever for corner in parameters.corners])

@@ -1,4 +1,4 @@
-"""The quarter car's parameters (see `vehicle.parameters`)."""
+"""Quarter-car model: one wheel and its part of the body."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,7 +20,7 @@ from vehicle.damper import Damper, IdealDamper
 
 @dataclass(frozen=True)
 class QuarterCar:
-    """One wheel and its share of the body: the two-mass model of ride comfort, SI units.
+    """Quarter car, the two-mass model of ride comfort: one wheel and its share of the body, SI units.
 
     The damper is semi-active: its coefficient follows the command with a first-order lag inside
     [damping_min_ns_m, damping_max_ns_m]; `damper` says what force that gives (`vehicle.damper`). An
@@ -70,12 +70,12 @@ class QuarterCar:
 
     @property
     def wheel_y_m(self) -> tuple[float, ...]:
-        """Lateral positions of the wheels, left positive, m: the right track."""
+        """Lateral position of the wheel, left positive, m: the right wheel track."""
         return (-self.track_m / 2,)
 
     @property
     def anti_roll_n_m(self) -> tuple[float, ...]:
-        """No anti-roll bars."""
+        """Stiffness of the anti-roll bars: none."""
         return ()
 
     @property
@@ -85,22 +85,22 @@ class QuarterCar:
 
     @property
     def seat_levers(self) -> tuple[tuple[float, ...], ...]:
-        """What turns body motion into vertical motion of each seat."""
+        """Map from body motion to the vertical motion of each seat."""
         return ((1.0,),)
 
     @property
     def body_inertia(self) -> tuple[float, ...]:
-        """Inertia against each body motion: heave (kg)."""
+        """Generalised mass of each body motion: heave (kg)."""
         return (self.sprung_mass_kg,)
 
     @property
     def inertial_arm_m(self) -> tuple[float, ...]:
-        """What turns the inertial force of forward acceleration into a force against each body motion."""
+        """Lever arm of the longitudinal inertial force about each body motion, m."""
         return (0.0,)
 
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
-        """The one corner."""
+        """The single corner."""
         shared = {name: getattr(self, name) for name in CORNER_FIELDS}
         return (
             Corner(

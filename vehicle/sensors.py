@@ -1,14 +1,14 @@
-"""What the car's own sensors report: the truth with noise, offsets and, if asked for, steps, delay and loss.
+"""Vehicle sensors: true signals with noise, offsets and, optionally, quantisation, delay and dropout.
 
-Default values, each for a class of part rather than a part:
+Default values, each typical of a class of parts:
 
 * body accelerometer and gyros of pitch and roll: automotive six-axis MEMS module (±8 g, ±125 °/s); noise
-  densities of 60 µg/√Hz and 5 m°/s/√Hz; what standstill calibration leaves of the offsets, 3 mg and 0.05 °/s
+  densities of 60 µg/√Hz and 5 m°/s/√Hz; residual offsets after standstill calibration, 3 mg and 0.05 °/s
 * wheel accelerometer: automotive high-g MEMS (±120 g); 1 mg/√Hz, offset 50 mg
-* rattle: Hall-effect level sensor on a linkage, ±100 mm; 0.2 mm noise, 1 mm of zero error
+* rattle: Hall-effect level sensor on a linkage, ±100 mm; 0.2 mm noise, 1 mm zero error
 * speed: toothed-ring wheel-speed sensor; 0.02 m/s noise, 0.3 % error of the rolling radius
 
-`CATALOGUE_STEPS` holds what digital outputs of such parts resolve: 16-bit inertial modules like Bosch's
+`CATALOGUE_STEPS` holds the resolution of digital outputs of such parts: 16-bit inertial modules like Bosch's
 SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375 (49 mg),
 a 12-bit level sensor over 200 mm.
 """
@@ -96,7 +96,7 @@ NO_NOISE = SensorNoise(**_SILENT)
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """One reading of all sensors; accelerations are zero at standstill; w wheels, front first."""
+    """Reading of all sensors at one instant; accelerations are zero at standstill; w wheels, front first."""
 
     time_s: float
     body_acc: Array  # (w,) above each wheel, m/s²
@@ -108,11 +108,11 @@ class Measurement:
 
 
 class Sensors:
-    """The sensors of one car: offsets are drawn once, noise anew at each reading, both from `rng`."""
+    """Sensors of one car: offsets are drawn once, noise at each reading, both from `rng`."""
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
         self._rng, self._wheels = rng, wheels
-        self._roll_rng = rng.spawn(1)[0]  # its own, so that the roll gyro shifts no other channel's chance
+        self._roll_rng = rng.spawn(1)[0]  # independent of the other channels' draws
         n = self._noise = noise or SensorNoise()
         width = np.sqrt(n.bandwidth_hz)
         noises = np.repeat([n.body_density_m_s2 * width, n.wheel_density_m_s2 * width, n.rattle_m], wheels)
@@ -131,7 +131,7 @@ class Sensors:
         self._plain = i == SensorInterface()
 
     def measure(self, state: VehicleState) -> Measurement:
-        """The reading at one moment."""
+        """Return the reading for the present state."""
         w = self._wheels
         error = self._offset + self._sigma * self._normal()
         moved = [state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate]
@@ -149,14 +149,14 @@ class Sensors:
         )
 
     def _normal(self) -> Array:
-        """A standard normal number for each channel."""
+        """Draw a standard normal number for each channel."""
         numbers = np.empty(3 * self._wheels + 3)
         self._rng.standard_normal(out=numbers[:-1])
         numbers[-1] = self._roll_rng.standard_normal()
         return numbers
 
     def _transmit(self, reading: Array) -> Array:
-        """Round to steps, hold back, and keep the last value of channels that are lost."""
+        """Quantise, delay, and hold the last value of channels that drop out."""
         stepped = np.where(self._step > 0.0, self._step, 1.0)
         self._on_way.append(np.where(self._step > 0.0, np.round(reading / stepped) * stepped, reading))
         arriving = self._on_way[0]

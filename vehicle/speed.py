@@ -1,7 +1,7 @@
-"""How the car moves along the road: at constant speed, or through points of a speed profile.
+"""Speed profiles: longitudinal motion at constant speed or with piecewise constant acceleration.
 
-A motion tells, for the next ticks from `tick` on: where the car is at their edges (ticks + 1,) and middles
-(ticks,), and speed and acceleration at the edges; acceleration None means none.
+A motion gives, for the ticks from `tick` on, the position at their edges (ticks + 1,) and middles (ticks,),
+and speed and acceleration at the edges; acceleration None stands for none.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ HIGHEST_M_S = 100.0
 
 
 class Stretch(NamedTuple):
-    """The next ticks: positions at their edges and middles, speed and acceleration at their edges."""
+    """Motion over the next ticks: positions at their edges and middles, speed, acceleration at the edges."""
 
     edges_m: Array
     middles_m: Array
@@ -29,7 +29,7 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True)
 class ConstantSpeed:
-    """The same speed always. Raises InputError for one outside 0 ... 100 m/s."""
+    """Motion at constant speed. Raises InputError for a speed outside 0 ... 100 m/s."""
 
     speed_m_s: float
 
@@ -37,7 +37,7 @@ class ConstantSpeed:
         _check_speed(self.speed_m_s)
 
     def ahead(self, x_m: float, tick: int, ticks: int) -> Stretch:
-        """The next `ticks` of a car that is at x_m now."""
+        """Return the motion over the next `ticks` of a car at x_m."""
         advance = self.speed_m_s * STEP_S
         edges = x_m + advance * np.arange(ticks + 1.0)
         return Stretch(edges, edges[:-1] + advance / 2, np.full(ticks + 1, self.speed_m_s), None)
@@ -45,10 +45,10 @@ class ConstantSpeed:
 
 @dataclass(frozen=True)
 class SpeedProfile:
-    """Constant acceleration from point to point, constant speed after the last one.
+    """Piecewise constant acceleration between points, constant speed after the last one.
 
-    times_s: (n,) ascending, from 0. speeds_m_s: (n,). start_m: where the car is at time 0. Positions are
-    functions of the tick, not sums over ticks, so they do not drift.
+    times_s: (n,) ascending, from 0. speeds_m_s: (n,). start_m: position at time 0. Positions are functions of
+    the tick, not sums over ticks, so they do not drift.
     """
 
     times_s: tuple[float, ...]
@@ -65,14 +65,14 @@ class SpeedProfile:
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array, Array, Array]:
-        """Times, speeds, accelerations after them, and distances covered at them."""
+        """Times, speeds, accelerations after them, and distances covered by then."""
         times, speeds = np.array(self.times_s), np.array(self.speeds_m_s)
         spans = np.diff(times)
         covered = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * spans)])
         return times, speeds, np.append(np.diff(speeds) / spans, 0.0), covered
 
     def at(self, time_s: Array | float) -> tuple[Array, Array, Array]:
-        """Position, speed and acceleration at times, same shape; from start_m on."""
+        """Position (from start_m on), speed and acceleration at the given times, of the same shape."""
         times, speeds, accelerations, covered = self._nodes
         piece = np.searchsorted(times, time_s, side="right") - 1
         since = time_s - times[piece]
@@ -81,7 +81,7 @@ class SpeedProfile:
         return position, speed, accelerations[piece]
 
     def time_at(self, position_m: float) -> float:
-        """When the car is at a place; infinite where it never comes."""
+        """Time at which the car reaches a position; infinite if it never does."""
         times, speeds, accelerations, covered = self._nodes
         left = position_m - self.start_m
         piece = max(int(np.searchsorted(covered, left, side="right")) - 1, 0)
@@ -91,7 +91,7 @@ class SpeedProfile:
         return float(times[piece] + left / mean) if mean > 0.0 else float("inf")
 
     def ahead(self, x_m: float, tick: int, ticks: int) -> Stretch:
-        """The next `ticks` from `tick` on."""
+        """Return the motion over the next `ticks` from `tick` on."""
         edges = np.arange(tick, tick + ticks + 1, dtype=np.float64)
         position, speed, acceleration = self.at(edges * STEP_S)
         return Stretch(position, self.at((edges[:-1] + 0.5) * STEP_S)[0], speed, acceleration)

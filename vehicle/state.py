@@ -1,4 +1,4 @@
-"""What can be said about a car at a moment, or over a whole run: motion, accelerations and forces."""
+"""Vehicle signals: motion, accelerations and forces of a car at one instant or over a run."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 class Profile(Protocol):
-    """Effective road height under one wheel; `road.envelope.WheelProfile` is one."""
+    """Protocol of the effective road profile under one wheel, such as `road.envelope.WheelProfile`."""
 
     def height(self, x: Any, /) -> Any:
         """Height (m) at x along the road (m); a float for a float, (n,) for (n,)."""
@@ -27,11 +27,11 @@ class Profile(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class VehicleState:
-    """The car at one moment, or at n moments: then every entry has a trailing axis n.
+    """Signals of the car at one instant, or at n instants: then every entry has a trailing axis n.
 
-    Displacements are deviations from static equilibrium on a flat road; rattle is body minus wheel, positive
-    when extended; pitch is positive nose-down, roll left side up; w wheels are ordered front, rear or front
-    left, front right, rear left, rear right; SI units.
+    Displacements are deviations from static equilibrium on a flat road; rattle (suspension travel) is body
+    minus wheel, positive when extended; pitch is positive nose-down, roll left side up; w wheels are ordered
+    front, rear or front left, front right, rear left, rear right; SI units.
     """
 
     time_s: Any
@@ -48,8 +48,8 @@ class VehicleState:
     wheel_z: Array  # (w,)
     wheel_v: Array  # (w,)
     damping: Array  # (w,) actual setting of the damper, N·s/m
-    command: Array  # (w,) damping requested up to this moment, N·s/m
-    force_command: Array  # (w,) actuator force requested up to this moment, N
+    command: Array  # (w,) damping requested until now, N·s/m
+    force_command: Array  # (w,) actuator force requested until now, N
     rattle_m: Array  # (w,)
     rattle_velocity: Array  # (w,)
     body_acc: Array  # (w,) above each wheel
@@ -61,14 +61,14 @@ class VehicleState:
     damper_force: Array  # (w,) on the body, up
     actuator_force: Array  # (w,) on the body, up
     stop_force: Array  # (w,) on the body, up
-    tyre_force: Array  # (w,) whole, static share included, >= 0
+    tyre_force: Array  # (w,) total, including the static load, >= 0
     static_tyre_force: Array  # (w,) at standstill
     road_height: Array  # (w,) effective height under each wheel
     road_velocity: Array  # (w,) its rate of change
 
 
 def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s: Any) -> tuple[list, list]:
-    """Height and its rate of change under each wheel, lists of rows, for the car at x_m (a float or (n,))."""
+    """Road height and its rate under each wheel, lists of rows, for the car at x_m (a float or (n,))."""
     height, velocity = [], []
     for profile, axle in zip(profiles, parameters.axle_x_m, strict=True):
         height.append(profile.height(x_m + axle))
@@ -77,7 +77,7 @@ def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s
 
 
 def road_forces(parameters: Car, profiles: Sequence[Profile], stretch: Stretch) -> list[Array]:
-    """Tyre force of the road's own motion during each tick of a stretch, N, (ticks,) for each wheel."""
+    """Tyre force due to the road's motion during each tick of a stretch, N, (ticks,) for each wheel."""
     edge, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
     middle, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
     return [
@@ -96,10 +96,10 @@ def observe(
     road: tuple[list, list],
     forward_acc: Any = None,
 ) -> VehicleState:
-    """Everything about the car: at one moment from floats and a list x, at n from (n,), (states, n), (w, n).
+    """Compute all signals: at one instant from floats and a list x, at n from (n,), (states, n), (w, n).
 
-    `road` holds height and rate of change under each wheel, as `road_under` gives them; `forward_acc` is None
-    or the acceleration along the road.
+    `road` holds height and rate of change under each wheel, as returned by `road_under`; `forward_acc` is the
+    longitudinal acceleration or None.
     """
     xp = equations.FLOATS if isinstance(x, list) else np
     height, velocity = road
