@@ -1,4 +1,4 @@
-"""What a ride feels like, in numbers: ISO 2631-1 frequency weighting and the metrics built on it."""
+"""Ride comfort: ISO 2631-1 frequency weighting, vibration measures and the ride metrics built on them."""
 
 from comfort.measures import (
     COMFORT_BANDS,

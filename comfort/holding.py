@@ -1,4 +1,4 @@
-"""Road holding, packaging and damper work of each wheel.
+"""Road holding, suspension travel and damper work of each wheel.
 
 Signals have time on the last axis; leading axes are wheels, runs, or both. SI units.
 """
@@ -13,7 +13,7 @@ Mask = NDArray[np.bool_]
 
 
 def relative_load(tyre_force: ArrayLike, static_tyre_force: ArrayLike) -> Array:
-    """Dynamic over static tyre load, (..., n): 0 at rest, -1 in the air.
+    """Dynamic over static tyre load, (..., n): 0 at rest, -1 with the wheel off the ground.
 
     tyre_force: (..., n), static load included, N. static_tyre_force: (...) its value at rest, > 0, N.
     """
@@ -24,19 +24,19 @@ def relative_load(tyre_force: ArrayLike, static_tyre_force: ArrayLike) -> Array:
 
 
 def load_rms(tyre_force: ArrayLike, static_tyre_force: ArrayLike) -> Array:
-    """RMS of the relative dynamic tyre load, also called the dynamic load coefficient."""
+    """RMS of the relative dynamic tyre load (dynamic load coefficient)."""
     return np.sqrt(np.mean(relative_load(tyre_force, static_tyre_force) ** 2, axis=-1))
 
 
 def load_percentile(tyre_force: ArrayLike, static_tyre_force: ArrayLike, percent: float = 95.0) -> Array:
-    """The size of relative dynamic tyre load that is not exceeded for `percent` of the time."""
+    """Magnitude of relative dynamic tyre load that is not exceeded for `percent` of the time."""
     if not 0 <= percent <= 100:
         raise InputError(f"percent must lie in 0 ... 100, got {percent!r}")
     return np.percentile(np.abs(relative_load(tyre_force, static_tyre_force)), percent, axis=-1)
 
 
 def lift_time(tyre_force: ArrayLike, rate: float) -> Array:
-    """Time for which a wheel carries nothing, s."""
+    """Time during which a wheel carries no load, s."""
     return np.sum(np.asarray(tyre_force, float) <= 0, axis=-1) / rate
 
 
@@ -46,12 +46,12 @@ def rattle_rms(rattle: ArrayLike) -> Array:
 
 
 def rattle_peak(rattle: ArrayLike) -> Array:
-    """Largest suspension travel from equilibrium either way, m: the rattle space that is needed."""
+    """Peak suspension travel from equilibrium in either direction, m: the rattle space required."""
     return np.max(np.abs(np.asarray(rattle, float)), axis=-1)
 
 
 def on_stop(rattle: ArrayLike, stop_gap_m: ArrayLike, rebound_gap_m: ArrayLike | None = None) -> Mask:
-    """When the suspension touches its bump or its rebound stop, (..., n).
+    """Mask of bump- or rebound-stop contact, (..., n).
 
     rattle: (..., n), positive in extension, m. stop_gap_m: (...) travel from equilibrium to the bump stop,
     > 0; rebound_gap_m: to the rebound stop, the same where None.
@@ -67,15 +67,15 @@ def on_stop(rattle: ArrayLike, stop_gap_m: ArrayLike, rebound_gap_m: ArrayLike |
 def stop_time(
     rattle: ArrayLike, stop_gap_m: ArrayLike, rate: float, rebound_gap_m: ArrayLike | None = None
 ) -> Array:
-    """Time spent on a bump or rebound stop, s."""
+    """Time in contact with a bump or rebound stop, s."""
     return np.sum(on_stop(rattle, stop_gap_m, rebound_gap_m), axis=-1) / rate
 
 
 def damper_power(force: ArrayLike, velocity: ArrayLike) -> Array:
-    """Power a damper takes up, W, from its force on the body and the rattle velocity (extension positive)."""
+    """Power absorbed by a damper, W, from its force on the body and its velocity (extension positive)."""
     return -np.asarray(force, float) * np.asarray(velocity, float)
 
 
 def damper_heat(power: ArrayLike, rate: float) -> Array:
-    """Energy a damper turns into heat, J: the time integral of its power."""
+    """Energy dissipated by a damper, J: the time integral of its power."""
     return np.sum(np.asarray(power, float), axis=-1) / rate

@@ -1,8 +1,8 @@
-"""The vibration measures of ISO 2631-1:1997 and what they mean for comfort.
+"""Vibration measures and comfort reactions of ISO 2631-1:1997.
 
 Accelerations are in m/s^2 with time on the last axis, sampled at `rate` Hz; leading axes are independent
 signals. Every measure takes `weighting`, a name in `comfort.weighting.WEIGHTINGS`, or None for an
-acceleration that is weighted already, and raises InputError as `comfort.weighting.weight` does.
+acceleration that is already weighted, and raises InputError as `comfort.weighting.weight` does.
 """
 
 from typing import Literal
@@ -29,7 +29,7 @@ COMFORT_BANDS: dict[str, tuple[float, float]] = {
 
 
 def weighted_rms(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
-    """Root mean square over the whole time of the weighted acceleration (m/s^2; 6.1)."""
+    """RMS of the weighted acceleration over the whole duration (m/s^2; 6.1)."""
     return np.sqrt(np.mean(weight(acc, rate, weighting) ** 2, axis=-1))
 
 
@@ -40,8 +40,11 @@ def running_rms(
     window_s: float = 1.0,
     averaging: Averaging = "linear",
 ) -> Array:
-    """Running RMS at every sample (m/s^2; 6.3.1): over the last `window_s` (linear, equation 2) or with
-    exponentially fading memory of that time constant (equation 3). Before the start the signal is zero."""
+    """Running RMS at every sample (m/s^2; 6.3.1), with zero signal before the start.
+
+    Averaging over the last `window_s` (linear, equation 2) or with exponential memory of that time constant
+    (equation 3).
+    """
     if not (np.isfinite(window_s) and window_s * rate >= 1):
         raise InputError(f"window_s must be at least one sample, got {window_s!r}")
     if averaging not in ("linear", "exponential"):
@@ -58,7 +61,7 @@ def running_rms(
 
 
 def mtvv(acc: ArrayLike, rate: float, weighting: str | None = "Wk", averaging: Averaging = "linear") -> Array:
-    """Maximum transient vibration value: the largest running RMS of 1 s (m/s^2; 6.3.1)."""
+    """Maximum transient vibration value: maximum of the running RMS over 1 s (m/s^2; 6.3.1)."""
     return running_rms(acc, rate, weighting, averaging=averaging).max(axis=-1)
 
 
@@ -71,7 +74,7 @@ def vdv(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
 def evdv(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     """Estimated vibration dose value 1.4 a_w T^(1/4) (m/s^1.75; annex B, B.3.2).
 
-    For vibration of a steady character; with shocks the VDV is the larger one.
+    For vibration of a steady character; it underestimates the VDV of shocks.
     """
     rms = weighted_rms(acc, rate, weighting)
     return 1.4 * rms * (np.shape(acc)[-1] / rate) ** 0.25
@@ -85,7 +88,7 @@ def msdv(acc: ArrayLike, rate: float, weighting: str | None = "Wf") -> Array:
 def crest_factor(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     """Peak over RMS of the weighted acceleration (6.2.1); 0 for a signal that is zero throughout.
 
-    Above 9 the RMS alone says too little, and MTVV or VDV are asked for (6.2.2).
+    Above 9 the RMS alone is not sufficient, and MTVV or VDV is required in addition (6.2.2).
     """
     weighted = weight(acc, rate, weighting)
     rms = np.sqrt(np.mean(weighted**2, axis=-1))
@@ -93,7 +96,7 @@ def crest_factor(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> A
 
 
 def comfort_bands(total_m_s2: float) -> tuple[str, ...]:
-    """All reactions whose band holds this overall weighted RMS, mildest first; they overlap."""
+    """All reactions whose band contains this overall weighted RMS, mildest first; the bands overlap."""
     if not (np.isfinite(total_m_s2) and total_m_s2 >= 0):
         raise InputError(f"total_m_s2 must be finite and >= 0, got {total_m_s2!r}")
     return tuple(name for name, (low, high) in COMFORT_BANDS.items() if low <= total_m_s2 < high)

@@ -1,4 +1,4 @@
-"""The ride metrics of one run, or of many at once."""
+"""Ride metrics of one or many runs: comfort, road holding, suspension travel, damper work, objective."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from comfort.weighting import check_rate, weight
 from files.errors import InputError
 
 Array = NDArray[np.float64]
-TYRE_LOAD_WEIGHT = 3.0  # (m/s^2)^2, the exchange rate rho of dynamic tyre load for comfort
+TYRE_LOAD_WEIGHT = 3.0  # (m/s^2)^2, weight rho of the dynamic tyre load relative to comfort
 
 
 METRICS = {
@@ -22,20 +22,20 @@ METRICS = {
     "mtvv": "m/s²: maximum transient vibration value (1 s), Wk, worst seat",
     "crest_factor": "peak over RMS, Wk, worst seat",
     "vibration_total": "m/s²: overall vibration total value of ISO 2631-1, 12 axes, worst seat",
-    "peak_acc": "m/s²: largest vertical acceleration of any seat, unweighted",
+    "peak_acc": "m/s²: peak vertical acceleration of any seat, unweighted",
     "pitch_acc_rms": "rad/s², unweighted; 0 without pitch",
     "roll_acc_rms": "rad/s², unweighted; 0 without roll",
-    "rattle_rms": "m: suspension travel from equilibrium, over all wheels",
-    "rattle_peak": "m: largest suspension travel from equilibrium of any wheel",
-    "stop_time": "s during which any wheel is on a bump or rebound stop",
-    "tyre_load_rms": "root of the mean over wheels (so over axles) of (dynamic / static tyre load)²",
-    "tyre_load_p95": "95th percentile over time of the size of dynamic / static tyre load, worst wheel",
-    "lift_time": "s during which any wheel carries nothing",
-    "damper_energy": "J turned into heat by all dampers",
-    "damper_power_peak": "W: the most that one damper takes up",
+    "rattle_rms": "m: RMS suspension travel from equilibrium, over all wheels",
+    "rattle_peak": "m: peak suspension travel from equilibrium of any wheel",
+    "stop_time": "s: time during which any wheel is on a bump or rebound stop",
+    "tyre_load_rms": "RMS over wheels (hence over axles) of dynamic / static tyre load",
+    "tyre_load_p95": "95th percentile over time of the magnitude of dynamic / static tyre load, worst wheel",
+    "lift_time": "s: time during which any wheel carries no load",
+    "damper_energy": "J: energy dissipated by all dampers",
+    "damper_power_peak": "W: peak power absorbed by any damper",
     "objective": "(m/s²)²: wk_rms² + rho tyre_load_rms²",
 }
-"""Unit and meaning of every metric."""
+"""Unit and definition of every metric."""
 
 
 def ride_metrics(
@@ -52,10 +52,10 @@ def ride_metrics(
     roll_acc: ArrayLike | None = None,
     rho: float = TYRE_LOAD_WEIGHT,
 ) -> dict[str, Any]:
-    """METRICS of one run, a float each; or of many runs, an array (runs,) each.
+    """Compute METRICS of one run, a float each, or of many runs, an array (runs,) each.
 
     Seats are points of the sprung mass, where heave, pitch and roll combine: for a quarter car the mass
-    itself, otherwise the places that the vehicle's parameters name. All signals may have one leading axis of
+    itself, otherwise the positions in the vehicle's parameters. All signals may have one leading axis of
     runs, the same in all of them.
 
     Args:
@@ -64,7 +64,7 @@ def ride_metrics(
         rattle: (wheels, n) suspension travel from equilibrium, positive in extension, m.
         tyre_force: (wheels, n) vertical tyre force, static load included, >= 0, N.
         static_tyre_force: (wheels,) its value at rest, > 0, N.
-        damper_power: (wheels, n) force times velocity taken up by the damper, W.
+        damper_power: (wheels, n) force times velocity absorbed by the damper, W.
         stop_gap_m: travel from equilibrium to the bump stop, > 0, m; one value or (wheels,).
         rebound_gap_m: the same to the rebound stop; None where it is equal.
         pitch_acc, roll_acc: (n,) rad/s^2, or None for a car without pitch or roll.
@@ -94,10 +94,10 @@ def ride_metrics(
 
 
 def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, Array]:
-    """What seats feel: `seats` (..., seats, n), rotations (..., n)."""
+    """Comfort metrics: `seats` (..., seats, n), rotations (..., n)."""
     weighted = weight(seats, rate, "Wk")
-    # A seat moves with the body: its own motion and the rotations give that of its backrest and of the feet.
-    # Pitch and roll turn about an axis at the height of the seat, where the centre of gravity of a car is.
+    # The seat is rigidly attached: its motion and the rotations give those of backrest and feet.
+    # Pitch and roll axes are taken at seat height, where a car's centre of gravity is.
     rotations = (np.broadcast_to(acc[..., None, :], seats.shape) for acc in (pitch, roll))
     total = total_value(axis_values(rate, SeatedPerson.at(0.0), *body_motion(seats, *rotations)))
     return {
@@ -114,7 +114,7 @@ def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, 
 
 
 def _holding(rate: float, force: Array, load: Array, travel: Array, power: Array) -> dict[str, Array]:
-    """What wheels, springs and dampers do; all (..., wheels, n)."""
+    """Road-holding, travel and damper metrics; all signals (..., wheels, n)."""
     return {
         "rattle_rms": _rms(travel),
         "rattle_peak": np.abs(travel).max(axis=(-2, -1)),
@@ -127,7 +127,7 @@ def _holding(rate: float, force: Array, load: Array, travel: Array, power: Array
 
 
 def _signals(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
-    """(rows, n) or (runs, rows, n) finite array; of the given shape, None for any number of rows."""
+    """Check for a finite (rows, n) or (runs, rows, n) array of the given shape, None for any row count."""
     signals = np.asarray(value, float)
     if signals.ndim not in (2, 3) or 0 in signals.shape:
         raise InputError(f"{name} must have shape (rows, samples), got {signals.shape}")
@@ -146,7 +146,7 @@ def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def _each_wheel(name: str, value: ArrayLike, force: Array) -> Array:
-    """One value > 0 for each wheel: (wheels,)."""
+    """Check for one value > 0 per wheel: (wheels,)."""
     values, wheels = np.asarray(value, float), force.shape[-2]
     single = values.shape == () and name != "static_tyre_force"
     if not (single or values.shape == (wheels,)) or not (np.isfinite(values) & (values > 0)).all():

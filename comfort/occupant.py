@@ -1,7 +1,7 @@
-"""A seated person by ISO 2631-1:1997, 8.2.2: seat, backrest and feet, twelve axes, one total value.
+"""Seated occupant of ISO 2631-1:1997, 8.2.2: seat, backrest and feet, twelve axes, one total value.
 
 Axes are those of ISO 8855: x forward, y left, z up, rotations about them by the right-hand rule, so that
-pitch is positive nose-down. The seat cushion is taken as stiff: its own transmissibility is not part of it.
+pitch is positive nose-down. The seat cushion is taken as rigid: its transmissibility is not included.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _X, _Y, _Z = range(3)
 
 
 class Axis(NamedTuple):
-    """One axis of evaluation: point of contact, weighting, and multiplying factor k (m/rad for rotations)."""
+    """Evaluation axis: contact point, weighting, and multiplying factor k (m/rad for rotations)."""
 
     point: str
     direction: int
@@ -44,12 +44,12 @@ AXES = {
     "feet_y": Axis("feet", _Y, False, "Wk", 0.25),
     "feet_z": Axis("feet", _Z, False, "Wk", 0.4),
 }
-"""Weightings and factors for comfort of a seated person (tables 1 and 2, 8.2.2)."""
+"""Weightings and multiplying factors for comfort of a seated person (tables 1 and 2, 8.2.2)."""
 
 
 @dataclass(frozen=True)
 class SeatedPerson:
-    """Where a person touches the car: (x, y, z) from the point whose motion is given, m."""
+    """Contact points of a seated person: (x, y, z) from the point whose motion is given, m."""
 
     seat: Position
     backrest: Position
@@ -62,15 +62,18 @@ class SeatedPerson:
 
     @classmethod
     def at(cls, x_m: float, y_m: float = 0.0, z_m: float = 0.0) -> "SeatedPerson":
-        """A person on a car seat at this point: back 0.2 m behind and 0.35 m above it, feet 0.8 m ahead
-        and 0.27 m below (the seating package of an ordinary car by SAE J1100)."""
+        """Person on a car seat at this point.
+
+        Back 0.2 m behind and 0.35 m above it, feet 0.8 m ahead and 0.27 m below (the seating package of an
+        ordinary car by SAE J1100).
+        """
         return cls((x_m, y_m, z_m), (x_m - 0.2, y_m, z_m + 0.35), (x_m + 0.8, y_m, z_m - 0.27))
 
 
 def body_motion(
     heave_acc: ArrayLike, pitch_acc: ArrayLike | None = None, roll_acc: ArrayLike | None = None
 ) -> tuple[Array, Array]:
-    """Translation and rotation, each (..., 3, n), of a body that heaves, pitches and rolls; from (..., n)."""
+    """Translation and rotation, (..., 3, n) each, of a body in heave, pitch and roll; from (..., n)."""
     heave = np.asarray(heave_acc, float)
     zero = np.zeros_like(heave)
     pitch, roll = (zero if acc is None else np.asarray(acc, float) for acc in (pitch_acc, roll_acc))
@@ -78,7 +81,7 @@ def body_motion(
 
 
 def acceleration_at(position_m: Position, acc: ArrayLike, angular_acc: ArrayLike) -> Array:
-    """Acceleration (..., 3, n) of a point of a rigid body, from that of its origin and its rotation.
+    """Acceleration (..., 3, n) of a point of a rigid body, from those of its origin and its rotation.
 
     a + alpha x r: small motion, without the centripetal terms of second order in the angular rates.
     """
@@ -89,7 +92,7 @@ def acceleration_at(position_m: Position, acc: ArrayLike, angular_acc: ArrayLike
 def axis_values(
     rate: float, person: SeatedPerson, acc: ArrayLike, angular_acc: ArrayLike
 ) -> dict[str, Array]:
-    """Weighted RMS times k on each of AXES (m/s^2), for the body's motion (..., 3, n); see `body_motion`.
+    """Weighted RMS times k on each of AXES (m/s^2), for the body motion (..., 3, n); see `body_motion`.
 
     Raises InputError if shapes are wrong or the rate is too low.
     """
@@ -102,7 +105,7 @@ def axis_values(
     values = {}
     for name, axis in AXES.items():
         signal = (turned if axis.rotation else points[axis.point])[..., axis.direction, :]
-        still = not signal.any()  # which saves most of the filtering for a car without roll and pitch
+        still = not signal.any()  # avoids most of the filtering for a car without roll and pitch
         values[name] = (
             np.zeros(signal.shape[:-1]) if still else axis.k * weighted_rms(signal, rate, axis.weighting)
         )

@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from files.errors import InputError
 
 Array = NDArray[np.float64]
-RATE_PER_BAND = 5.0  # samples per period of the upper band limit that the digital filters need
+RATE_PER_BAND = 5.0  # samples per period of the upper band limit required by the digital filters
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Weighting:
 
     @property
     def lowest_rate_hz(self) -> float:
-        """The sampling rate below which the digital filter is refused: 500 Hz, for Wf 3.15 Hz."""
+        """Lowest sampling rate of the digital filter: 500 Hz, for Wf 3.15 Hz."""
         return RATE_PER_BAND * self.f2
 
 
@@ -51,7 +51,7 @@ WEIGHTINGS = {
 
 
 def frequency_weighting(weighting: str, freqs: ArrayLike) -> Array:
-    """Magnitude of a weighting at frequencies in Hz (>= 0), from the transfer functions of annex A."""
+    """Magnitude response at frequencies in Hz (>= 0), from the transfer functions of annex A."""
     s = 2j * np.pi * np.asarray(freqs, float)
     if np.any(s.imag < 0) or not np.all(np.isfinite(s)):
         raise InputError("freqs must be finite and >= 0 Hz")
@@ -62,11 +62,11 @@ def frequency_weighting(weighting: str, freqs: ArrayLike) -> Array:
 
 
 def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
-    """Weighted acceleration: the causal response from rest to the samples.
+    """Weighted acceleration: causal filter response from rest.
 
-    The response of annex A's filter to the straight lines between samples (first-order hold), computed
-    exactly as parallel second-order sections, after a three-tap minimum-phase correction of the hold's
-    (sin x / x)^2. Its magnitude agrees with `frequency_weighting` from 0.5 to 80 Hz within 0.2 % at 500 Hz,
+    The response of annex A's filter to straight lines between the samples (first-order hold), computed
+    exactly as parallel second-order sections, after a three-tap minimum-phase correction of the hold's (sin x
+    / x)^2. Its magnitude agrees with `frequency_weighting` from 0.5 to 80 Hz within 0.2 % at 500 Hz and
     within 0.004 % at 1 kHz, where the bilinear transform of the same filter is 3 % off. Its phase is that of
     the formula, advanced by 0.182 of a sample, the same at all these frequencies within 0.006 of a sample.
 
@@ -83,7 +83,7 @@ def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
 
 
 class SecondOrder(NamedTuple):
-    """Transfer function (b1 s + b0) / (s^2 + a1 s + a0) from acceleration to weighted acceleration."""
+    """Second-order filter (b1 s + b0) / (s^2 + a1 s + a0) from acceleration to weighted acceleration."""
 
     b1: float
     b0: float
@@ -91,12 +91,12 @@ class SecondOrder(NamedTuple):
     a0: float
 
     def magnitude(self, freqs: ArrayLike) -> Array:
-        """Gain at frequencies in Hz."""
+        """Magnitude response at frequencies in Hz."""
         s = 2j * np.pi * np.asarray(freqs, float)
         return np.abs((self.b1 * s + self.b0) / (s**2 + self.a1 * s + self.a0))
 
     def state_space(self) -> tuple[Array, Array, Array]:
-        """A (2, 2), B (2,), C (2,) of dw/dt = A w + B acc, weighted = C w (controllable canonical form)."""
+        """Return A (2, 2), B (2,), C (2,) of dw/dt = A w + B acc, weighted = C w (controller form)."""
         a = np.array([[0.0, 1.0], [-self.a0, -self.a1]])
         return a, np.array([0.0, 1.0]), np.array([self.b0, self.b1])
 
@@ -104,15 +104,15 @@ class SecondOrder(NamedTuple):
 def wk_second_order() -> SecondOrder:
     """Second-order continuous-time approximation of Wk for the cost of an optimal controller.
 
-    Least squares of the log magnitude over 0.7 to 30 Hz, where it is within 11.3 % of Wk (the second-order
-    filter of Zuo and Nayfeh, J. Sound Vib. 265(2), 2003, is within 26 % there); 0.5 to 80 Hz: within 24 %.
-    It passes constant acceleration with a gain of 0.41, which Wk blocks.
+    Least-squares fit of the log magnitude over 0.7 to 30 Hz, where it is within 11.3 % of Wk (the
+    second-order filter of Zuo and Nayfeh, J. Sound Vib. 265(2), 2003, is within 26 % there); 0.5 to 80 Hz:
+    within 24 %. It passes constant acceleration with a gain of 0.41, which Wk blocks.
     """
     return SecondOrder(b1=82.354, b0=963.23, a1=77.845, a0=2341.9)
 
 
 def check_rate(rate: float, weighting: str | None = "Wk") -> None:
-    """Raise InputError unless `rate` is high enough for the weighting; for None any rate > 0 is."""
+    """Raise InputError unless `rate` is high enough for the weighting; None accepts any rate > 0."""
     if weighting is None:
         if not (np.isfinite(rate) and rate > 0):
             raise InputError(f"rate must be > 0 Hz, got {rate!r}")
@@ -158,7 +158,7 @@ def _sections(w: Weighting) -> list[tuple[list[float], list[float]]]:
 
 @lru_cache(maxsize=16)
 def _digital(w: Weighting, rate: float) -> tuple[Array, list[tuple[Array, Array]]]:
-    """Correction taps, and (b, a) of parallel sections that answer a first-order hold exactly.
+    """Correction taps, and (b, a) of the parallel sections that are exact for a first-order hold.
 
     Each denominator has one pair of complex poles p, p*, so the filter is a sum of r / (s - p) + conjugate.
     """
@@ -174,7 +174,7 @@ def _digital(w: Weighting, rate: float) -> tuple[Array, list[tuple[Array, Array]
 
 
 def _held_pair(p: complex, residue: complex, step_s: float) -> tuple[Array, Array]:
-    """r / (s - p) + conjugate driven by straight lines between samples."""
+    """Discretise r / (s - p) + conjugate for input linear between samples."""
     a, growth = complex(np.exp(p * step_s)), complex(np.expm1(p * step_s))
     b0 = (growth - p * step_s) / (p**2 * step_s)  # of the newest sample
     b1 = growth / p - b0  # of the one before
@@ -185,8 +185,8 @@ def _held_pair(p: complex, residue: complex, step_s: float) -> tuple[Array, Arra
 def _hold_correction() -> Array:
     """Minimum-phase taps whose squared magnitude is 1 + y/6 + 7 y^2/240, y = 4 sin^2 x, x = pi f / rate.
 
-    That is the series of (x / sin x)^4 to the second order in y, from arcsin^2. Each root y gives a zero
-    pair z + 1/z = 2 - y, of which the spectral factor keeps the one inside the unit circle.
+    This is the series of (x / sin x)^4 to second order in y, from arcsin^2. Each root y gives a zero pair
+    z + 1/z = 2 - y, of which the spectral factor retains the one inside the unit circle.
     """
     pairs = [np.roots([1.0, y - 2.0, 1.0]) for y in np.roots([7 / 240, 1 / 6, 1.0])]
     taps = np.real(np.poly([min(pair, key=abs) for pair in pairs]))

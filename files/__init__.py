@@ -1,1 +1,1 @@
-"""Strict reading and atomic writing, shared by every package."""
+"""File input and output shared by all packages: strict reading, atomic writing, caching."""

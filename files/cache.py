@@ -1,4 +1,4 @@
-"""Where results are kept that cost time to find and can be found again."""
+"""User cache directory for results that are expensive to compute."""
 
 import os
 import sys
@@ -6,9 +6,9 @@ from pathlib import Path
 
 
 def cache_folder() -> Path:
-    """The user's folder for foreride's cached results; need not exist yet.
+    """Return foreride's cache directory; it need not exist yet.
 
-    FORERIDE_CACHE names it; otherwise it is where the platform keeps such things.
+    FORERIDE_CACHE overrides the platform's default location.
     """
     if named := os.environ.get("FORERIDE_CACHE"):
         return Path(named)

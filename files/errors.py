@@ -1,14 +1,14 @@
-"""InputError, the exception that means bad input, and the bounded texts that its messages are made of."""
+"""Input errors: the exception for invalid input, and the bounded texts of its messages."""
 
 import reprlib
 from typing import Any
 
 SHOWN_LENGTH = 60
-"""Longest part of a message that repeats a value from the input."""
+"""Maximum length of a message part that repeats a value from the input."""
 
 
 class InputError(ValueError):
-    """Bad input, told in one line that names file, field, value and what is allowed."""
+    """Invalid input, reported in one line that names file, field, value and what is allowed."""
 
 
 class _Bounded(reprlib.Repr):
@@ -20,7 +20,7 @@ class _Bounded(reprlib.Repr):
         self.maxstring = self.maxother = SHOWN_LENGTH
 
     def repr_int(self, x: int, level: int) -> str:
-        # Python refuses to write whole numbers of more than 4300 digits, and takes long to write long ones.
+        # Python refuses to format integers of more than 4300 digits, and is slow for long ones.
         return (
             repr(x)
             if x.bit_length() <= 128
@@ -32,18 +32,18 @@ _BOUNDED = _Bounded()
 
 
 def shown(value: Any) -> str:
-    """The value as a message repeats it: one printable line of at most `SHOWN_LENGTH` characters."""
+    """Format a value for a message: one printable line of at most `SHOWN_LENGTH` characters."""
     text = "nothing" if value is None else _BOUNDED.repr(value)
     return shortened(printable(text))
 
 
 def shortened(text: str, length: int = SHOWN_LENGTH) -> str:
-    """The text, cut to `length` characters."""
+    """Truncate the text to `length` characters."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
 def printable(text: object) -> str:
-    """The text in one line without control characters and lone surrogates, which terminals cannot show."""
+    """The text in one line without control characters and lone surrogates, which terminals cannot display."""
     line = " ".join(str(text).split())
     if line.isprintable():
         return line

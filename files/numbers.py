@@ -1,4 +1,4 @@
-"""Whole numbers and decimals spelled in text, as command lines and metadata give them."""
+"""Parsing of integers from text, as given on command lines and in metadata, and range checks."""
 
 import math
 import re
@@ -9,12 +9,12 @@ _WHOLE = re.compile(r"[0-9]{1,9}")
 
 
 def is_whole(text: str) -> bool:
-    """Whether the text is one to nine plain digits; `str.isdigit` takes superscripts for such, too."""
+    """Whether the text is one to nine ASCII digits; `str.isdigit` would also accept superscripts."""
     return _WHOLE.fullmatch(text) is not None
 
 
 def whole(text: str, name: str, low: int, high: int) -> int:
-    """The whole number that the text spells; InputError, by `name`, unless it lies in low ... high."""
+    """Parse an integer; raise InputError, by `name`, unless it lies in low ... high."""
     if not (is_whole(text) and low <= int(text) <= high):
         raise InputError(f"{name} must be a whole number in {low} ... {high}, got {shown(text)}")
     return int(text)

@@ -1,4 +1,4 @@
-"""Reading of data files: regular files only, of bounded size, every failure as a one-line InputError."""
+"""Reading of data files: regular files of bounded size, every failure as a one-line InputError."""
 
 import os
 import stat
@@ -9,17 +9,17 @@ from pathlib import Path
 from files.errors import InputError, printable, shortened
 
 TEXT_LIMIT = 4 << 20
-"""Largest text file that a person writes, such as a scenario: 4 MiB."""
+"""Maximum size of a hand-written text file, such as a scenario: 4 MiB."""
 DATA_LIMIT = 1 << 30
-"""Largest file of measured or recorded data: 1 GiB."""
+"""Maximum size of a file of measured or recorded data: 1 GiB."""
 _MESSAGE_LENGTH = 300
 
 
 @contextmanager
 def reading(source: Path | str) -> Iterator[None]:
-    """Turn any exception of the block into an InputError that names `source`; an InputError passes as it is.
+    """Convert any exception of the block into an InputError that names `source`; InputErrors pass unchanged.
 
-    For blocks that read untrusted data only: a mistake of the program within it would look like bad input.
+    For blocks that only parse untrusted data: a programming error inside would look like invalid input.
     """
     try:
         yield
@@ -40,13 +40,13 @@ def reading(source: Path | str) -> Iterator[None]:
 
 
 def read_bytes(path: Path | str, limit: int = DATA_LIMIT) -> bytes:
-    """Content of the regular file at `path`, of at most `limit` bytes.
+    """Read the regular file at `path`, of at most `limit` bytes.
 
-    Raises InputError for whatever else stands there (folder, pipe, device), for a larger file, and for one
-    that cannot be read.
+    Raises InputError for anything else (directory, pipe, device), for a larger file, and for an unreadable
+    one.
     """
     with reading(path):
-        # Not to wait for the other end of a pipe: opened without blocking, judged before it is read.
+        # Opened without blocking, so as not to wait for the other end of a pipe, and checked before reading.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
         try:
             mode = os.fstat(handle).st_mode

@@ -1,4 +1,4 @@
-"""JSON files as RFC 8259 has them: no NaN, no key twice, bounded size, depth and digits, one-line errors."""
+"""Strict JSON (RFC 8259): no NaN, no duplicate keys, bounded size, depth and digits, one-line errors."""
 
 import json
 from pathlib import Path
@@ -8,26 +8,26 @@ from files.errors import InputError, printable, shown
 from files.reading import read_text, reading
 
 JSON_LIMIT = 64 << 20
-"""Largest JSON file of results: 64 MiB, read in seconds."""
+"""Maximum size of a JSON file of results: 64 MiB, read in seconds."""
 DEPTH = 64
-"""Most lists and objects within one another."""
+"""Maximum nesting depth of lists and objects."""
 _DIGITS = 300
-"""Most digits of a whole number, so that each can become a float."""
+"""Maximum number of digits of an integer, so that it can be converted to a float."""
 
 
 def read_json(path: Path | str, limit: int = JSON_LIMIT) -> Any:
-    """The value in a JSON file of at most `limit` bytes; InputError names the file and what is wrong."""
+    """Parse a JSON file of at most `limit` bytes; InputError names the file and the fault."""
     return parse_json(read_text(path, limit), str(path))
 
 
 def read_json_lines(path: Path | str, limit: int = JSON_LIMIT) -> list[Any]:
-    """The values in a file of one JSON value a line; InputError names the file and the line."""
+    """Parse a file of one JSON value per line; InputError names the file and the line."""
     lines = read_text(path, limit).split("\n")
     return [parse_json(line, f"{path}:{number}") for number, line in enumerate(lines, 1) if line.strip()]
 
 
 def parse_json(text: str, source: str) -> Any:
-    """The value that `text` spells; InputError names `source` and what is wrong."""
+    """Parse JSON text; InputError names `source` and the fault."""
     with reading(source):
         try:
             value = json.loads(
@@ -75,7 +75,7 @@ def _number(text: str) -> float:
 
 
 def _check(value: Any, left: int) -> None:
-    """Depth and texts of a value; UnicodeEncodeError where a text has no UTF-8."""
+    """Check depth and texts of a value; raise UnicodeEncodeError for a text that has no UTF-8 encoding."""
     if isinstance(value, str):
         value.encode()
         if "\0" in value:
