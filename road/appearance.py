@@ -1,4 +1,4 @@
-"""How a road looks: surface, markings, light, weather and camera artefacts. Geometry is not here."""
+"""Visual appearance of a road: surface, markings, light, weather and camera artefacts; no geometry."""
 
 from dataclasses import dataclass
 
@@ -54,17 +54,18 @@ _RANGES = {
 
 @dataclass(frozen=True)
 class Appearance:
-    """Everything visible that is not shape.
+    """Visual parameters of a scene: surface, light, weather, camera artefacts.
 
     Azimuth is measured from straight ahead, positive left (ISO 8855). `brightness` is the albedo of the
     carriageway; `wear`, `cracks`, `patches`, `distractors` and `tree_shadow` are densities in 0..1;
     `bonnet` is the share of the image height that the bonnet hides at the image centre; `exposure`
     multiplies the scene's own exposure; `warmth` shifts the white balance from blue (-) to red (+);
-    `noise` is that of a bright pixel as a share of full scale. `paint_wear` wears the paint of bumps beyond
-    `wear`; `decay` crumbles potholes and fills some with mud, gravel or water; `dirt`, `litter` and `puddles`
-    are what lies on the road; `street_lamps` is their brightness by night; `glare` that of a low sun in the
-    picture; `motion_blur_px` the way of the image's lower edge during the exposure; `distortion` the radial
-    coefficient of the lens, negative for a barrel. All of these are 0 unless asked for. Raises InputError for
+    `noise` is the noise of a bright pixel as a share of full scale. `paint_wear` wears the paint of bumps
+    beyond `wear`; `decay` crumbles potholes and fills some with mud, gravel or water; `dirt`, `litter` and
+    `puddles` are densities of loose material and water on the road; `street_lamps` is their brightness at
+    night; `glare` is the glare of a low sun in the image; `motion_blur_px` is the distance that a point at
+    the lower edge of the image travels during the exposure; `distortion` is the radial coefficient of the
+    lens, negative for barrel distortion. Fields from `paint_wear` on are 0 by default. Raises InputError for
     values out of range.
     """
 
@@ -111,12 +112,12 @@ class Appearance:
 
 
 def random_appearance(rng: np.random.Generator) -> Appearance:
-    """Draw a look as varied as the roads of the data set; every field is drawn, in a fixed order."""
+    """Random appearance as varied as real roads; every field is drawn, in a fixed order."""
     light = str(rng.choice(LIGHTS, p=(0.4, 0.31, 0.14, 0.15)))
     surface = str(rng.choice(SURFACES, p=(0.45, 0.42, 0.13)))
     low, high = {"asphalt": (0.07, 0.18), "old_asphalt": (0.14, 0.3), "concrete": (0.28, 0.42)}[surface]
     left, right = _random_edges(rng)
-    ahead = light == "sunset" and rng.random() < 0.6  # the sun is in the picture
+    ahead = light == "sunset" and rng.random() < 0.6  # the sun is in the image
     return Appearance(
         light=light,
         weather=str(rng.choice(WEATHERS, p=(0.68, 0.09, 0.1, 0.06, 0.07))),
@@ -154,12 +155,12 @@ def random_appearance(rng: np.random.Generator) -> Appearance:
 
 
 def _sometimes(rng: np.random.Generator, share: float, low: float, high: float) -> float:
-    """A number between `low` and `high` in a `share` of the cases, otherwise 0."""
+    """A uniform number between `low` and `high` with probability `share`, otherwise 0."""
     return float(rng.uniform(low, high) if rng.random() < share else 0.0)
 
 
 def _random_edges(rng: np.random.Generator) -> tuple[float, float]:
-    """Carriageway limits around the ego lane (y = 0): one lane, a street driven in its middle, two lanes."""
+    """Edges (left, right, m) of a one-lane road, a street driven in its middle, or a two-lane road."""
     kind = rng.choice(3, p=(0.2, 0.4, 0.4))
     if kind == 0:
         half = rng.uniform(1.9, 2.6)

@@ -1,4 +1,4 @@
-"""Everything beyond the road: a panorama of sky, clouds, hills, trees, houses and lamps at infinity."""
+"""Background panorama at infinity: sky, clouds, hills, trees, houses and lamps."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ _COLUMNS = int(AZIMUTH_SPAN_DEG * CELLS_PER_DEG)
 _ROWS = int((ELEVATION_HIGH_DEG - ELEVATION_LOW_DEG) * CELLS_PER_DEG)
 _HORIZON = int(ELEVATION_HIGH_DEG * CELLS_PER_DEG)
 
-# zenith colour, horizon colour, light on things that stand there
+# zenith colour, horizon colour, illumination of background objects
 _SKIES = {
     "noon": ((0.20, 0.36, 0.72), (0.62, 0.74, 0.88), 0.75),
     "overcast": ((0.55, 0.58, 0.62), (0.78, 0.79, 0.80), 0.42),
@@ -28,9 +28,10 @@ _WALLS = ((0.55, 0.50, 0.42), (0.62, 0.60, 0.56), (0.38, 0.20, 0.14), (0.30, 0.3
 
 @dataclass(frozen=True)
 class Panorama:
-    """`image` (rows, cols, 3) linear radiance, top row at ELEVATION_HIGH_DEG, left column at +span/2 azimuth.
+    """Background radiance by azimuth and elevation.
 
-    `blurred` is the same seen in a rough wet road; `haze` (3,) is the colour at the horizon.
+    image: (rows, cols, 3) linear radiance, top row at ELEVATION_HIGH_DEG, left column at azimuth +span/2.
+    blurred: the same as reflected by a rough wet road. haze: (3,) colour at the horizon.
     """
 
     image: np.ndarray
@@ -39,7 +40,7 @@ class Panorama:
 
 
 def panorama(rng: np.random.Generator, look: Appearance) -> Panorama:
-    """Paint the surroundings of a scene."""
+    """Background panorama of a scene, drawn at random."""
     zenith, horizon, light = (np.array(v, np.float32) for v in _SKIES[look.light])
     if look.weather in OVERCAST_WEATHER and look.light != "night":
         zenith, horizon = np.full(3, zenith.mean(), np.float32), np.full(3, horizon.mean() * 0.85, np.float32)
@@ -92,7 +93,7 @@ def _wood(image: np.ndarray, rng: np.random.Generator, light: float) -> None:
 
 
 def _trees_and_houses(image: np.ndarray, rng: np.random.Generator, look: Appearance, light: float) -> None:
-    """Fill both sides; what stands near the vanishing point is further away and lower."""
+    """Trees and houses on both sides; objects near the vanishing point are farther away and lower."""
     for side in (-1, 1):
         azimuth = rng.uniform(1.0, 5.0)
         while azimuth < AZIMUTH_SPAN_DEG / 2:

@@ -1,4 +1,4 @@
-"""Box sizes of labelled image folders: `foreride detector boxes FOLDER... [--json FILE]`."""
+"""Box-size statistics of labelled image folders: `foreride detector boxes FOLDER... [--json FILE]`."""
 
 import argparse
 import json
@@ -12,21 +12,22 @@ from files.atomic import write_text
 from files.errors import InputError
 
 NAMES = ("speed_bump", "pothole")
-WIDTH_PX = 640  # sizes are given as in an image of this width
+WIDTH_PX = 640  # reference width: box sizes are scaled to an image of this width
 QUANTILES = (10, 25, 50, 75, 90)
 SMALL_PX = 32  # COCO's small objects are under 32 x 32 px
 _IMAGES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
 
 
 def box_statistics(folder: Path) -> dict:
-    """Numbers and sizes of the boxes in a YOLO folder (images/, labels/), per class.
+    """Box counts and box sizes per class in a YOLO folder (images/, labels/).
 
-    Sizes are in pixels of an image WIDTH_PX wide: QUANTILES of width and of height, and the share whose area
-    is under SMALL_PX squared. Raises InputError that names every image or label that cannot be read.
+    Sizes are in pixels of an image WIDTH_PX wide: QUANTILES of width and of height, and the share of boxes
+    with an area under SMALL_PX squared. Raises InputError that names every image or label that cannot be
+    read.
     """
     paths = sorted(p for p in (folder / "images").glob("*") if p.suffix.lower() in _IMAGES)
     if not paths or not (folder / "labels").is_dir():
-        raise InputError(f"{folder}: must hold images/ with at least one picture, and labels/")
+        raise InputError(f"{folder}: must hold images/ with at least one image, and labels/")
     sizes: list[list[tuple[float, float]]] = [[] for _ in NAMES]
     empty, faults = 0, []
     for path in paths:
@@ -45,7 +46,7 @@ def box_statistics(folder: Path) -> dict:
 
 
 def table(statistics: dict[str, dict]) -> str:
-    """Markdown: one row per set and class."""
+    """Markdown table of box statistics: one row per set and class."""
     quantiles = " / ".join(f"{q}" for q in QUANTILES)
     lines = [
         f"| set | class | images | boxes | width, px: {quantiles} % | height, px: {quantiles} % "
@@ -93,7 +94,7 @@ def _sizes(rows: list[tuple[float, float]]) -> dict:
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     parser = argparse.ArgumentParser(
-        prog="foreride detector boxes", description="Box sizes of labelled folders."
+        prog="foreride detector boxes", description="Box sizes of labelled image folders."
     )
     parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="holds images/ and labels/")
     parser.add_argument("--json", type=Path, help="also write the numbers to this file")

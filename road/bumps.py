@@ -1,4 +1,4 @@
-"""Bumps, humps and cushions: what stands up from the road, with a profile along x and ends across it."""
+"""Bumps, humps and cushions: raised features with a profile along x and lateral tapers."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -26,7 +26,10 @@ MAX_POSITION_M = 1e6
 
 
 class _Raised:
-    """What all bumps share; each gives its profile along x, 1 high and zero at both ends, as `_relief`."""
+    """Base class of raised features; a subclass gives its normalised profile along x as `_relief`.
+
+    The normalised profile is 1 at the crest and 0 at both ends.
+    """
 
     start_m: float
     height_m: float
@@ -63,11 +66,11 @@ class _Raised:
         return (x >= self.start_m) & (x <= self.end_m) & (y >= self.y_min_m) & (y <= self.y_max_m)
 
     def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Height as a share of `height_m` at distances s, 0 to length_m, from the near edge."""
+        """Profile normalised by `height_m` at distances s, 0 to length_m, from the near edge."""
         raise NotImplementedError
 
     def _across(self, y: ArrayLike) -> NDArray[np.float64]:
-        """Factor 1 over the bump's width, falling to 0 at its lateral ends as a smooth step over taper_m."""
+        """Lateral taper factor: 1 over the bump's width, a smooth step to 0 over taper_m at both ends."""
         y = np.asarray(y, float)
         margin = np.minimum(y - self.y_min_m, self.y_max_m - y)
         if self.taper_m == 0:
@@ -78,14 +81,14 @@ class _Raised:
 
 @dataclass(frozen=True)
 class HalfSineBump(_Raised):
-    """Bump whose profile along x is half a period of a sine.
+    """Bump with a half-sine profile along x.
 
     Args:
         start_m: x of the near edge.
         height_m: crest over the road.
         length_m: extent along x.
         y_min_m, y_max_m: lateral extent; inside it both ends run out over `taper_m`.
-        paint: look of its surface, one of PAINTS; no effect on the height.
+        paint: surface marking, one of PAINTS; no effect on the height.
     """
 
     kind: ClassVar[str] = "half_sine_bump"
@@ -105,7 +108,7 @@ class HalfSineBump(_Raised):
 
 @dataclass(frozen=True)
 class SinusoidalHump(_Raised):
-    """Hump whose profile along x is one period of a raised cosine, tangent to the road at both ends.
+    """Hump with a raised-cosine profile along x (one period), tangent to the road at both ends.
 
     Arguments as for HalfSineBump.
     """
@@ -126,7 +129,7 @@ class SinusoidalHump(_Raised):
 
 @dataclass(frozen=True)
 class WattsHump(_Raised):
-    """Hump whose profile along x is a circular arc over the chord `length_m` (Watts, TRRL LR 597, 1973).
+    """Watts hump: circular-arc profile over the chord `length_m` (Watts, TRRL LR 597, 1973).
 
     Arguments as for HalfSineBump.
     """
@@ -155,7 +158,7 @@ class WattsHump(_Raised):
 
 @dataclass(frozen=True)
 class FlatTopHump(_Raised):
-    """Hump with linear ramps of `ramp_m` at both ends and a flat top between them (a speed table).
+    """Flat-top hump (speed table): linear ramps of `ramp_m` at both ends and a flat top.
 
     `length_m` includes both ramps; other arguments as for HalfSineBump.
     """
@@ -181,7 +184,7 @@ class FlatTopHump(_Raised):
 
 @dataclass(frozen=True)
 class TrapezoidalBump(_Raised):
-    """Bump with a linear ramp up, a flat top and a linear ramp down, which may differ (a bolted-on bump).
+    """Bolt-on bump with a trapezoidal profile: linear ramps up and down, which may differ, and a flat top.
 
     `length_m` includes both ramps; other arguments as for HalfSineBump.
     """
@@ -209,7 +212,7 @@ class TrapezoidalBump(_Raised):
 
 @dataclass(frozen=True)
 class SpeedCushion(_Raised):
-    """Table narrower than a car's track: a truncated pyramid that wide vehicles straddle.
+    """Speed cushion: a truncated pyramid narrower than a car's track, which wide vehicles straddle.
 
     Ramps are linear, `ramp_m` long at both ends and `taper_m` at both sides (by default 1:8 and 1:4), inside
     length_m and y_min_m ... y_max_m; other arguments as for HalfSineBump.

@@ -1,4 +1,4 @@
-"""The camera: intrinsics, mounting on the sprung mass, projection and its inverse onto a plane.
+"""Camera model: intrinsics, mounting on the sprung mass, projection and back-projection onto a plane.
 
 Pixels (u, v) run right and down with edges at 0..width and 0..height, so pixel (column, row) has its centre
 at (column + 0.5, row + 0.5). The camera looks along its own x axis; y is left, z up (ISO 8855), as for the
@@ -44,44 +44,46 @@ class Camera:
             check_number("distortion", value, -100.0, 100.0)
         if not self.is_pinhole and folds(self._normalised(self.border()), self.distortion):
             raise InputError(
-                "distortion must let one ray reach each place of the image and not fold it, got "
+                "distortion must map exactly one ray to each image point (no folding), got "
                 f"{list(self.distortion)} with focal_px {self.focal_px:g}"
             )
 
     @property
     def cx(self) -> float:
+        """Column of the principal point (px)."""
         return self.width_px / 2 if self.centre_px is None else self.centre_px[0]
 
     @property
     def cy(self) -> float:
+        """Row of the principal point (px)."""
         return self.height_px / 2 if self.centre_px is None else self.centre_px[1]
 
     @property
     def is_pinhole(self) -> bool:
-        """Whether straight lines are straight in the picture."""
+        """True for a lens without distortion."""
         return not any(self.distortion)
 
     @property
     def pinhole(self) -> "Camera":
-        """The same camera with an ideal lens."""
+        """The same camera with a distortion-free lens."""
         return self if self.is_pinhole else replace(self, distortion=NO_DISTORTION)
 
     def border(self, samples: int = 33) -> Array:
-        """Pixels (4 samples, 2) all around the image's edge."""
+        """Pixels (4 samples, 2) along the image border."""
         across, down = np.linspace(0, self.width_px, samples), np.linspace(0, self.height_px, samples)
         sides = [(across, 0 * down), (across, 0 * down + self.height_px)]
         sides += [(0 * across, down), (0 * across + self.width_px, down)]
         return np.concatenate([np.column_stack(side) for side in sides])
 
     def straightened(self, pixels: ArrayLike) -> Array:
-        """Where `pixels` (N, 2) would lie behind an ideal lens."""
+        """Undistorted pixels (N, 2): the positions of `pixels` behind a distortion-free lens."""
         pixels = np.asarray(pixels, float).reshape(-1, 2)
         if self.is_pinhole:
             return pixels
         return self.focal_px * undistort(self._normalised(pixels), self.distortion) + (self.cx, self.cy)
 
     def bent(self, pixels: ArrayLike) -> Array:
-        """Where this lens shows what an ideal one shows at `pixels` (N, 2): inverse of `straightened`."""
+        """Distorted pixels (N, 2) of undistorted `pixels` (N, 2): inverse of `straightened`."""
         pixels = np.asarray(pixels, float).reshape(-1, 2)
         if self.is_pinhole:
             return pixels
@@ -93,11 +95,11 @@ class Camera:
 
 @dataclass(frozen=True)
 class CameraMount:
-    """Where the camera sits on the sprung mass.
+    """Camera mounting on the sprung mass.
 
     x_m, y_m: ahead and left of the centre of gravity; height_m: over the road with the car at rest;
     pitch_deg: nose-down tilt; cg_height_m: height over the road of the centre of gravity, about which the
-    body turns.
+    body rotates.
     """
 
     x_m: float = -0.35
@@ -116,7 +118,10 @@ class CameraMount:
 
 @dataclass(frozen=True)
 class CameraPose:
-    """Position (m, world) and attitude (rad): yaw left, then pitch nose-down, then roll about its axis."""
+    """Camera pose: position (m, world) and attitude (rad).
+
+    The attitude is yaw left, then pitch nose-down, then roll about the camera's axis.
+    """
 
     x: float
     y: float
@@ -127,17 +132,17 @@ class CameraPose:
 
     @property
     def position(self) -> Array:
-        """(3,) position in the world."""
+        """(3,) position in the world, m."""
         return np.array([self.x, self.y, self.z])
 
     @property
     def rotation(self) -> Array:
-        """(3, 3) matrix that turns camera axes (forward, left, up) into world axes."""
+        """(3, 3) rotation matrix from camera axes (forward, left, up) to world axes."""
         return rotation_matrix(self.roll, self.pitch, self.yaw)
 
 
 def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
-    """(3, 3) R_z(yaw) R_y(pitch) R_x(roll), body to world; pitch > 0 points the x axis down (ISO 8855)."""
+    """(3, 3) rotation R_z(yaw) R_y(pitch) R_x(roll), body to world; pitch > 0 is nose-down (ISO 8855)."""
     cr, sr, cp, sp, cw, sw = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
     return np.array(
         [
@@ -158,11 +163,11 @@ def pose_of(
     roll: float = 0.0,
     yaw: float = 0.0,
 ) -> CameraPose:
-    """Pose of a camera fixed to a sprung mass.
+    """World pose of a camera mounted on the sprung mass.
 
     Args:
         x_cg, y_cg: position of the centre of gravity (m, world).
-        heave: its height above rest (m). roll, pitch, yaw: attitude of the body (rad).
+        heave: displacement of the centre of gravity above rest (m). roll, pitch, yaw: body attitude (rad).
     """
     body = rotation_matrix(roll, pitch, yaw)
     arm = body @ np.array([mount.x_m, mount.y_m, mount.height_m - mount.cg_height_m])
@@ -179,7 +184,10 @@ def pose_of(
 
 
 def project(camera: Camera, pose: CameraPose, points: ArrayLike) -> Array:
-    """Pixels (N, 2) of world points (N, 3), not clipped to the image; nan for those not before the camera."""
+    """Perspective projection: pixels (N, 2) of world points (N, 3), not clipped to the image.
+
+    Points that are not in front of the camera give nan.
+    """
     forward, left, up = ((np.asarray(points, float).reshape(-1, 3) - pose.position) @ pose.rotation).T
     depth = np.where(forward > 1e-9, forward, np.nan)
     u = camera.cx - camera.focal_px * left / depth
@@ -188,14 +196,17 @@ def project(camera: Camera, pose: CameraPose, points: ArrayLike) -> Array:
 
 
 def rays(camera: Camera, pose: CameraPose, pixels: ArrayLike) -> Array:
-    """Directions (N, 3) in the world through pixels (N, 2), of length such that the forward part is 1."""
+    """Ray directions (N, 3) in the world through pixels (N, 2).
+
+    They are scaled so that the component along the optical axis is 1.
+    """
     u, v = camera.straightened(pixels).T
     left, up = (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px
     return np.stack([np.ones_like(u), left, up], axis=1) @ pose.rotation.T
 
 
 def ground_point(camera: Camera, pose: CameraPose, pixels: ArrayLike, z: float = 0.0) -> Array:
-    """World points (N, 3) where rays through pixels (N, 2) meet the plane of height z; nan if they do not."""
+    """Intersections (N, 3) of the rays through pixels (N, 2) with the plane of height z; nan without one."""
     direction = rays(camera, pose, pixels)
     with np.errstate(divide="ignore"):
         distance = (z - pose.z) / direction[:, 2]
@@ -204,9 +215,9 @@ def ground_point(camera: Camera, pose: CameraPose, pixels: ArrayLike, z: float =
 
 
 def horizon_row(camera: Camera, pose: CameraPose, column: float | None = None) -> float:
-    """Row v of the horizon of the plane z = const in an image column (its centre unless given).
+    """Row v of the horizon of the plane z = const in an image column (cx by default).
 
-    Behind a lens that distorts the horizon is no straight line; the row is that of an ideal lens.
+    Lens distortion bends the horizon; the row returned is that behind a distortion-free lens.
     """
     u = camera.cx if column is None else column
     forward, left, up = pose.rotation[2]

@@ -1,4 +1,4 @@
-"""The card of a rendered data set: `foreride detector card FOLDER` writes its README.md."""
+"""Dataset card of a rendered data set: `foreride detector card FOLDER` writes its README.md."""
 
 import argparse
 import json
@@ -43,13 +43,14 @@ Images and labels are free of third parties' material and may be used under the 
 
 
 def write_card(folder: Path, real: dict[str, dict]) -> None:
-    """Write FOLDER/README.md from dataset.json, objects.jsonl and the labels; `real`: sets to set beside it.
+    """Write FOLDER/README.md from dataset.json, objects.jsonl and the labels.
 
-    Raises InputError if `folder` is not a finished rendered data set.
+    real: box statistics of photographic data sets, listed for comparison. Raises InputError if `folder` is
+    not a finished rendered data set.
     """
     manifest_file = folder / "dataset.json"
     if not manifest_file.is_file():
-        raise InputError(f"{manifest_file}: not there; the folder must hold a finished rendered data set")
+        raise InputError(f"{manifest_file}: missing; the folder must hold a finished rendered data set")
     manifest = json.loads(manifest_file.read_text())
     rows = {split: _rows(folder / split) for split, count in manifest["counts"].items() if count}
     boxes = {split: box_statistics(folder / split) for split in rows}
@@ -89,7 +90,7 @@ def _counts(rows: dict[str, list[dict]]) -> str:
 
 
 def _conditions(rows: dict[str, list[dict]]) -> str:
-    """Images per light, weather and so on."""
+    """Table of images by light, weather and further conditions."""
     keys: dict[str, Callable[[dict], str]] = {
         "light": lambda c: c["light"],
         "weather": lambda c: c["weather"],
@@ -107,7 +108,7 @@ def _conditions(rows: dict[str, list[dict]]) -> str:
 
 
 def _kinds(rows: dict[str, list[dict]]) -> str:
-    """Objects per kind, paint and visibility."""
+    """Table of objects by kind, paint and visibility."""
     keys: dict[str, Callable[[dict], str | None]] = {
         "kind": lambda o: o["kind"],
         "paint of bumps": lambda o: o["paint"] if o["class"] == 0 else None,
@@ -125,7 +126,7 @@ def _kinds(rows: dict[str, list[dict]]) -> str:
 
 
 def _distances(rows: dict[str, list[dict]]) -> str:
-    """Objects per class and distance."""
+    """Table of objects by class and distance."""
     counts: dict[str, dict[str, Counter[str]]] = {name: {} for name in NAMES}
     for split, images in rows.items():
         for cls, name in enumerate(NAMES):
@@ -151,7 +152,7 @@ def _split_table(title: str, counts: dict[str, dict[str, Counter[str]]], splits:
 
 
 def real_statistics(folders: list[Path]) -> dict[str, dict]:
-    """Box statistics of photographs: of `folders`, or without any the published ones of REAL_BOXES."""
+    """Box statistics of the photographs in `folders`, or the published ones of REAL_BOXES if it is empty."""
     if folders:
         return {folder.name: box_statistics(folder) for folder in folders}
     return dict(json.loads(REAL_BOXES.read_text()))
@@ -160,11 +161,11 @@ def real_statistics(folders: list[Path]) -> dict[str, dict]:
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     parser = argparse.ArgumentParser(
-        prog="foreride detector card", description="Write a rendered set's README.md."
+        prog="foreride detector card", description="Write a rendered set's card (README.md)."
     )
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="a rendered data set")
     parser.add_argument(
-        "--real", type=Path, action="append", default=[], metavar="FOLDER", help="photographs"
+        "--real", type=Path, action="append", default=[], metavar="FOLDER", help="labelled photographs"
     )
     options = parser.parse_args(arguments)
     try:

@@ -1,4 +1,4 @@
-"""The same feature several times along the road, in one wheel track or the other."""
+"""Repeated features: copies of one feature along the road, in either wheel track or in both."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -12,11 +12,11 @@ Placement = Literal["left", "right", "both"]
 
 @dataclass(frozen=True)
 class Chain:
-    """`count` copies of a feature, `spacing_m` from start to start.
+    """Repetition of a feature: `count` copies, `spacing_m` from start to start.
 
     Args:
         feature: the first copy, placed as it says unless `tracks` says otherwise.
-        tracks: where the copies lie, in turn ("left", "right" or "both" wheel tracks, at y = +-track_m / 2).
+        tracks: wheel tracks of the copies, in turn ("left", "right" or "both", at y = +-track_m / 2).
             Potholes, covers and cushions are centred there, "both" makes two of one; all else is cut to that
             half of the road, "both" leaves it whole. Empty: all as the feature says.
 
@@ -39,7 +39,7 @@ class Chain:
             raise InputError(f"spacing_m must be > 0 for count = {self.count}, got {self.spacing_m!r}")
 
     def features(self) -> tuple[Feature, ...]:
-        """All copies, in order of their place."""
+        """All copies, ordered by position."""
         copies: list[Feature] = []
         for number in range(self.count):
             copy = replace(self.feature, start_m=self.feature.start_m + number * self.spacing_m)

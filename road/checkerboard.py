@@ -1,4 +1,4 @@
-"""Intrinsics and mounting of a real camera from photographs of a checkerboard, by OpenCV's calibration.
+"""Camera calibration from photographs of a checkerboard: intrinsics and mounting, by OpenCV.
 
 Zhang, A flexible new technique for camera calibration (IEEE PAMI 22(11), 2000), with `road.lens` for the
 lens. Corners are found by their local symmetry (Duda and Frese, BMVC 2018), to a twentieth of a pixel.
@@ -24,7 +24,7 @@ _HALF_PIXEL = 0.5  # OpenCV counts pixels from their centres, `Camera` from thei
 
 
 class Board(NamedTuple):
-    """A checkerboard of so many squares, each of `square_m`; corners are where four squares meet."""
+    """Checkerboard of columns x rows squares with side `square_m`; four squares meet at a corner."""
 
     columns: int
     rows: int
@@ -32,21 +32,22 @@ class Board(NamedTuple):
 
     @property
     def pattern(self) -> tuple[int, int]:
-        """Corners in a row and in a column."""
+        """Number of corners per row and per column."""
         return self.columns - 1, self.rows - 1
 
     @property
     def corners(self) -> NDArray[np.float32]:
-        """(n, 3) corners on the board, m, in the order in which they are found."""
+        """(n, 3) corners on the board, m, in the order of detection."""
         across, down = np.meshgrid(*(np.arange(n) for n in self.pattern))
         flat = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)])
         return (self.square_m * flat).astype(np.float32)
 
 
 class Calibration(NamedTuple):
-    """A camera, what is left between corners found and modelled (px, RMS of all and of each view), sigmas.
+    """Calibrated camera with residuals and standard deviations.
 
-    sigma_px: standard deviations of focal length and of both coordinates of the principal point.
+    rms_px: RMS reprojection error over all views; views_px: the same of each view. sigma_px: standard
+    deviations of focal length and of both coordinates of the principal point.
     """
 
     camera: Camera
@@ -56,7 +57,7 @@ class Calibration(NamedTuple):
 
 
 class Mounting(NamedTuple):
-    """Where a camera is over the ground: height (m), pitch (nose-down) and roll (left side up), degrees."""
+    """Camera mounting over the ground: height (m), pitch (nose-down) and roll (left side up), degrees."""
 
     height_m: float
     pitch_deg: float
@@ -64,7 +65,7 @@ class Mounting(NamedTuple):
 
 
 def find_corners(image: NDArray[np.uint8], board: Board) -> NDArray[np.float32] | None:
-    """Corners (n, 2) of `board` in a grey image, pixels counted from its edge; None if it is not seen."""
+    """Detected corners (n, 2) of `board` in a grey image, px counted from its edge; None if not visible."""
     for flags in _SEARCHES:
         found, corners = cv2.findChessboardCornersSB(image, board.pattern, flags=flags)
         if found:
@@ -75,13 +76,13 @@ def find_corners(image: NDArray[np.uint8], board: Board) -> NDArray[np.float32] 
 def calibrate(
     views: Sequence[NDArray[np.float32]], board: Board, width_px: int, height_px: int
 ) -> Calibration:
-    """The camera that saw `views`, each the corners of `board` as `find_corners` gives them.
+    """Camera intrinsics from `views`, each the corners of `board` as `find_corners` gives them.
 
-    Where corners of the picture were not covered and the third radial term would fold it, that term is left
-    out. Raises InputError for too few views, or views that do not determine a camera.
+    The third radial coefficient is dropped where the views leave the image corners uncovered and it would
+    fold the image there. Raises InputError for too few views, or views that do not determine a camera.
     """
     if len(views) < LEAST_VIEWS:
-        raise InputError(f"at least {LEAST_VIEWS} photographs must show the whole board, got {len(views)}")
+        raise InputError(f"photographs of the whole board must be >= {LEAST_VIEWS}, got {len(views)}")
     for flags in (_SQUARE_PIXELS, _SQUARE_PIXELS | cv2.CALIB_FIX_K3):
         rms, matrix, distortion, _, _, sigmas, _, errors = cv2.calibrateCameraExtended(
             [board.corners] * len(views),
@@ -98,22 +99,22 @@ def calibrate(
             continue
         fixed, focal, across, down = sigmas.ravel()[
             :4
-        ].tolist()  # of both focal lengths one follows the other
+        ].tolist()  # with square pixels only one of the two focal lengths is free
         sigma = max(fixed, focal), across, down
         return Calibration(camera, float(rms), tuple(errors.ravel().tolist()), sigma)
     raise InputError(
-        f"the photographs do not determine the lens ({refused}); take some near and tilted, "
-        "with the board in the picture's corners"
+        f"the photographs do not determine the lens ({refused}); take some close up and tilted, "
+        "with the board in the corners of the image"
     )
 
 
 def mounting(camera: Camera, corners: NDArray[np.float32], board: Board) -> Mounting:
-    """Where `camera` is over the ground on which `board` lies; `corners` as `find_corners` gives them."""
+    """Mounting of `camera` over the ground on which `board` lies; `corners` as `find_corners` gives them."""
     straight = camera.straightened(corners)
     matrix = np.array([[camera.focal_px, 0, camera.cx], [0, camera.focal_px, camera.cy], [0, 0, 1.0]])
     solved, turn, shift = cv2.solvePnP(board.corners.astype(float), straight, matrix, None)
     if not solved:
-        raise InputError("no place of the board explains where its corners are seen")
+        raise InputError("no pose of the board explains the detected corners")
     normal = cv2.Rodrigues(turn)[0][:, 2]
     above = -float(normal @ shift.ravel())
     right, down, forward = normal if above > 0 else -normal

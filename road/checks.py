@@ -1,4 +1,4 @@
-"""Validation shared by the dataclasses of this package."""
+"""Range checks shared by the dataclasses of this package."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Linear light that reaches the camera: filtered map colours, grain, lamps, reflections in water, fog."""
+"""Shading: linear radiance at the camera from ground-map colours, grain, lamps, wet reflection and fog."""
 
 from typing import NamedTuple
 
@@ -10,11 +10,11 @@ from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
 from road.lighting import WHITE
 from road.raycast import FAR_M, direction
 
-FADE_M = 12.0  # over this length the map gives way to the road's average colours
+FADE_M = 12.0  # length over which the map is blended into the road's average colours
 HEADLIGHT_HEIGHT_M = 0.65
-POOL_REACH_M = 25.0  # a street lamp lights nothing beyond
-_SKY_DISTANCE_M = 150.0  # fog between the camera and the panorama
-_VERGE_M = 1.4  # this much of the map's edge is mirrored outwards
+POOL_REACH_M = 25.0  # radius lit by a street lamp
+_SKY_DISTANCE_M = 150.0  # path length of fog between the camera and the panorama
+_VERGE_M = 1.4  # width of the strip at the map's edge that is mirrored outwards
 _SHIFTS = np.array(LEVEL_COLUMN_SHIFTS)
 _LEVELS = len(LEVEL_COLUMN_SHIFTS)
 _WIDTH = 2 * HALF_WIDTH_M / CELL_M
@@ -22,7 +22,11 @@ _DEGREES = 180 / np.pi
 
 
 class Conditions(NamedTuple):
-    """Numbers of a scene: size (m) and contrast of the grain, reach of the fog (m), lamps, map's end (m)."""
+    """Scene parameters for shading.
+
+    grain_m, grain_gain: size and contrast of the asphalt grain. fog_m: attenuation length of the fog.
+    ambient, headlight: relative strength of both lights. end_m: x of the map's end.
+    """
 
     grain_m: float
     grain_gain: float
@@ -36,11 +40,11 @@ class Conditions(NamedTuple):
 def colour(  # type: ignore[no-untyped-def]
     view, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, pools, image
 ):
-    """Fill `image` (H, W, 3) linear rgb from `drop` and `slope` (H, W), the ray caster's result.
+    """Shade `image` (H, W, 3) linear rgb from `drop` and `slope` (H, W), the result of the ray caster.
 
     atlas: (rows, cols, 4) mip levels, one below the other (see `surface.Surface`); strip: (n, 4) average
     colours across the road; panorama, reflected: see `background.Panorama`; haze: (3,);
-    pools: (n, 3) place (m) and strength of street lamps.
+    pools: (n, 3) position (m) and strength of street lamps.
     """
     r, px, py = view.rotation, view.position[0], view.position[1]
     focal, cx, cy = view.focal, view.cx, view.cy
@@ -79,7 +83,7 @@ def colour(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignore[no-untyped-def]
-    """Map colour at a point for a pixel that covers `pixel_m` of road, far off faded to the average."""
+    """Ground-map colour at a point for a pixel that covers `pixel_m`, blended to the average far away."""
     row, col = (x - START_M) / CELL_M, (y + HALF_WIDTH_M) / CELL_M
     if col < 0 or col >= _WIDTH:
         col = _mirrored(col)
@@ -120,7 +124,7 @@ def _texel(atlas, level, row, col, weight, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _mirrored(col):  # type: ignore[no-untyped-def]
-    """Column of the map's edge that stands for one beyond the map."""
+    """Column at the map's edge that replaces one beyond the map."""
     strip = _VERGE_M / CELL_M
     if col < 0:
         return abs(-col % strip - strip / 2)
@@ -129,7 +133,7 @@ def _mirrored(col):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, inline="always")
 def _grain(grain, conditions, x, y, visible):  # type: ignore[no-untyped-def]
-    """Factor for the stones of the asphalt; `visible` is the number of pixels that one of them covers."""
+    """Gain by the grain of the asphalt; `visible` is the number of pixels that one stone covers."""
     if visible < 0.15:
         return 1.0
     n = grain.shape[0]
@@ -140,7 +144,7 @@ def _grain(grain, conditions, x, y, visible):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, inline="always")
 def _illuminate(reflected, texel, gain, grazing, sx, sy, light):  # type: ignore[no-untyped-def]
-    """Decode a sample and add the mirror image of the surroundings in its water (Schlick's Fresnel term)."""
+    """Decode a sample and add the reflection in water (Schlick's Fresnel approximation)."""
     wet = texel[3] / 255
     fresnel = 0.0
     if wet > 0.02:
@@ -165,7 +169,7 @@ def _look_up(panorama, dx, dy, dz, out):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, inline="always")
 def _lamps(conditions, ahead, aside, slope):  # type: ignore[no-untyped-def]
-    """Ambient light and the dipped headlights' relative irradiance at a point before the camera."""
+    """Relative irradiance by ambient light and dipped headlights at a point in front of the camera."""
     if conditions.headlight == 0:
         return conditions.ambient
     ahead = max(ahead - 1.0, 0.1)

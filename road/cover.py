@@ -1,4 +1,4 @@
-"""What lies on a road: dust and soil, leaves and stones, puddles, snow."""
+"""Loose cover of the road: dust and soil, leaves and stones, puddles, snow."""
 
 from dataclasses import dataclass
 
@@ -13,12 +13,15 @@ _DUST = (0.22, 0.18, 0.13)
 _SNOW = np.array((0.80, 0.82, 0.86), np.float32)
 _WATER = np.array((0.05, 0.05, 0.05), np.float32)
 _LEAVES = ((0.30, 0.22, 0.08), (0.25, 0.14, 0.06), (0.14, 0.16, 0.05), (0.42, 0.40, 0.36), (0.10, 0.08, 0.06))
-_PER_SQUARE_M = 0.9  # pieces of litter where it is densest
+_PER_SQUARE_M = 0.9  # highest density of litter
 
 
 @dataclass(frozen=True)
 class Cover:
-    """litter: (n, 6) x, y, radius (m), albedo rgb; puddles: (n, 3) x, y, radius (m); snow in 0..1."""
+    """Loose cover of a whole road.
+
+    litter: (n, 6) x, y, radius (m), albedo rgb. puddles: (n, 3) x, y, radius (m). snow: amount in 0..1.
+    """
 
     litter: np.ndarray
     puddles: np.ndarray
@@ -26,7 +29,7 @@ class Cover:
 
 
 def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Cover:
-    """Choose what lies on a whole road."""
+    """Random loose cover of a whole road."""
     right, left = edges
     count = rng.poisson(_PER_SQUARE_M * look.litter**2 * length_m * (left - right))
     kinds = rng.integers(len(_LEAVES), size=count)
@@ -46,7 +49,7 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
 
 
 def paint(block: Block, cover: Cover, look: Appearance, edges: tuple[float, float]) -> None:
-    """Lay dust, litter, puddles and snow over a painted block."""
+    """Paint dust, litter, puddles and snow over a painted block."""
     if look.dirt:
         _dust(block, look, edges)
     for x, y, radius in cover.puddles:
@@ -62,7 +65,7 @@ def paint(block: Block, cover: Cover, look: Appearance, edges: tuple[float, floa
 
 
 def _dust(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
-    """Soil carried on from the verge: thick along the edges, thin in the middle, none where tyres roll."""
+    """Soil carried on from the verge: thick along the edges, thin in the middle, none in the wheel tracks."""
     soil = np.array(_SOILS.get(look.verge, _DUST), np.float32)
     inward = np.minimum(block.y - edges[0], edges[1] - block.y)
     tracks = np.exp(-(((np.abs(block.y) - 0.8) / 0.35) ** 2))
@@ -79,7 +82,7 @@ def _litter(block: Block, litter: np.ndarray) -> None:
 
 
 def _snow(block: Block, amount: float, edges: tuple[float, float]) -> None:
-    """Deep beside the road, in patches and ridges on it, least in the wheel tracks."""
+    """Snow: deep beside the road, in patches and ridges on it, least in the wheel tracks."""
     inside = ((block.y > edges[0]) & (block.y < edges[1])).astype(np.float32)
     tracks = np.exp(-(((np.abs(block.y) - 0.8) / 0.4) ** 2))
     depth = 1.3 - inside * (2.0 - 1.5 * amount + 0.7 * tracks)

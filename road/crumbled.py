@@ -1,4 +1,4 @@
-"""Potholes as old roads have them: broken edges, bare base course, loose gravel, mud and water."""
+"""Paint of crumbled potholes: broken edges, bare base course, loose gravel, mud and water."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,11 @@ _DIRTY_WATER = np.array((0.13, 0.09, 0.06), np.float32)
 
 @dataclass(frozen=True)
 class Ground:
-    """Around one hole: x (n, 1), y (1, m), footprint, and noise of lumps and of single stones, (n, m)."""
+    """Cells around one pothole.
+
+    x (n, 1), y (1, m): cell centres, m. inside (n, m): footprint. lumps, stones (n, m): noise of lumps and
+    of single stones.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -52,7 +56,7 @@ def paint(
 
 
 def _filling(style: str, look: Appearance, rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    """Albedo (3,) of what lies in the hole, and how rough it looks."""
+    """Albedo (3,) of the filling of the hole, and its visible roughness."""
     road = np.float32(look.brightness)
     if style == "broken":
         return road * np.array((1.04, 1.0, 0.95), np.float32) * np.float32(rng.uniform(0.35, 0.8)), 0.5
@@ -72,7 +76,7 @@ def _surround(
     rng: np.random.Generator,
     look: Appearance,
 ) -> None:
-    """A ravelled fringe, dust of the filling carried out along the road, and loose stones."""
+    """Paint the ravelled fringe, dust of the filling carried out along the road, and loose stones."""
     u = (ground.x - hole.start_m - hole.length_m / 2) / (hole.length_m / 2)
     v = (ground.y - hole.y_m) / (hole.width_m / 2)
     away = np.hypot(u, v) - 1 + 0.35 * ground.lumps
@@ -91,7 +95,7 @@ def _surround(
 def _fill_with_water(
     block: Block, part: tuple[slice, slice], ground: Ground, sink: np.ndarray, rng: np.random.Generator
 ) -> None:
-    """Water up to a level: brown and mirroring; a dark damp margin above it."""
+    """Fill the hole with water to a level: brown and reflecting, with a dark damp margin above it."""
     level = rng.uniform(0.1, 0.8)
     above = level - sink + 0.1 * ground.lumps
     damp = np.clip(1 - above / 0.5, 0, 1) * ground.inside

@@ -1,4 +1,4 @@
-"""Road profiles as CSV.
+"""CSV road profiles.
 
     # anything after a hash is a comment
     x_m,left_m,right_m
@@ -6,7 +6,8 @@
     0.05,0.0004,0.0001
 
 The first column is the distance along the road; the others are heights: one `z_m` for the whole width, or
-`left_m` and `right_m` under wheels at y = +-0.75 m, or columns named by their place, `y=-0.8,y=0.8`.
+`left_m` and `right_m` under wheels at y = +-0.75 m, or columns named by their lateral position,
+`y=-0.8,y=0.8`.
 """
 
 from pathlib import Path
@@ -32,7 +33,7 @@ def read(path: Path) -> tuple[Array, Array, Array]:
 
 
 def read_table(path: Path) -> tuple[list[str], Array]:
-    """Names of the columns and the numbers (lines, columns) below them; InputError as `read`."""
+    """Column names and the numbers (lines, columns) below them; InputError as `read`."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -49,7 +50,7 @@ def read_table(path: Path) -> tuple[list[str], Array]:
 
 
 def profile_of(path: Path, header: list[str], table: Array) -> tuple[Array, Array, Array]:
-    """What `read` returns, from a table whose columns are all stations or heights."""
+    """Profile as `read` returns it, from a table of which all columns are stations or heights."""
     places = _places(path, header)
     if not len(table):
         raise InputError(f"{path}: has a header, but no stations")
@@ -58,7 +59,7 @@ def profile_of(path: Path, header: list[str], table: Array) -> tuple[Array, Arra
 
 
 def _places(path: Path, header: list[str]) -> Array:
-    """Lateral positions of the height columns."""
+    """Lateral positions (m) of the height columns."""
     wrong = InputError(f"{path}: header must be {_ALLOWED}, got {','.join(header)[:80]!r}")
     if len(header) < 2 or header[0] != "x_m":
         raise wrong

@@ -1,4 +1,4 @@
-"""Things on a road that are neither bump nor pothole: patches, cracks, manhole covers, stains."""
+"""Surface damage and stains (patches, cracks, manhole covers, oil), which are neither bump nor pothole."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,10 @@ MANHOLE_RADIUS_M = 0.32
 
 @dataclass(frozen=True)
 class Patch:
-    """A repair: corners (n, 2) of its outline in x, y; how its albedo differs; whether its seam is sealed."""
+    """Asphalt repair.
+
+    outline: corners (n, 2) in x, y, m. factor: albedo relative to the road. sealed: True for a sealed seam.
+    """
 
     outline: np.ndarray
     factor: float
@@ -22,7 +25,7 @@ class Patch:
 
 @dataclass(frozen=True)
 class Crack:
-    """A polyline (n, 2) in x, y with a width and an albedo factor."""
+    """Crack: a polyline (n, 2) in x, y with a width (m) and an albedo factor."""
 
     line: np.ndarray
     width_m: float
@@ -31,6 +34,8 @@ class Crack:
 
 @dataclass(frozen=True)
 class Damage:
+    """Surface damage of a whole road."""
+
     patches: tuple[Patch, ...]
     cracks: tuple[Crack, ...]
     manholes: np.ndarray  # (n, 2)
@@ -38,7 +43,7 @@ class Damage:
 
 
 def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Damage:
-    """Choose the damage of a whole road; densities are per 60 m."""
+    """Random damage of a whole road; densities are per 60 m."""
     share = length_m / 60
 
     def place() -> np.ndarray:
@@ -55,7 +60,7 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
 
 
 def paint(block: Block, damage: Damage) -> None:
-    """Draw the damage into the block's albedo."""
+    """Paint the damage into the block's albedo."""
     for patch in damage.patches:
         if block.reaches(patch.outline[:, 0].min(), patch.outline[:, 0].max(), 0.1):
             _paint_patch(block, patch)
@@ -125,6 +130,6 @@ def _paint_manhole(block: Block, centre: np.ndarray) -> None:
 
 
 def _points(block: Block, outline: np.ndarray) -> np.ndarray:
-    """Columns and rows in 1/16 cell, as the `shift=4` of OpenCV's drawing wants them."""
+    """Columns and rows in 1/16 cell, the fixed-point format of OpenCV drawing with `shift=4`."""
     origin = np.array([block.y[0, 0], block.x[0, 0]])
     return np.rint((outline[:, ::-1] - origin) / CELL_M * 16).astype(np.int32)

@@ -1,4 +1,4 @@
-"""Seeded, labelled image sets in YOLO layout: `foreride detector data --out DIR`."""
+"""Generation of seeded, labelled image sets in YOLO layout: `foreride detector data --out DIR`."""
 
 import argparse
 import hashlib
@@ -34,13 +34,13 @@ def write_dataset(
     approach: bool = False,
     plain: bool = False,
 ) -> dict:
-    """Render `counts[split]` images per split into `out` and return what dataset.json says.
+    """Render `counts[split]` images per split into `out` and return the content of dataset.json.
 
     Roads are never shared between splits. Every image and label depends only on the seed and its place in the
     set, so the number of workers is immaterial; labels appear before their images, each in one step. `report`
-    is told how many images are done, after each road. With `approach` the views of a road are those of a car
-    on its way to a feature, from 18 m to 3 m, mostly with the default camera. With `plain` there is neither
-    bump nor pothole on any road, but much that passes for one: patches, covers, stains, crossings.
+    is called with the number of finished images after each road. With `approach` the views of a road are
+    those of a car that drives towards a feature, from 18 m to 3 m, mostly with the default camera. With
+    `plain` no road has a bump or a pothole, but many distractors: patches, covers, stains, crossings.
 
     Raises InputError for negative counts or an `out` that already holds a data set.
     """
@@ -96,7 +96,7 @@ def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
 
 @contextmanager
 def progress(total: int) -> Iterator[Callable[[int], None]]:
-    """A bar with the time left on a terminal, a line now and then elsewhere, of the images done."""
+    """Progress of rendering: a bar with the time left on a terminal, elsewhere a line at intervals."""
     began, shown = time.monotonic(), 0
 
     def tell(done: int) -> None:
@@ -121,10 +121,10 @@ def main(arguments: list[str] | None = None) -> int:
     for split, default in zip(SPLITS, (5250, 1125, 1125), strict=True):
         parser.add_argument(f"--{split}", type=int, default=default, help=f"images (default {default})")
     parser.add_argument(
-        "--approach", action="store_true", help="views of a car that drives towards a bump or pothole"
+        "--approach", action="store_true", help="views from a car that drives towards a bump or pothole"
     )
     parser.add_argument(
-        "--plain", action="store_true", help="no bump or pothole, but much that passes for one"
+        "--plain", action="store_true", help="no bump or pothole, but many distractors (patches, covers)"
     )
     parser.add_argument("--workers", type=int, default=1, help="processes (default 1)")
     options = parser.parse_args(arguments)

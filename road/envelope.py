@@ -1,4 +1,4 @@
-"""What a tyre feels of the road: the effective height under each wheel, ready for a simulation."""
+"""Effective road height under each wheel: the tyre-enveloped profile on a uniform grid."""
 
 from dataclasses import dataclass, field
 from math import floor
@@ -15,7 +15,7 @@ from road.profile import Road
 WHEEL_RADIUS_M = 0.31
 PATCH_M = 0.1
 STEP_M = 0.005
-MARGIN_M = 10.0  # road before the start and beyond the end under axles and for previews
+MARGIN_M = 10.0  # extra length before the start and beyond the end, for axles and previews
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class WheelProfile:
     @overload
     def height(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def height(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Height (m) at x (m), a float for a float and an array for an array."""
+        """Effective height (m) at x (m), a float for a float and an array for an array."""
         if not isinstance(x, float | int):
             return self._heights(np.asarray(x, float))
         table = self._table
@@ -63,7 +63,7 @@ class WheelProfile:
     @overload
     def slope(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def slope(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Derivative of the height along x; at a grid point that of the cell ahead, 0 beyond the ends."""
+        """Slope dz/dx at x; at a grid point that of the cell ahead, 0 beyond the ends."""
         if not isinstance(x, float | int):
             return self._slopes(np.asarray(x, float))
         table = self._table
@@ -89,11 +89,11 @@ class WheelProfile:
 def envelope(
     heights: ArrayLike, step_m: float, radius_m: float = WHEEL_RADIUS_M, patch_m: float = PATCH_M
 ) -> NDArray[np.float64]:
-    """Road height as felt by a wheel: rigid-wheel envelope, then the mean over the contact patch.
+    """Effective height of a rigid wheel: its envelope, then the mean over the contact patch.
 
     Args:
         heights: (..., n) road heights (m) every `step_m` along x; taken as constant beyond both ends.
-        radius_m: of the wheel; 0 for none.
+        radius_m: radius of the wheel; 0 for no envelope.
         patch_m: length of the moving average; 0 for none.
 
     Returns: (..., n) effective heights.
@@ -110,7 +110,7 @@ def wheel_profile(
 ) -> WheelProfile:
     """Effective height along the wheel track y = y_m, from MARGIN_M before the road to MARGIN_M beyond it.
 
-    `enveloping` is the tyre's way over short obstacles, a rigid wheel with a patch of PATCH_M by default.
+    `enveloping` is the tyre's enveloping model, by default a rigid wheel with a contact patch of PATCH_M.
     """
     check_number("y_m", y_m, -50.0, 50.0)
     check_number("radius_m", radius_m, 0.0, 2.0)

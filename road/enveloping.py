@@ -1,4 +1,4 @@
-"""How a tyre rolls over what is shorter than itself: from the road's height to the height that it feels."""
+"""Tyre enveloping models: from road height to the effective height under short obstacles."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -11,10 +11,11 @@ from road.checks import check_number
 
 @dataclass(frozen=True)
 class RigidWheel:
-    """A rigid wheel of the tyre's radius rolling over the road, then the mean over the contact patch.
+    """Rigid-wheel enveloping: a rigid circle rolling over the road, then the mean over the contact patch.
 
-    z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R. It cannot reach into what is short, climbs
-    on edges a little late and drops on them as a circle; `patch_m` is the length of the mean, 0 for none.
+    z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R. The circle cannot enter gaps shorter than
+    itself; it lifts ahead of a rising edge and rolls off a falling edge along an arc. `patch_m` is the length
+    of the mean, 0 for none.
     """
 
     kind: ClassVar[str] = "rigid_wheel"
@@ -24,14 +25,14 @@ class RigidWheel:
         check_number("patch_m", self.patch_m, 0.0, 1.0)
 
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
-        """(..., n) heights (m) every `step_m` along x, constant beyond both ends, as felt."""
+        """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
         z = _follow(np.asarray(heights, float), step_m, radius_m, radius_m, 2.0)
         return patch_mean(z, step_m, self.patch_m)
 
 
 @dataclass(frozen=True)
 class TandemCam:
-    """Two elliptical cams one behind the other, whose mean height the tyre feels (Schmeitz).
+    """Tandem-cam enveloping (Schmeitz): two elliptical cams in line; the effective height is their mean.
 
     A. J. C. Schmeitz, A Semi-Empirical Three-Dimensional Model of the Pneumatic Tyre Rolling over Arbitrarily
     Uneven Road Surfaces, thesis, TU Delft 2004; Pacejka, Tyre and Vehicle Dynamics, 3rd ed., ch. 10. Each cam
@@ -42,7 +43,7 @@ class TandemCam:
 
     Args:
         length, height: semi-axes a and b over the tyre's radius.
-        order: c of the superellipse.
+        order: exponent c of the superellipse.
         contact_m: length of the contact patch.
         shift: distance between the cams over `contact_m`.
     """
@@ -62,7 +63,7 @@ class TandemCam:
         check_number("shift", self.shift, 0.0, 2.0)
 
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
-        """(..., n) heights (m) every `step_m` along x, constant beyond both ends, as felt."""
+        """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
         z = np.asarray(heights, float)
         cam = _follow(z, step_m, self.length * radius_m, self.height * radius_m, self.order)
         half = self.shift * self.contact_m / 2 / step_m
@@ -92,21 +93,21 @@ def patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray
 def _follow(
     z: NDArray[np.float64], step_m: float, half_length_m: float, half_height_m: float, order: float
 ) -> NDArray[np.float64]:
-    """Height of the lowest point of an upright superellipse that rests on the road at each place."""
+    """Height of the lowest point of an upright superellipse resting on the road, at each station."""
     reach = int(half_length_m / step_m)
     padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
     along = step_m * np.arange(reach + 1) / max(half_length_m, step_m)
     drop = half_height_m * (1.0 - np.maximum(1.0 - along**order, 0.0) ** (1 / order))
     result, relief = z.copy(), np.ptp(z)
     for shift in range(-reach, reach + 1):
-        if drop[abs(shift)] <= relief:  # otherwise the road cannot reach this part
+        if drop[abs(shift)] <= relief:  # otherwise this part of the cam cannot touch the road
             window = padded[..., reach + shift : reach + shift + z.shape[-1]]
             np.maximum(result, window - drop[abs(shift)], out=result)
     return result
 
 
 def _linear(z: NDArray[np.float64], position: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The linear interpolant of z at fractional grid positions."""
+    """Linear interpolant of z at fractional grid positions."""
     cell = np.floor(position).astype(np.int64)
     return z[..., cell] + (position - cell) * (z[..., cell + 1] - z[..., cell])
 

@@ -1,4 +1,4 @@
-"""What there is to say about a road: its unevenness along some lines, and its features."""
+"""Road summary: unevenness along lines of constant y, and the list of features."""
 
 from dataclasses import asdict, dataclass, replace
 
@@ -14,11 +14,11 @@ STEP_M = 0.05
 
 @dataclass(frozen=True)
 class Track:
-    """Unevenness along y = y_m from where the road has faded in to its end.
+    """Unevenness along the line y = y_m, from the end of the fade-in to the end of the road.
 
-    range_m: highest minus lowest point, features included, as in the IRI, which needs 11 m of road. Level,
-    waviness and class (ISO 8608, of the fitted line) are those of the road between its features and need 40 m
-    of rough road. None where that is not given.
+    range_m: highest minus lowest point, features included. iri_m_km: IRI, features included; it needs 11 m of
+    road. psd_n0_m3, waviness, iso_class: the fitted ISO 8608 line of the road without its features; they need
+    40 m of rough road. None where a value cannot be determined.
     """
 
     y_m: float
@@ -30,7 +30,7 @@ class Track:
 
 
 def track_facts(road: Road, y_m: float) -> Track:
-    """The facts of one line along the road."""
+    """Unevenness along one line of the road."""
     x = np.arange(min(FADE_IN_M, road.length_m), road.length_m, STEP_M)
     z = road.height(x, y_m)
     try:
@@ -52,5 +52,5 @@ def track_facts(road: Road, y_m: float) -> Track:
 
 
 def feature_facts(road: Road) -> list[dict[str, object]]:
-    """Every feature in order of its place, with all its dimensions."""
+    """All features in order of position, with all their dimensions."""
     return [{"kind": feature.kind, "end_m": feature.end_m, **asdict(feature)} for feature in road.features]

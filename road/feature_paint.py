@@ -1,4 +1,4 @@
-"""What bumps and potholes look like: paint, rubber, rubble, mud and water on their footprints."""
+"""Paint of bumps and potholes: markings, rubber, rubble, mud and water on their footprints."""
 
 from dataclasses import dataclass
 
@@ -11,10 +11,10 @@ from road.features import Bump, Feature, Pothole
 from road.fitting_paint import fitting_albedo
 from road.texture import fractal
 
-MARGIN_M = 0.6  # debris lies this far around a pothole
+MARGIN_M = 0.6  # reach of the debris around a pothole
 _WHITE, _YELLOW = np.array((0.62, 0.62, 0.60), np.float32), np.array((0.58, 0.40, 0.05), np.float32)
 _BLACK, _RED = np.array((0.035, 0.035, 0.035), np.float32), np.array((0.24, 0.10, 0.07), np.float32)
-# What lies in a pothole: tint, and its brightness relative to the road's, from least to most.
+# Filling of a pothole: tint, and least and greatest brightness relative to the road.
 _FILLS = {
     "broken_asphalt": ((1.06, 1.0, 0.94), 0.4, 0.7),
     "rubble": ((1.12, 1.0, 0.86), 0.55, 1.5),
@@ -25,7 +25,7 @@ _WATER = np.array((0.15, 0.10, 0.065), np.float32)
 
 @dataclass(frozen=True)
 class Spot:
-    """The part of a block around one feature: index into its fields, x (n, 1), y (1, m), footprint (n, m)."""
+    """Part of a block around one feature: index into its fields, x (n, 1), y (1, m), footprint (n, m)."""
 
     part: tuple[slice, slice]
     x: np.ndarray
@@ -34,9 +34,9 @@ class Spot:
 
 
 def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator, look: Appearance) -> None:
-    """Paint one feature into the block, if they meet, and enter its id `number`.
+    """Paint one feature into the block, if they overlap, and write its id `number`.
 
-    All that is random comes from `rng`, in the same order for every block that shares the feature.
+    All random numbers come from `rng`, in the same order for every block that shares the feature.
     """
     low, high = feature.start_m - MARGIN_M, feature.end_m + MARGIN_M
     cols = np.flatnonzero(
@@ -58,7 +58,7 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
 
 
 def _bump(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator, look: Appearance) -> None:
-    # Laid later than the road around it: darker or lighter, with a joint at either edge.
+    # A bump is laid later than the road around it: darker or lighter, with a joint at either edge.
     if feature.paint == "bare":
         _bare(block, spot, feature, rng)
         return
@@ -77,7 +77,7 @@ def _bump(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator, loo
 
 
 def _bare(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator) -> None:
-    """Of one piece with the road: light and shade tell, a seam at either edge, and what tyres rub off."""
+    """Unpainted bump of the road's own material: shading, a seam at either edge, and tyre scuffs."""
     noise = block.noise["wear"][spot.part]
     from_edge = np.minimum(spot.x - feature.start_m, feature.end_m - spot.x)
     seam = np.exp(-((from_edge / rng.uniform(0.02, 0.07)) ** 2)) * np.clip(0.7 + 0.8 * noise, 0, 1)
@@ -92,9 +92,10 @@ def _bare(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator) -> 
 def _pattern(
     feature: Bump, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cover (n, m) in 0..1 of the upper colour, and the lower one, (3,) or (n, m, 3), for a bump's paint.
+    """Painted share, paint colour and base colour of a bump's marking.
 
-    along: 0..1 from the near to the far edge; across: metres from the right end.
+    The share is (n, m) in 0..1, colours are (3,) or (n, m, 3). along: 0..1 from the near to the far edge;
+    across: metres from the right end.
     """
     name = feature.paint
     bar, slant = rng.uniform(0.25, 0.55), rng.choice((0.0, 0.5, -0.5))
@@ -120,7 +121,7 @@ def _pattern(
 def _street_pattern(
     feature: Bump, along: np.ndarray, across: np.ndarray, base: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As `_pattern`: what photographs of Indian streets and of campus roads show."""
+    """Painted share and colours, as `_pattern`, of markings seen on Indian streets and campus roads."""
     bar, lean = rng.uniform(0.25, 0.7), rng.uniform(-1.2, 1.2)
     if feature.paint == "rubber":
         return _rubber(feature, along, across, rng)
@@ -139,13 +140,13 @@ def _street_pattern(
 def _rubber(
     feature: Bump, along: np.ndarray, across: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Bolted segments, black and yellow in turn, ribbed, with rounded black ends and cat's eyes."""
+    """Rubber bump: bolted segments, black and yellow in turn, with ribs, round black ends and cat's eyes."""
     segment = rng.choice((0.25, 0.5, rng.uniform(0.2, 0.6)))
     width = feature.y_max_m - feature.y_min_m
     place = np.mod(across, segment)
     yellow = np.mod(np.floor(across / segment), 2) == 0
     yellow &= (across > 0.15) & (across < width - 0.15) & (place > 0.012)
-    if rng.random() < 0.5:  # the coloured inlay leaves a black frame
+    if rng.random() < 0.5:  # coloured inlay with a black frame
         yellow &= (along > 0.12) & (along < 0.88) & (place > 0.03) & (place < segment - 0.03)
     ribs = 1 - 0.35 * (np.mod(along * feature.length_m, 0.05) < 0.02)
     eyes = ~yellow & (np.abs(place - segment / 2) < 0.05) & (np.abs(along - 0.25) < 0.09)
@@ -191,7 +192,7 @@ def _scatter_debris(
 def _noise_at(
     hole: Pothole, spot: Spot, amplitudes: tuple[float, ...], rng: np.random.Generator
 ) -> np.ndarray:
-    """Noise (n, m) tied to the hole, not to the block that paints it."""
+    """Noise (n, m) fixed to the pothole, independent of the block being painted."""
     corner = (hole.start_m - MARGIN_M, hole.y_min_m - MARGIN_M)
     size = tuple(int((extent + 2 * MARGIN_M) / CELL_M) + 2 for extent in (hole.length_m, hole.width_m))
     field = fractal(rng, (size[0], size[1]), amplitudes)

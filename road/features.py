@@ -1,9 +1,9 @@
-"""The discrete obstacles of a road, by kind.
+"""Discrete road obstacles (features), by kind.
 
 A feature adds its `height(x, y)` to the road: positive for bumps and humps, negative for potholes, zero
-outside its `footprint(x, y)` (but a step stays). `start_m` is the near edge, the first x at which the height
-departs from zero, `end_m` the far edge. `cls` is what a detector calls it: 0 speed bump, 1 pothole, None for
-what is neither.
+outside its `footprint(x, y)` (except a step, which persists). `start_m` is the near edge, the first x at
+which the height departs from zero, `end_m` the far edge. `cls` is the detector class: 0 speed bump, 1
+pothole, None for all others.
 """
 
 from road.bumps import (

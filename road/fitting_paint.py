@@ -1,4 +1,4 @@
-"""What joints and manhole covers look like; a step shows by light and shade alone."""
+"""Paint of expansion joints and manhole covers; a step is visible by shading only."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ _RUBBER = 0.035
 def fitting_albedo(
     albedo: NDArray[np.float32], x: np.ndarray, y: np.ndarray, fitting: Fitting, rng: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Albedo (n, m, 3) inside the fitting, where the road around it has `albedo`, at x (n, 1), y (1, m)."""
+    """Albedo (n, m, 3) inside the fitting, given the `albedo` of the road there, at x (n, 1), y (1, m)."""
     if isinstance(fitting, Step):
         return albedo
     tint = np.array((1.0, 0.93, 0.86), np.float32)

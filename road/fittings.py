@@ -1,4 +1,4 @@
-"""Joints, covers and steps: what shakes a car without being a speed bump or a pothole."""
+"""Expansion joints, manhole covers and steps: obstacles that are neither speed bump nor pothole."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -13,13 +13,13 @@ from road.checks import check_number
 
 @dataclass(frozen=True)
 class ExpansionJoint:
-    """Gap across the road with vertical walls, as between the slabs of a bridge.
+    """Expansion joint: a gap across the road with vertical walls, as between the slabs of a bridge.
 
     Args:
         start_m: x of the near edge.
         gap_m: width of the gap along x.
         depth_m: depth of its floor (the seal) under the road.
-        lip_m: how far steel edges, each `lip_length_m` long, stand up before and behind the gap; 0 for none.
+        lip_m: height of the steel edges, each `lip_length_m` long, before and behind the gap; 0 for none.
         y_min_m, y_max_m: lateral extent.
     """
 
@@ -68,7 +68,7 @@ class ExpansionJoint:
 
 @dataclass(frozen=True)
 class ManholeCover:
-    """Round cover that lies over or under the road by `height_m` (negative: sunk), its edge `edge_m` wide.
+    """Manhole cover: a round plate raised or sunk by `height_m` (negative: sunk) with an edge `edge_m` wide.
 
     start_m is the near end of its diameter, which lies along y = y_m.
     """
@@ -120,7 +120,7 @@ class ManholeCover:
 
 @dataclass(frozen=True)
 class Step:
-    """Change of level by `height_m` (negative: down) over `ramp_m`, which stays to the end of the road.
+    """Step: a change of level by `height_m` (negative: down) over `ramp_m` up to the end of the road.
 
     Two of opposite height make a resurfaced or milled stretch. `footprint` and `end_m` are those of the edge.
     """
@@ -156,7 +156,7 @@ class Step:
         return rise * ((y >= self.y_min_m) & (y <= self.y_max_m))
 
     def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
-        """True on the edge between the levels, broadcast over x and y."""
+        """True on the ramp between the two levels, broadcast over x and y."""
         x, y = np.asarray(x, float), np.asarray(y, float)
         return (x >= self.start_m) & (x <= self.end_m) & (y >= self.y_min_m) & (y <= self.y_max_m)
 

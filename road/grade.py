@@ -1,4 +1,4 @@
-"""Changes of grade along the road: a piecewise straight road joined by vertical curves."""
+"""Vertical alignment: piecewise constant grade joined by parabolic vertical curves."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from files.errors import InputError
 from road.checks import check_number
 
 STEEPEST = 0.3
-_HIGHEST_M = 0.3  # of what lies on the road, at most
+_HIGHEST_M = 0.3  # greatest height of a feature over the alignment
 
 
 @dataclass(frozen=True)
 class GradeChange:
-    """From `start_m` on the road climbs by `grade` (m/m, negative downhill), reached over `length_m`.
+    """Change of grade to `grade` (m/m, negative downhill), from `start_m` on, over `length_m`.
 
     The vertical curve between is a parabola, as in road design. Raises InputError for a grade beyond
     +-STEEPEST.
@@ -44,7 +44,7 @@ def check_order(changes: tuple[GradeChange, ...], length_m: float) -> None:
 
 
 def grade_height(changes: tuple[GradeChange, ...], x: ArrayLike) -> NDArray[np.float64]:
-    """Height (m) of the road at x, same shape, 0 before the first of the ordered `changes`."""
+    """Height (m) of the vertical alignment at x, same shape, 0 before the first of the ordered `changes`."""
     x = np.asarray(x, float)
     z, before = np.zeros(x.shape), 0.0
     for change in changes:
@@ -56,7 +56,7 @@ def grade_height(changes: tuple[GradeChange, ...], x: ArrayLike) -> NDArray[np.f
 
 
 def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
-    """Grade (m/m) of the road at one x."""
+    """Grade (m/m) of the vertical alignment at x."""
     before = 0.0
     for change in changes:
         share = min(max((x - change.start_m) / change.length_m, 0.0), 1.0)
@@ -65,9 +65,9 @@ def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
 
 
 def rise_ahead(changes: tuple[GradeChange, ...], x: float, z: float, far_m: float) -> float:
-    """Least rise (m/m) of a plane ahead of a camera at x and z from which all rays to the road fall.
+    """Least slope (m/m) of a plane ahead of a camera at x and z to which all rays to the road descend.
 
-    far_m: ahead of the camera, from where on the road keeps its grade. 0 for a road without changes.
+    far_m: distance ahead of the camera beyond which the road keeps its grade. 0 for a road without changes.
     """
     if not changes:
         return 0.0

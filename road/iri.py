@@ -1,4 +1,4 @@
-"""International Roughness Index: the mean suspension stroke of the golden car at 80 km/h.
+"""International Roughness Index (IRI): mean suspension stroke of the golden car at 80 km/h per distance.
 
 Sayers, On the Calculation of International Roughness Index from Longitudinal Road Profile, Transportation
 Research Record 1501, 1995; World Bank Technical Paper 46, 1986; ASTM E1926.
@@ -13,10 +13,10 @@ from files.errors import InputError
 from road.checks import check_number
 
 SPEED_M_S = 80 / 3.6
-# The golden car, each over the sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.
+# Golden car, all per sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.
 TYRE_S2, SPRING_S2, DAMPING_S, WHEEL = 653.0, 63.3, 6.0, 0.15
-BASE_M = 0.25  # the tyre's envelope is a mean over this length
-START_M = 11.0  # the car starts on the mean slope of this length
+BASE_M = 0.25  # length of the moving average that models tyre enveloping
+START_M = 11.0  # length whose mean slope initialises the states
 MAX_STEP_M = 0.3  # ASTM E1926
 
 
@@ -29,13 +29,13 @@ def iri(heights: ArrayLike, step_m: float) -> float:
 
 
 def rectified_slope(heights: ArrayLike, step_m: float) -> NDArray[np.float64]:
-    """|stroke rate / speed| of the golden car in each interval; their mean is the IRI (m/m)."""
+    """Rectified slope |stroke rate / speed| of the golden car in each interval; its mean is the IRI (m/m)."""
     z = np.asarray(heights, float)
     check_number("step_m", step_m, 0.0, MAX_STEP_M, open_low=True)
     if z.ndim != 1 or not np.all(np.isfinite(z)):
         raise InputError(f"heights must be (n,) finite values, got shape {z.shape}")
     if (len(z) - 1) * step_m < START_M:
-        raise InputError(f"an IRI needs at least {START_M:g} m of road, got {(len(z) - 1) * step_m:g} m")
+        raise InputError(f"IRI: road must be >= {START_M:g} m long, got {(len(z) - 1) * step_m:g} m")
     start = round(START_M / step_m)
     initial = (z[min(start, len(z) - 1)] - z[0]) / (min(start, len(z) - 1) * step_m)
     samples = max(1, round(BASE_M / step_m))
@@ -46,13 +46,13 @@ def rectified_slope(heights: ArrayLike, step_m: float) -> NDArray[np.float64]:
 def transition(step_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """State transition (4, 4) and input (4,) matrices of the golden car over `step_m` of constant slope.
 
-    States: slope of the body's path, its rate of change (1/s), then the same of the wheel.
+    States: slope of the body's trajectory, its rate of change (1/s), then the same of the wheel.
     """
     return _exact(_dynamics(), step_m / SPEED_M_S)
 
 
 def response(wavenumber: ArrayLike) -> NDArray[np.complex128]:
-    """Stroke slope over profile slope for a sinusoidal road, wavenumber in cycles/m; the closed form."""
+    """Frequency response, stroke slope over profile slope, in closed form; wavenumber in cycles/m."""
     s = 2j * np.pi * np.asarray(wavenumber, float) * SPEED_M_S
     body = s**2 + DAMPING_S * s + SPRING_S2
     wheel = WHEEL * s**2 + DAMPING_S * s + SPRING_S2 + TYRE_S2
@@ -86,7 +86,7 @@ def _exact(
 
 
 def _stroke_slope(slope: NDArray[np.float64], initial: float, step_m: float) -> NDArray[np.float64]:
-    """Body slope minus wheel slope after each interval; modal form, so that no loop runs over the road."""
+    """Body slope minus wheel slope after each interval, in modal form to avoid a loop over stations."""
     phi, gamma = transition(step_m)
     eigenvalues, vectors = np.linalg.eig(phi)
     inputs = np.linalg.solve(vectors, gamma.astype(complex))

@@ -1,4 +1,4 @@
-"""All views of one road of a data set, with their labels."""
+"""Labelled views of one road of a data set."""
 
 import hashlib
 from collections.abc import Iterator
@@ -19,14 +19,14 @@ from road.scenes import approach_positions, random_positions, random_road, rando
 
 SPLITS = ("train", "val", "test")
 VIEWS_PER_ROAD = 10
-APPROACH_SHARES = (0.8, 0.2, 0.0)  # of the cameras of `road.scenes.random_view`
+APPROACH_SHARES = (0.8, 0.2, 0.0)  # probabilities of the cameras of `road.scenes.random_view`
 LANE_HALF_WIDTH_M = 1.2
 _JPEG_QUALITY = (55, 96)
 
 
 @dataclass(frozen=True)
 class Job:
-    """All views of one road: where they go, and the seeds that make them."""
+    """Rendering job: all views of one road, with output folder and seeds."""
 
     folder: Path
     split: int
@@ -38,7 +38,7 @@ class Job:
 
 
 def render_road(job: Job) -> list[dict]:
-    """Render and write the views of one road; rows for objects.jsonl, with each image's sha256 besides."""
+    """Render and write the views of one road; returns rows for objects.jsonl with each image's sha256."""
     cv2.setNumThreads(1)
     rng = np.random.default_rng((job.seed, job.split, job.road))
     look = random_appearance(rng)
@@ -75,13 +75,13 @@ def render_road(job: Job) -> list[dict]:
 
 
 def crowded(look: Appearance, rng: np.random.Generator) -> Appearance:
-    """The same road with many patches, covers, stains and crossings."""
+    """The same appearance with many distractors: patches, covers, stains and crossings."""
     patches, distractors = (float(share) for share in rng.uniform(0.4, 1.0, 2))
     return replace(look, patches=patches, distractors=distractors)
 
 
 def _condition(look: Appearance) -> dict:
-    """What groups images in an evaluation."""
+    """Conditions by which an evaluation groups images."""
     return {
         "light": look.light,
         "weather": look.weather,

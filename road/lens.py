@@ -1,4 +1,4 @@
-"""What a lens does to a straight ray: Brown's distortion in OpenCV's form.
+"""Lens distortion: the Brown-Conrady model in OpenCV's form.
 
 Points are normalised image coordinates, x right and y down in units of the focal length, (n, 2). A ray at
 radius r leaves the lens at r (1 + k1 r² + k2 r⁴ + k3 r⁶) plus the tangential terms of p1 and p2 (OpenCV
@@ -20,10 +20,10 @@ _EXACT = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-13)
 
 
 def distort(points: Array, distortion: Distortion) -> Array:
-    """Where rays through `points` leave the lens.
+    """Distorted coordinates of the rays through `points`.
 
-    Beyond the radius where the polynomial turns back (`reach`) it goes on straight, so that what lies far
-    outside the picture stays outside.
+    Beyond the radius of monotonicity (`reach`) the mapping is continued by a straight line, so that points
+    far outside the image stay outside.
     """
     radius = np.hypot(points[:, 0], points[:, 1])
     known = points * np.minimum(1.0, reach(distortion) / np.maximum(radius, 1e-12))[:, None]
@@ -38,7 +38,7 @@ def distort(points: Array, distortion: Distortion) -> Array:
 
 
 def undistort(points: Array, distortion: Distortion) -> Array:
-    """The rays that leave the lens at `points`; inverse of `distort` up to its reach."""
+    """Undistorted coordinates of `points`; inverse of `distort` up to its reach."""
     straight = cv2.undistortPoints(
         np.ascontiguousarray(points).reshape(-1, 1, 2), np.eye(3), np.array(distortion), criteria=_EXACT
     )
@@ -47,7 +47,7 @@ def undistort(points: Array, distortion: Distortion) -> Array:
 
 @lru_cache(maxsize=64)
 def reach(distortion: Distortion) -> float:
-    """Radius up to which rays farther from the axis leave the lens farther from it; may be infinite."""
+    """Radius up to which the radial mapping is monotonic; may be infinite."""
     k1, k2, _, _, k3 = distortion
     # Where 1 + 3 k1 r² + 5 k2 r⁴ + 7 k3 r⁶ = 0, in 1 / r², which stays well posed for k2, k3 near 0.
     inverse = np.roots(np.array([1.0, 3 * k1, 5 * k2, 7 * k3]))
@@ -56,7 +56,7 @@ def reach(distortion: Distortion) -> float:
 
 
 def folds(corners: Array, distortion: Distortion) -> bool:
-    """Whether no ray, or more than one, leaves the lens at one of `corners`."""
+    """True if no ray, or more than one, maps to one of `corners`."""
     straight = undistort(corners, distortion)
     inside = np.hypot(straight[:, 0], straight[:, 1]) < reach(distortion)
     return not (inside.all() and np.allclose(distort(straight, distortion), corners, atol=1e-6))

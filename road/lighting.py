@@ -1,4 +1,4 @@
-"""Light on the road map: sun with cast shadows, sky with occlusion, and the encoding of the result."""
+"""Lighting of the ground map: sun with cast shadows, sky with occlusion, and encoding of the radiance."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from numba import njit
 from road.appearance import Appearance
 from road.block import CELL_M, Block
 
-WHITE = 2.0  # radiance that the 8-bit maps can hold
+WHITE = 2.0  # greatest radiance that the 8-bit maps can encode
 _SUN = {
     "noon": (1.15, (1.0, 0.96, 0.88)),
     "overcast": (0.06, (1.0, 1.0, 1.0)),
@@ -27,7 +27,10 @@ OVERCAST_WEATHER = ("rain", "fog", "snow")
 
 @dataclass(frozen=True)
 class Light:
-    """Irradiance on a level plane: `sun` and `sky` rgb (3,), unit vector to the sun, density of foliage."""
+    """Irradiance on a level plane.
+
+    sun, sky: rgb (3,). direction: unit vector (3,) towards the sun. foliage: density of foliage, 0..1.
+    """
 
     sun: np.ndarray
     sky: np.ndarray
@@ -36,12 +39,12 @@ class Light:
 
     @property
     def level(self) -> float:
-        """Mean irradiance of a level plane in the open."""
+        """Mean irradiance of a level plane without occlusion."""
         return float((self.sun * self.direction[2] + self.sky).mean())
 
 
 def plan(look: Appearance) -> Light:
-    """The light that an appearance asks for; rain and fog leave little of the sun."""
+    """Light of an appearance; rain and fog leave little of the sun."""
     azimuth, elevation = np.deg2rad(look.sun_azimuth_deg), np.deg2rad(look.sun_elevation_deg)
     flat = np.cos(elevation)
     direction = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
@@ -97,7 +100,7 @@ def _shade(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: i
 
 
 def _dapple(foliage: float, block: Block) -> np.ndarray:
-    """Share of sunlight that trees beside the road let through."""
+    """Share of sunlight transmitted by trees beside the road."""
     if foliage == 0:
         return np.ones(block.height.shape, np.float32)
     leaf = np.clip((block.noise["foliage"] + 1.2 - 1.8 * foliage) * 1.8, 0, 1)
@@ -105,7 +108,7 @@ def _dapple(foliage: float, block: Block) -> np.ndarray:
 
 
 def _visibility(height: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """1 in the sun, 0 in the shadow of the height field, with a penumbra of about 2 cm."""
+    """Sun visibility: 1 in the sun, 0 in the shadow of the height field, with a penumbra of about 2 cm."""
     flat = float(np.hypot(direction[0], direction[1]))
     if flat < 1e-3 or float(height.max() - height.min()) < 5e-3:
         return np.ones(height.shape, np.float32)

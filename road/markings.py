@@ -1,4 +1,4 @@
-"""Lane lines, stop lines and pedestrian crossings, with their wear."""
+"""Road markings: lane lines, stop lines and pedestrian crossings, with their wear."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,11 @@ _COLOURS = {"white": (0.62, 0.62, 0.60), "yellow": (0.56, 0.38, 0.06)}
 
 @dataclass(frozen=True)
 class Line:
-    """A longitudinal line: centre, width, dash and gap (m; gap 0 is a solid line), phase."""
+    """Longitudinal line marking.
+
+    y_m, width_m: centre and width. dash_m, gap_m: lengths of dash and gap, gap 0 for a solid line. phase_m:
+    offset of the pattern along the road.
+    """
 
     y_m: float
     width_m: float
@@ -23,7 +27,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Bars:
-    """Paint across the road from x0 to x1 between two y, broken into bars of `bar_m` (0 is one stop line)."""
+    """Transverse marking from x0 to x1 between two y, broken into bars of `bar_m` (0: one stop line)."""
 
     x0_m: float
     x1_m: float
@@ -34,6 +38,8 @@ class Bars:
 
 @dataclass(frozen=True)
 class Markings:
+    """Markings of a whole road."""
+
     lines: tuple[Line, ...]
     bars: tuple[Bars, ...]
     colour: tuple[float, float, float]
@@ -41,7 +47,7 @@ class Markings:
 
 
 def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Markings:
-    """Choose the markings of a whole road."""
+    """Random markings of a whole road."""
     right, left = edges
     inset, width = rng.uniform(0.12, 0.35), rng.uniform(0.10, 0.16)
     lines = []
@@ -66,7 +72,7 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
 
 
 def paint(block: Block, marks: Markings) -> None:
-    """Draw the markings into the block's albedo; edges are anti-aliased over one cell."""
+    """Paint the markings into the block's albedo; edges are anti-aliased over one cell."""
     worn = np.clip(1.15 - 0.75 * marks.wear + (0.3 + 0.9 * marks.wear) * block.noise["wear"], 0.0, 1.0)
     for line in marks.lines:
         columns = np.flatnonzero(np.abs(block.y[0] - line.y_m) < line.width_m / 2 + CELL_M)
@@ -85,7 +91,7 @@ def paint(block: Block, marks: Markings) -> None:
 
 
 def _divider(right: float, left: float) -> float:
-    """Where the lanes part: beside the ego lane on a two-lane road, in the middle of a street otherwise."""
+    """y of the lane divider: beside the ego lane on a two-lane road, otherwise in the middle."""
     if abs(left + right) < 1.0:
         return (left + right) / 2
     return 1.75 if left > -right else -1.75
@@ -99,7 +105,7 @@ def _dashes(x: np.ndarray, line: Line) -> np.ndarray:
 
 
 def _cover(inside_m: np.ndarray) -> np.ndarray:
-    """Share of a cell covered, from the signed distance of its centre to the edge."""
+    """Covered share of a cell, from the signed distance of its centre to the edge."""
     return np.clip(inside_m / CELL_M + 0.5, 0, 1)
 
 

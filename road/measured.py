@@ -1,4 +1,4 @@
-"""Road surfaces from files: CSV profiles and ASAM OpenCRG."""
+"""Measured road surfaces from files: CSV profiles and ASAM OpenCRG."""
 
 import hashlib
 from functools import lru_cache
@@ -13,15 +13,15 @@ from road import csv_profile, opencrg
 
 MAX_BYTES = 1_000_000_000
 MAX_POINTS = 50_000_000
-MAX_RELIEF_M = 50.0  # beyond it, heights are elevations over the sea or millimetres
+MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres
 MAX_LENGTH_M = 100_000.0
 FORMATS = (".csv", ".crg")
 
 
 class MeasuredSurface(NamedTuple):
-    """Heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0.
+    """Measured heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0.
 
-    sha256: of the file that it was read from.
+    sha256: hash of the file from which it was read.
     """
 
     x_m: NDArray[np.float64]
@@ -46,7 +46,7 @@ class MeasuredSurface(NamedTuple):
 
 
 def read_surface(path: Path | str) -> MeasuredSurface:
-    """The surface in a .csv or .crg file, shifted so that it begins at x = 0 with a mean height of 0.
+    """Surface from a .csv or .crg file, shifted to start at x = 0 with a mean height of 0.
 
     Raises InputError, in one line, for a file that cannot be read or does not describe a surface.
     """
@@ -65,11 +65,11 @@ def read_surface(path: Path | str) -> MeasuredSurface:
 def surface(
     x: NDArray[np.float64], y: NDArray[np.float64], heights: NDArray[np.float64], source: str
 ) -> MeasuredSurface:
-    """A surface that begins at x = 0 with a mean height of 0, from raw coordinates; checked.
+    """Checked surface from raw coordinates, shifted to start at x = 0 with a mean height of 0.
 
     Args:
         x: (n,) stations; y: (m,) lines, positive left; heights: (m, n); all in m.
-        source: what an error names.
+        source: name of the origin for error messages.
     """
     if len(x) < 2:
         raise InputError(f"{source}: a profile needs at least 2 stations, got {len(x)}")
@@ -97,7 +97,7 @@ def surface(
 
 @lru_cache(maxsize=4)
 def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
-    """One file, read again when it has changed."""
+    """Surface of one file, cached until the file changes."""
     read = csv_profile.read if path.suffix.lower() == ".csv" else opencrg.read
     found = surface(*read(path), str(path))
     return found._replace(sha256=hashlib.sha256(path.read_bytes()).hexdigest())

@@ -1,4 +1,4 @@
-"""What lens and exposure time do to a picture: distortion, motion blur, a low sun's glare, falling snow."""
+"""Optical effects: lens distortion, motion blur, glare of a low sun, falling snow."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -13,10 +13,10 @@ _BLUR_STEPS = 5
 
 
 class Lens(NamedTuple):
-    """How a lens gathers its picture from that of an ideal one.
+    """Resampling maps of a distorted lens.
 
-    source: an ideal camera that sees at least as much; across, down: (H, W) float32, where in its picture
-    each pixel is found (px, centres of pixels at whole numbers).
+    source: distortion-free camera with at least the same field of view; across, down: (H, W) float32,
+    position in its image of each pixel (px, pixel centres at whole numbers).
     """
 
     source: Camera
@@ -26,7 +26,7 @@ class Lens(NamedTuple):
 
 @lru_cache(maxsize=4)
 def lens_of(camera: Camera) -> Lens:
-    """The lens of a camera whose distortion is not nil."""
+    """Resampling maps of a camera with lens distortion."""
     columns, rows = np.meshgrid(np.arange(camera.width_px) + 0.5, np.arange(camera.height_px) + 0.5)
     straight = camera.straightened(np.column_stack([columns.ravel(), rows.ravel()]))
     low, high = np.floor(straight.min(axis=0)) - 1, np.ceil(straight.max(axis=0)) + 1
@@ -37,19 +37,19 @@ def lens_of(camera: Camera) -> Lens:
 
 
 def through(lens: Lens, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
-    """See a source's `image` (H, W, 3) and `maps` (H, W), whose values must not be mixed, by the lens."""
+    """Apply the lens to a source's `image` (H, W, 3), and to `maps` (H, W) without interpolation."""
     seen = cv2.remap(image, lens.across, lens.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     rows, cols = np.rint(lens.down).astype(int), np.rint(lens.across).astype(int)
     return [seen, *(values[rows, cols] for values in maps)]
 
 
 def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float) -> list[np.ndarray]:
-    """See `image` (H, W, 3) and `maps` (H, W), whose values must not be mixed, through a lens.
+    """Apply radial distortion to `image` (H, W, 3), and to `maps` (H, W) without interpolation.
 
-    One radial coefficient (Brown 1966), scaled so that the picture stays filled: variety for training,
-    where nobody needs to know the lens. A camera that knows its distortion has a `Lens`.
-    A point at radius r (1 is half of the image's width) of the result shows what a pinhole sees at
-    s r (1 - coefficient r^2); negative coefficients give a barrel.
+    One radial coefficient (Brown 1966), scaled so that the image stays filled: augmentation for training,
+    where the lens need not be known. A camera with known distortion uses `Lens` instead.
+    A point at radius r (1 is half of the image's width) of the result shows what a pinhole camera shows at
+    s r (1 - coefficient r^2); negative coefficients give barrel distortion.
     """
     height, width = image.shape[:2]
     u = ((np.arange(width) + 0.5) / width * 2 - 1)[None]
@@ -65,9 +65,10 @@ def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float)
 
 
 def motion_blur(image: np.ndarray, view: View, length_px: float, rng: np.random.Generator) -> np.ndarray:
-    """Average over the exposure of a car that drives on: the picture grows out of the vanishing point.
+    """Motion blur of forward driving: mean over the exposure of images that expand from the vanishing point.
 
-    `length_px` is the way of a point at the image's lower edge; a quarter of it is added as shake.
+    `length_px` is the distance that a point at the image's lower edge travels; a quarter of it is added as
+    shake.
     """
     ahead = view.rotation[0]  # the world's x axis in the camera's axes
     u, v = view.cx - view.focal * ahead[1] / ahead[0], view.cy - view.focal * ahead[2] / ahead[0]
@@ -82,7 +83,7 @@ def motion_blur(image: np.ndarray, view: View, length_px: float, rng: np.random.
 
 
 def glare(image: np.ndarray, view: View, sun: np.ndarray, amount: float) -> None:
-    """Light scattered in lens and windscreen around a sun in direction `sun` (3,) before the camera."""
+    """Glare: light scattered in lens and windscreen around a sun in direction `sun` (3,)."""
     forward, left, up = sun @ view.rotation
     if forward < 0.2:
         return
@@ -95,7 +96,7 @@ def glare(image: np.ndarray, view: View, sun: np.ndarray, amount: float) -> None
 
 
 def snowfall(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray) -> None:
-    """Add flakes, the near ones large and blurred."""
+    """Snowflakes; near ones are large and blurred."""
     height, width = image.shape[:2]
     veil = np.zeros((height, width), np.uint8)
     for _ in range(int(rng.integers(80, 500))):

@@ -1,4 +1,4 @@
-"""Base colours: the carriageway, what lies beside it, and water on it."""
+"""Base colours of the carriageway, the verges, and water on the road."""
 
 import cv2
 import numpy as np
@@ -35,7 +35,7 @@ def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
 
 
 def soak(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
-    """Spread the weather's water over the carriageway and darken what is wet."""
+    """Apply the weather's water film to the carriageway and darken wet cells."""
     water = _WETNESS[look.weather]
     if water:
         inside = (block.y > edges[0]) & (block.y < edges[1])
@@ -47,7 +47,7 @@ def soak(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
 
 
 def _tracks(y: np.ndarray, look: Appearance) -> np.ndarray:
-    """Polish (light) or oil (dark) along the wheel tracks of the ego lane."""
+    """Albedo change along the wheel tracks of the ego lane: polish (light) or oil (dark)."""
     tracks = np.exp(-(((np.abs(y) - 0.8) / 0.3) ** 2)) - 0.7 * np.exp(-((y / 0.35) ** 2))
     return (0.10 * (look.wear - 0.35) * tracks).astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""Potholes."""
+"""Pothole with an irregular rim."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -13,7 +13,7 @@ from road.rim import Rim, irregular_rim
 
 @dataclass(frozen=True)
 class Pothole:
-    """Hole with an irregular rim, walls of slope depth_m / wall_m, and a flat floor.
+    """Pothole with an irregular rim, walls of slope depth_m / wall_m, and a flat floor.
 
     Args:
         start_m: x of the near edge.
@@ -22,8 +22,8 @@ class Pothole:
         width_m: extent along y.
         y_m: lateral position of the centre.
         wall_m: horizontal run of the wall from the rim down to the floor.
-        irregularity: relative amplitude of the rim about an ellipse (0 is the ellipse).
-        seed: of the rim's shape.
+        irregularity: relative amplitude of the rim's deviation from an ellipse (0 is the ellipse).
+        seed: seed of the rim's shape.
     """
 
     kind: ClassVar[str] = "pothole"

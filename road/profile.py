@@ -1,4 +1,4 @@
-"""The road: features, roughness and measured heights on a plane whose grade may change."""
+"""Road surface: features, roughness and measured heights on a vertical alignment."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,14 +19,14 @@ FADE_IN_M = 5.0
 
 @dataclass(frozen=True)
 class Road:
-    """A straight road of `length_m` from x = 0, its features in order of their near edge.
+    """Straight road of `length_m` from x = 0, its features in order of their near edge.
 
-    Heights of overlapping features add up. Chains are read once: their copies join the features. Roughness
-    and the heights in `file` (.csv or .crg, see `measured`) rise smoothly from nothing at x = 0 over the
-    first FADE_IN_M, so that a car at rest there is in equilibrium; behind the start the road is flat, beyond
-    the end the roughness goes on and the measured height stays. `file_sha256` pins the file's content; it is
-    filled in when the file is read, so that a recorded road tells when its file is no longer the same.
-    `grades` are changes of grade in their order along the road; all else lies on top of them.
+    Heights of overlapping features add up. Chains are expanded once: their copies join the features.
+    Roughness and the heights in `file` (.csv or .crg, see `measured`) rise smoothly from nothing at x = 0
+    over the first FADE_IN_M, so that a car at rest there is in equilibrium; behind the start the road is
+    flat, beyond the end the roughness continues and the measured height stays constant. `file_sha256` pins
+    the file's content; it is filled in when the file is read, so that a recorded road reveals when its file
+    has changed. `grades` are changes of grade in their order along the road; all else is added to them.
 
     Raises InputError if a feature or a change of grade is not wholly inside [0, length_m], changes of grade
     overlap, or the file is bad or too short.
@@ -79,15 +79,15 @@ class Road:
     def _check_file(self, measured: MeasuredSurface) -> None:
         if measured.length_m < self.length_m:
             raise InputError(
-                f"length_m must be <= {measured.length_m:g} m as {self.file} is, got {self.length_m:g}"
+                f"length_m must be <= {measured.length_m:g} m (end of {self.file}), got {self.length_m:g}"
             )
         if self.file_sha256 not in (None, measured.sha256):
-            raise InputError(f"file_sha256 is not that of {self.file}: the file has changed")
+            raise InputError(f"file_sha256 differs from that of {self.file}: the file has changed")
         object.__setattr__(self, "file_sha256", measured.sha256)
 
     @property
     def is_flat_between_features(self) -> bool:
-        """Whether the height is zero wherever no feature spans x."""
+        """True if the height is zero wherever no feature spans x."""
         steps = any(isinstance(feature, Step) for feature in self.features)
         return self.roughness is None and self.file is None and not steps and not self.grades
 

@@ -1,4 +1,4 @@
-"""Things that stand on or beside a road: bodies of flat faces, and upright pictures that face the camera."""
+"""Scene objects on or beside the road: polygon bodies, and sprites (upright pictures facing the camera)."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Face:
-    """A plane polygon (n, 3) in the world (m), seen from where its `normal` (3,) points.
+    """Plane polygon (n, 3) in the world (m), visible from the side to which its `normal` (3,) points.
 
-    albedo: rgb; glow: rgb radiance that it sends out by itself (lamps).
+    albedo: rgb; glow: emitted radiance, rgb (lamps).
     """
 
     points: np.ndarray
@@ -23,7 +23,7 @@ class Face:
 
 @dataclass(frozen=True)
 class Solid:
-    """A body: its faces in the order in which they are painted, base outline (n, 2) on the ground, height."""
+    """Polygon body: faces in painting order, base outline (n, 2) on the ground, height."""
 
     faces: tuple[Face, ...]
     base: np.ndarray
@@ -32,10 +32,10 @@ class Solid:
 
 @dataclass(frozen=True)
 class Sprite:
-    """An upright picture, its foot's middle at x, y.
+    """Upright texture that faces the camera, the middle of its foot at x, y.
 
-    levels: the picture (h, w, 4) of albedo rgb times cover, and cover; then halves of it (see `pyramid`).
-    shadow: outlines (n, 2) of what shades the sun, in (metres to the left, metres up).
+    levels: mip pyramid of the texture (h, w, 4), albedo rgb times coverage, and coverage (see `pyramid`).
+    shadow: outlines (n, 2) of the parts that cast a shadow, in (metres to the left, metres up).
     glow: radiance of a lamp at the top, rgb.
     """
 
@@ -52,12 +52,12 @@ Prop = Solid | Sprite
 
 
 def place_of(prop: Prop) -> np.ndarray:
-    """(2,) position on the ground."""
+    """(2,) position on the ground, m."""
     return prop.base.mean(axis=0) if isinstance(prop, Solid) else np.array([prop.x, prop.y])
 
 
 def pyramid(picture: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Levels of a picture (h, w, 4) of albedo rgb and cover, each half as large as the one before."""
+    """Mip pyramid of a texture (h, w, 4) of albedo rgb and coverage; each level has half the size."""
     picture = picture.copy()
     picture[..., :3] *= picture[..., 3:]
     levels = [picture]
@@ -73,9 +73,9 @@ def prism(
     albedo: Colour,
     glass: Colour | None = None,
 ) -> list[Face]:
-    """Rear, front, right, left and top of a frustum over rectangles (x0, x1, y0, y1) at two heights.
+    """Rear, front, right, left and top face of a frustum over rectangles (x0, x1, y0, y1) at two heights.
 
-    glass: albedo of panes let into the four sides.
+    glass: albedo of window panes in the four sides.
     """
     corners = [
         np.array([[r[0], r[2], h], [r[0], r[3], h], [r[1], r[3], h], [r[1], r[2], h]])
@@ -99,7 +99,7 @@ def panel(
     albedo: Colour,
     glow: Colour = (0, 0, 0),
 ) -> Face:
-    """An upright rectangle across the road at x, facing ahead (+1) or back (-1): a lamp, a plate."""
+    """Upright rectangle across the road at x, facing ahead (+1) or back (-1): a lamp, a plate."""
     points = np.array([[x, y[0], z[0]], [x, y[1], z[0]], [x, y[1], z[1]], [x, y[0], z[1]]])
     return Face(points, np.array([float(facing), 0.0, 0.0]), albedo, glow)
 
@@ -122,7 +122,7 @@ def wheel(x: float, y: float, radius: float, side: int) -> list[Face]:
 
 
 def stand(faces: list[Face], outline: np.ndarray, height_m: float, x: float, y: float, yaw: float) -> Solid:
-    """Put a body built around the origin onto the road."""
+    """Place a body that is built around the origin on the road."""
     c, s = np.cos(yaw), np.sin(yaw)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
     offset = np.array([x, y, 0.0])
@@ -131,7 +131,7 @@ def stand(faces: list[Face], outline: np.ndarray, height_m: float, x: float, y: 
 
 
 def _face(points: np.ndarray, albedo: Colour) -> Face:
-    """A face whose normal points away from the z axis."""
+    """Face with a normal that points away from the z axis."""
     normal = np.cross(points[1] - points[0], points[2] - points[0])
     normal = normal / max(float(np.linalg.norm(normal)), 1e-9)
     outward = points.mean(axis=0) * (1, 1, 0)

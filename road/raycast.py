@@ -1,8 +1,9 @@
-"""Geometry of a view: where each pixel's ray meets the height map, and which feature it meets there.
+"""Ray casting: intersection of each pixel's ray with the height map, and the feature there.
 
-Rays are marched down, so they must fall. Where the road rises to the camera's height they do so only relative
-to a plane that rises ahead of the camera: then all heights are counted from that plane (`View.over`), which
-leaves x, y and the depth of every point as they are. The horizon of the surroundings goes with the plane.
+Rays are marched downwards, so they must descend. Where the road rises to the camera's height they do so only
+relative to a plane that rises ahead of the camera: then all heights are counted from that plane
+(`View.over`), which leaves x, y and the depth of every point unchanged. The horizon of the surroundings
+follows the plane.
 """
 
 from typing import NamedTuple
@@ -12,18 +13,18 @@ from numba import njit
 
 from road.block import CELL_M, HALF_WIDTH_M, MASK_CELLS, START_M
 
-COARSE_STEP_M = 0.3  # along the ground, where there is only roughness
-FINE_STEP_M = 0.05  # where features are: well below the shortest of them
-# Nearer to the surface than a fine step, the march goes on by its distance to it, so as not to jump over a
-# pothole's lip, but by no less than half of the road's length in a pixel (this times distance squared).
+COARSE_STEP_M = 0.3  # ground distance per step where there is only roughness
+FINE_STEP_M = 0.05  # near features: well below the length of the shortest
+# Closer to the surface than a fine step, the step is the distance to the surface, so that a pothole's lip is
+# not missed, but at least half the road length seen by a pixel (this constant times distance squared).
 _HALF_PIXEL_PER_M2 = 8e-4
-FAR_M = 46.0  # beyond it the road is a plane
-HORIZON_M = 1500.0  # beyond it there is no ground
+FAR_M = 46.0  # the road is a plane beyond this distance
+HORIZON_M = 1500.0  # no ground beyond this distance
 _WIDTH = 2 * HALF_WIDTH_M / CELL_M
 
 
 class View(NamedTuple):
-    """Camera to world rotation (3, 3), position (3,) and intrinsics (px)."""
+    """Camera view: camera-to-world rotation (3, 3), position (3,) and intrinsics (px)."""
 
     rotation: np.ndarray
     position: np.ndarray
@@ -32,7 +33,7 @@ class View(NamedTuple):
     cy: float
 
     def over(self, rise: float) -> "View":
-        """The view with heights counted from a plane that rises by `rise` (m/m) ahead of the camera."""
+        """The view with heights relative to a plane that rises by `rise` (m/m) ahead of the camera."""
         if rise == 0:
             return self
         shear = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-rise, 0.0, 1.0]])
@@ -41,7 +42,7 @@ class View(NamedTuple):
 
 @njit(cache=True, nogil=True, inline="always")
 def direction(r, left, up):  # type: ignore[no-untyped-def]
-    """World direction of the camera ray that runs `left` and `up` for each metre along the axis."""
+    """World direction of the camera ray with slopes `left` and `up` relative to the optical axis."""
     return (
         r[0, 0] + r[0, 1] * left + r[0, 2] * up,
         r[1, 0] + r[1, 1] * left + r[1, 2] * up,
@@ -55,18 +56,18 @@ def trace(  # type: ignore[no-untyped-def]
 ):
     """Cast one ray per pixel; fills four (H, W) images. Heights are those over the plane of `View.over`.
 
-    drop: how far below the camera the ray ends (m), 0 if it meets no ground. slope: dz/dx there, if a feature
-    is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m), inf if none.
-    outlines: (n, 5) per feature: 1 if its outline is the rectangle x0, x1, y0, y1, otherwise 0 and the map of
-    ids decides. limits: lowest and highest height of the map in view. far: height and grade of
-    the plane beyond it.
+    drop: depth of the intersection below the camera (m), 0 if the ray meets no ground. slope: dz/dx there, if
+    a feature is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m),
+    inf if none. outlines: (n, 5) per feature: 1 if its outline is the rectangle x0, x1, y0, y1, otherwise 0
+    and the map of ids decides. limits: lowest and highest height of the map in view. far: height and grade of
+    the plane beyond it. hills: whether the grade changes, and the rise of the plane of `View.over`.
     """
     r, (px, py, pz) = view.rotation, view.position
     focal, cx, cy = view.focal, view.cx, view.cy
     bottom, top = limits
     (far_z, far_grade), (hilly, rise) = far, hills
     over_far = pz - far_z + far_grade * FAR_M  # height over the far plane, continued to the camera
-    # A ray above the far plane here never meets it; one from below it can only come up through it, in hiding.
+    # A ray above the far plane here never meets it; a ray from below could only cross it upwards.
     end = HORIZON_M if over_far > 0 else FAR_M
     rows, cols = drop.shape
     for v in range(rows):
@@ -78,8 +79,8 @@ def trace(  # type: ignore[no-untyped-def]
             if dz > -1e-6 or (above and not hilly):
                 continue
             sx, sy, reach = dx / -dz, dy / -dz, reach / -dz
-            closing = 1 + far_grade * sx  # on the far plane, for each metre of fall
-            under = over_far * reach < FAR_M * closing  # at the end of the map: it meets the map before
+            closing = 1 + far_grade * sx  # per metre of fall, relative to the far plane
+            under = over_far * reach < FAR_M * closing  # below the plane at the map's end: meets the map
             fall = 0.0
             if under or (hilly and (pz - top) * reach < FAR_M):
                 least = bottom if under else max(bottom, pz - FAR_M / reach)
@@ -104,7 +105,7 @@ def trace(  # type: ignore[no-untyped-def]
 def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: ignore[no-untyped-def]
     """Height at which a ray meets the map, marched down from `top` to `bottom`.
 
-    sx, sy: how far the ray runs along x and y for each metre that it falls; reach: the length of (sx, sy).
+    sx, sy: distance along x and y per metre of fall; reach: the length of (sx, sy).
     """
     first = min(top, pz - 1e-3)
     z, last_z, last_gap = first, first, 1.0
@@ -141,7 +142,7 @@ def _bilinear(grid, row, col):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True)
 def _owner(ids, outlines, i, j, x, y):  # type: ignore[no-untyped-def]
-    """Number of the feature at a hit: from the map for potholes, from exact edges for bumps."""
+    """Number of the feature at a hit: from the id map for potholes, from exact edges for bumps."""
     number = ids[i, j]
     if number > 0 and outlines[number - 1, 0] == 0:
         return number

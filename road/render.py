@@ -1,4 +1,4 @@
-"""What the camera sees of a road: image, exact boxes and depth from the same ray hits."""
+"""Road renderer: image, exact boxes and depth from the same ray intersections."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -22,25 +22,25 @@ from road.surface import Surface
 from road.texture import grain
 from road.visible import visible_boxes
 
-MAX_HIDDEN = 0.6  # of what the view holds of a feature; more behind vehicles and people: not listed
+MAX_HIDDEN = 0.6  # greatest occluded share of a labelled feature's part in view
 _FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0, "snow": 130.0}
 _HEADLIGHT = {"noon": 0.0, "overcast": 0.0, "sunset": 0.15, "night": 1.0}
 _AMBIENT = {"noon": 1.0, "overcast": 1.0, "sunset": 1.0, "night": 0.06}
-_KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposure of a road of albedo 0.2
-_SNOW_LEVEL = 1.7  # snow around the road makes the picture this much brighter
+_KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposure key at albedo 0.2
+_SNOW_LEVEL = 1.7  # gain of scene brightness by snow around the road
 _FLAKE_AT_NIGHT = 0.15  # radiance of a snowflake in the headlights
-_BANDS_PER_THREAD = 4  # the sky is cheap, so equal halves would leave a thread idle
-_NIGHT_LEVEL = 0.6  # irradiance by headlights for which the night is exposed
+_BANDS_PER_THREAD = 4  # sky rows are cheap: one band per thread would leave threads idle
+_NIGHT_LEVEL = 0.6  # headlight irradiance for which night scenes are exposed
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One exposure.
+    """Rendered frame with ground truth.
 
     Attributes:
         image: (H, W, 3) uint8 RGB.
         boxes: (n, 4) float32, xyxy pixel edges of the visible part of each feature that is large enough
-            (`road.visible`), and not hidden by props for more than MAX_HIDDEN.
+            (`road.visible`), and of which props hide no more than MAX_HIDDEN.
         classes: (n,) int64, 0 speed bump, 1 pothole.
         feature_index: (n,) int64 into `road.features`, ascending.
         visible_px: (n,) int64.
@@ -58,9 +58,9 @@ class Frame:
 
 
 class Scene:
-    """A road with a look, ready to be photographed from anywhere on it.
+    """Renderable scene: a road with an appearance.
 
-    A frame depends only on road, look, seed, camera, pose and index, never on the frames before it, nor on
+    A frame depends only on road, appearance, seed, camera, pose and index, never on earlier frames or on
     the number of `threads` that share its rows.
     """
 
@@ -94,7 +94,7 @@ class Scene:
         self._outlines = np.array([_outline(f) for f in road.features]).reshape(-1, 5)
 
     def render(self, camera: Camera, pose: CameraPose, index: int = 0, props: Sequence[Prop] = ()) -> Frame:
-        """Photograph the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
+        """Render the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
         lens = None if camera.is_pinhole else optics.lens_of(camera)
         camera = camera if lens is None else lens.source
         view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
@@ -128,7 +128,7 @@ class Scene:
         lens: optics.Lens | None,
         index: int,
     ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
-        """Air, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
+        """Atmosphere, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
         look, haze = self.appearance, self._panorama.haze
         rng = np.random.default_rng((self.seed, 4, index))
         if look.motion_blur_px:
@@ -185,13 +185,13 @@ class Scene:
 
 
 def _exposure(look: Appearance) -> float:
-    """Exposure that puts a road of mean brightness near the key, following its albedo 60 % of the way."""
+    """Exposure that brings a road of mean brightness near the key, compensating 60 % of its albedo."""
     level = _NIGHT_LEVEL if look.light == "night" else lighting.plan(look).level
     level *= _SNOW_LEVEL if look.weather == "snow" else 1.0
     return float(look.exposure * _KEY[look.light] / (level * 0.2**0.4 * look.brightness**0.6))
 
 
 def _outline(feature: Feature) -> tuple[float, float, float, float, float]:
-    """A bump's outline is its rectangle, exactly; a hole's is none here and is looked up in the id map."""
+    """Rectangle outline of a bump (exact); a pothole's or cover's is looked up in the id map."""
     is_rectangle = 0.0 if isinstance(feature, Pothole | ManholeCover) else 1.0
     return is_rectangle, feature.start_m, feature.end_m, feature.y_min_m, feature.y_max_m

@@ -1,4 +1,4 @@
-"""The irregular outline of a pothole."""
+"""Irregular rim outline of a pothole."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -10,7 +10,7 @@ _GRID = 720  # half a degree
 
 
 class Rim(NamedTuple):
-    """Outline in coordinates where the nominal ellipse is the unit circle.
+    """Rim outline in coordinates in which the nominal ellipse is the unit circle.
 
     radius: (721,) outline at angles -pi..pi from the x axis, 1 at 0 and pi.
     y_top, y_bottom: the outline's extreme |v| on either side, by which v is rescaled so that the hole keeps
@@ -43,7 +43,7 @@ class Rim(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def irregular_rim(irregularity: float, seed: int) -> Rim:
-    """Ellipse times 1 + irregularity * n(angle) * sin(angle)^2, with |n| <= 1 a few random harmonics.
+    """Random rim: ellipse times 1 + irregularity * n(angle) * sin(angle)^2, |n| <= 1 a sum of harmonics.
 
     The sin^2 keeps the outline on the ellipse's ends along x; with irregularity <= 0.5 the outline cannot
     reach beyond them, since (1 + a sin^2) cos falls monotonically from 1 for a <= 1/2.

@@ -1,4 +1,4 @@
-"""What stands along a road and moves on it, drawn at random: trees, houses, poles, vehicles, people."""
+"""Random roadside objects and traffic: trees, houses, poles, vehicles, people."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ _BUSH_SPACING_M = {"avenue": 9.0, "country": 12.0, "town": 40.0}
 
 
 def standing(rng: np.random.Generator, look: Appearance) -> list[Prop]:
-    """All that stays where it is beside the road of `look`, from its start to REACH_M."""
+    """Static roadside objects of an appearance, from the start of the road to REACH_M."""
     props: list[Prop] = []
     density = rng.uniform(0.3, 1.6, 3)
     pictures = [pyramid(sprites.tree(rng)) for _ in range(5)]
@@ -77,14 +77,14 @@ def moving(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
 
 
 def _walk(rng: np.random.Generator, spacing_m: float) -> list[float]:
-    """Places along the road, `spacing_m` apart on average."""
+    """Positions along the road, `spacing_m` apart on average."""
     steps = rng.uniform(0.4, 1.6, int(REACH_M / spacing_m) + 2) * spacing_m
     places = np.cumsum(steps) - spacing_m * rng.random()
     return [float(x) for x in places[places < REACH_M]]
 
 
 def _masts(rng: np.random.Generator, look: Appearance) -> list[Prop]:
-    """A line of poles on one side, of lamps where the street is lit."""
+    """A row of poles on one side, with lamps where the street is lit."""
     lamps = look.street_lamps > 0 or (look.surroundings != "country" and rng.random() < 0.4)
     if not lamps and rng.random() < 0.3:
         return []

@@ -1,4 +1,4 @@
-"""Random road roughness of the classes of ISO 8608."""
+"""Random road roughness by ISO 8608 class."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -20,10 +20,10 @@ TRACKS = 11
 
 @dataclass(frozen=True)
 class Roughness:
-    """ISO 8608 class "A" (very good) to "H" (very poor), geometric mean, and the seed of the realisation.
+    """ISO 8608 roughness: class "A" (very good) to "H" (very poor), geometric mean, and the random seed.
 
-    The surface is exact on lines half of `track_m` apart, the middle one at y = 0, so that it is right under
-    the wheels of a car of that track; between them it is interpolated, which smooths short waves.
+    The surface is exact on lines half of `track_m` apart, the middle one at y = 0, and so under the wheels of
+    a car of that track; between them it is interpolated, which smooths short waves.
     """
 
     iso_class: str
@@ -47,7 +47,10 @@ def displacement_psd(roughness: Roughness, n: ArrayLike) -> NDArray[np.float64]:
 
 
 class RoughSurface(NamedTuple):
-    """A realisation, periodic along x: heights (tracks, n) on lines y_m (tracks,), every STEP_M."""
+    """Realisation of a rough surface, periodic along x.
+
+    heights: (tracks, n) m on lines y_m (tracks,), every STEP_M.
+    """
 
     y_m: NDArray[np.float64]
     heights: NDArray[np.float64]
@@ -69,7 +72,7 @@ class RoughSurface(NamedTuple):
 
 @lru_cache(maxsize=8)
 def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
-    """Realisation at least `length_m` long.
+    """Realisation of a rough surface, at least `length_m` long.
 
     Gaussian spectral lines with the class's PSD, correlated across tracks as on an isotropic surface
     (Kamash and Robson, J. Sound Vib. 57(1), 1978): for waviness 2 the cross spectrum of two lines a distance
@@ -100,7 +103,7 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
 
 
 def _levelled(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray[np.complex128]:
-    """Lines (tracks, k), E|line|^2 = 2, with weighted mean square exactly 2 in each third of an octave."""
+    """Spectral lines (tracks, k), E|line|^2 = 2, with mean square exactly 2 in each third of an octave."""
     band = np.floor(3 * np.log2(n / LOWEST_N) + 1e-9).astype(np.int64)
     first = np.flatnonzero(np.diff(band, prepend=-1))
     weight = n**-WAVINESS
@@ -110,7 +113,10 @@ def _levelled(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray
 
 
 def isotropic_coherence(u: ArrayLike) -> NDArray[np.float64]:
-    """u K_1(u), from K_1(u) = integral_0^inf exp(-u cosh t) cosh t dt by a table; 1 at u = 0."""
+    """Coherence u K_1(u) of an isotropic surface, 1 at u = 0.
+
+    K_1(u) = integral_0^inf exp(-u cosh t) cosh t dt, by a table.
+    """
     grid = np.concatenate([[0.0], np.geomspace(1e-4, 60.0, 1200)])
     t = np.linspace(0.0, 14.0, 1401)
     weight = np.full(len(t), t[1])

@@ -1,4 +1,4 @@
-"""Random roads and camera positions for data sets."""
+"""Random roads and camera views for data sets."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from road.profile import Road
 from road.roughness import Roughness
 
 ROAD_M = 62.0
-FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # cameras stand between
-NEAREST_M, FARTHEST_M = 3.0, 18.0  # from the camera to what it approaches
+FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # range of camera positions
+NEAREST_M, FARTHEST_M = 3.0, 18.0  # range of distances from the camera to the feature approached
 TRACK_M = 0.95  # half the car's width
 _PAINT_SHARES = {
     "bare": 0.15,
@@ -30,7 +30,7 @@ _GAP_M = 1.0
 
 
 def random_road(rng: np.random.Generator, look: Appearance) -> Road:
-    """A road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
+    """Random road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
     features: list[Feature] = []
     if rng.random() > 0.08:
         for _ in range(int(rng.choice((0, 1, 2, 3), p=(0.18, 0.4, 0.28, 0.14)))):
@@ -46,7 +46,7 @@ def random_road(rng: np.random.Generator, look: Appearance) -> Road:
 
 
 def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
-    """Half-sine, circular-arc or flat-topped, across the carriageway or one half of it."""
+    """Random half-sine, circular-arc or flat-top bump, across the carriageway or one half of it."""
     right, left = look.right_edge_m + rng.uniform(0.05, 0.5), look.left_edge_m - rng.uniform(0.05, 0.5)
     if rng.random() < 0.12:
         right, left = (right, min(left, 0.2 + abs(right))) if rng.random() < 0.6 else (max(right, -1.0), left)
@@ -84,12 +84,12 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
 
 
 def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]:
-    """One pothole, or a cluster of up to five."""
+    """Random pothole, or a cluster of up to nine."""
     count = int(rng.choice((1, 2, 3, 5, 9), p=(0.55, 0.2, 0.12, 0.08, 0.05)))
     large = rng.random() < 0.15
     shallow = rng.random() < 0.35
     x = rng.uniform(2.5, ROAD_M - 4)
-    # Most lie in a wheel track of the ego lane, where traffic digs them.
+    # Most potholes lie in a wheel track of the ego lane, where the load is.
     track = rng.choice((-0.75, 0.75)) + rng.normal(0, 0.3)
     y = track if rng.random() < 0.55 else rng.uniform(look.right_edge_m + 0.5, look.left_edge_m - 0.5)
     holes = []
@@ -117,7 +117,7 @@ def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]
 def random_view(
     rng: np.random.Generator, x_m: float, shares: tuple[float, float, float] = (0.45, 0.35, 0.2)
 ) -> tuple[Camera, CameraPose]:
-    """A camera at about x: the default one on a moving body, one in another car, or one held or mounted high.
+    """Random camera at about x: the default one on a moving body, one in another car, or a high one.
 
     `shares` are their probabilities. The last looks down on the road, as survey vehicles' cameras do.
     """
@@ -145,7 +145,7 @@ def random_view(
 
 
 def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
-    """Camera positions along the road: most of them not far before some feature."""
+    """Random camera positions along the road: most of them shortly before some feature."""
     positions = []
     for _ in range(count):
         x = rng.uniform(FIRST_VIEW_M, LAST_VIEW_M)
@@ -161,7 +161,7 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
 
 
 def approach_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
-    """Camera positions on the way to a feature in the car's path, where a controller uses what is seen."""
+    """Camera positions on the approach to a feature in the car's path, in a controller's range."""
     ahead = [f for f in road.features if f.y_min_m < TRACK_M and f.y_max_m > -TRACK_M]
     targets = [f for f in ahead if f.start_m - NEAREST_M > FIRST_VIEW_M]
     if not targets:
@@ -178,7 +178,7 @@ def _start(rng: np.random.Generator, length: float) -> float:
 
 
 def _add(features: list[Feature], new: Feature) -> None:
-    """Append unless it would touch an earlier feature."""
+    """Append a feature unless it would touch an earlier one."""
     for old in features:
         gap_x = max(new.start_m - old.end_m, old.start_m - new.end_m)
         gap_y = max(new.y_min_m - old.y_max_m, old.y_min_m - new.y_max_m)

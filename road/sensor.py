@@ -1,4 +1,4 @@
-"""From linear light to 8-bit pixels: rain on the way, bonnet, lens, exposure, noise, tone curve."""
+"""Image sensor: linear radiance to 8-bit pixels, with rain, bonnet, blur, exposure, noise and tone curve."""
 
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ _CURVE_STEPS = 4096
 
 
 def tone_curve() -> np.ndarray:
-    """(4097,) uint8: linear exposure 0..4 to sRGB-like code with a soft shoulder."""
+    """Tone curve (4097,) uint8: linear exposure 0..4 to sRGB-like code with a soft shoulder."""
     linear = np.linspace(0, _CURVE_TOP, _CURVE_STEPS + 1)
     code = (1 - np.exp(-1.5 * linear)) ** (1 / 2.2)
     contrast = 0.6 * code + 0.4 * code * code * (3 - 2 * code)
@@ -19,12 +19,12 @@ def tone_curve() -> np.ndarray:
 
 
 def noise_pool(rng: np.random.Generator) -> np.ndarray:
-    """Gaussian numbers that every frame reads from its own offsets."""
+    """Pool of standard normal numbers, which every frame reads from an offset of its own."""
     return rng.standard_normal(1 << 20, dtype=np.float32)
 
 
 def bonnet_row(look: Appearance, width: int, height: int) -> np.ndarray:
-    """(width,) row from which the bonnet hides each column; `height` where it hides nothing."""
+    """(width,) first row of each column that the bonnet hides; `height` where it hides nothing."""
     if look.bonnet == 0:
         return np.full(width, height)
     across = (np.arange(width) + 0.5) / width * 2 - 1
@@ -32,7 +32,7 @@ def bonnet_row(look: Appearance, width: int, height: int) -> np.ndarray:
 
 
 def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None:
-    """Cover the image below `rows` by a dark glossy sheet that mirrors a little of the sky (`sheen`, rgb)."""
+    """Paint a dark glossy bonnet below `rows` that reflects a little of the sky (`sheen`, rgb)."""
     depth = np.arange(image.shape[0])[:, None] - rows[None]
     hidden = depth >= 0
     gloss = 0.04 + 0.12 * np.exp(-depth[hidden] / (0.03 * image.shape[0]))
@@ -40,7 +40,7 @@ def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None
 
 
 def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray) -> None:
-    """Add falling drops, blurred by their motion."""
+    """Rain streaks: falling drops, blurred by their motion."""
     height, width = image.shape[:2]
     veil = np.zeros((height, width), np.float32)
     for _ in range(int(rng.integers(60, 160))):
@@ -65,7 +65,7 @@ def develop(
     rng: np.random.Generator,
     curve: np.ndarray,
 ) -> np.ndarray:
-    """Blur by the lens, expose, add shot and read noise, apply the tone curve: (H, W, 3) uint8."""
+    """Sensor model: lens blur, exposure, shot and read noise, tone curve; returns (H, W, 3) uint8."""
     if look.blur_px > 0.2:
         image = cv2.GaussianBlur(image, (0, 0), look.blur_px)
     gains = exposure * np.array([1 + look.warmth, 1.0, 1 - look.warmth], np.float32)

@@ -1,4 +1,4 @@
-"""What class of ISO 8608 a profile is of: its displacement PSD, smoothed and fitted."""
+"""Displacement PSD of a profile, smoothed, and the ISO 8608 line and class fitted to it."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -11,21 +11,21 @@ from files.errors import InputError
 from road.checks import check_number
 from road.roughness import ISO_CLASSES, REFERENCE_N0, WAVINESS
 
-BAND = (0.02, 2.83)  # cycles/m, of the fit where the profile has it; the upper end is ISO 8608's
+BAND = (0.02, 2.83)  # cycles/m, band of the fit where covered; the upper end is that of ISO 8608
 SEGMENTS = 8
 LONGEST_M = 200.0
 LEAST_M = 40.0
 
 
 class Spectrum(NamedTuple):
-    """Displacement PSD, one-sided: mean values (m³) in thirds of an octave round wavenumbers n (cycles/m)."""
+    """One-sided displacement PSD: mean values (m³) in thirds of an octave about wavenumbers n (cycles/m)."""
 
     n: NDArray[np.float64]
     psd_m3: NDArray[np.float64]
 
 
 class Fit(NamedTuple):
-    """Straight line through a spectrum on double logarithmic scales.
+    """Straight line fitted to a spectrum on double logarithmic scales.
 
     psd_n0_m3: its value at 0.1 cycles/m; waviness: its negative slope; iso_class: the class whose band
     holds psd_n0_m3.
@@ -39,13 +39,13 @@ class Fit(NamedTuple):
 def spectrum(heights: ArrayLike, step_m: float, band: tuple[float, float] = BAND) -> Spectrum:
     """PSD of (n,) heights (m) every `step_m`, by Welch's method with Hann windows, in thirds of an octave.
 
-    Raises InputError for less than LEAST_M of road, which no line can be fitted through.
+    Raises InputError for less than LEAST_M of road, too short for a fit.
     """
     z = np.asarray(heights, float)
     check_number("step_m", step_m, 0.0, 1.0, open_low=True)
     length = len(z) * step_m
     if z.ndim != 1 or length < LEAST_M:
-        raise InputError(f"a class needs at least {LEAST_M:g} m of road, got {length:g} m")
+        raise InputError(f"ISO 8608 class: road must be >= {LEAST_M:g} m long, got {length:g} m")
     segment = min(LONGEST_M, max(2 * length / (SEGMENTS + 1), LEAST_M / 2))
     n, psd = welch(z, 1 / step_m, nperseg=round(segment / step_m), detrend="linear")
     low, high = max(band[0], 4 / segment), min(band[1], 0.4 / step_m)
@@ -61,15 +61,15 @@ def spectrum(heights: ArrayLike, step_m: float, band: tuple[float, float] = BAND
 
 
 def fit(found: Spectrum) -> Fit:
-    """The line through a spectrum, and its class. Raises InputError for a profile without roughness."""
+    """Line fitted to a spectrum, with its class. Raises InputError for a profile without roughness."""
     if len(found.n) < 2 or not np.all(found.psd_m3 > 0):
-        raise InputError("a class needs a rough road, this one is flat over whole bands of wavelengths")
+        raise InputError("ISO 8608 class: road must be rough in each band of wavelengths, got a flat one")
     slope, offset = np.polyfit(np.log(found.n / REFERENCE_N0), np.log(found.psd_m3), 1)
     level = float(np.exp(offset))
     return Fit(level, float(-slope), iso_class_of(level))
 
 
 def iso_class_of(psd_n0_m3: float) -> str:
-    """The class whose band, a factor of 2 about its geometric mean, holds G_d(n0) (ISO 8608, Table C.1)."""
+    """ISO 8608 class whose band, a factor of 2 about its geometric mean, holds G_d(n0) (Table C.1)."""
     number = int(np.floor(np.log(psd_n0_m3 / 8e-6) / np.log(4)))
     return ISO_CLASSES[min(max(number, 0), len(ISO_CLASSES) - 1)]

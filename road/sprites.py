@@ -1,4 +1,4 @@
-"""Pictures of trees, bushes, poles, signs, people and riders: (h, w, 4) float32 albedo rgb and cover."""
+"""Sprite textures of trees, poles, signs, people and riders: (h, w, 4) float32, albedo rgb and coverage."""
 
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ _BARK = (0.10, 0.075, 0.055)
 
 
 def tree(rng: np.random.Generator) -> np.ndarray:
-    """A crown of leaves with gaps on a trunk, 160 x 128."""
+    """Tree: a crown of leaves with gaps on a trunk, 160 x 128."""
     rows, cols = 160, 128
     picture = np.zeros((rows, cols, 4), np.float32)
     bole = int(rng.integers(3, 7))
@@ -26,7 +26,7 @@ def tree(rng: np.random.Generator) -> np.ndarray:
 
 
 def bush(rng: np.random.Generator) -> np.ndarray:
-    """A heap of leaves, 48 x 96."""
+    """Bush, 48 x 96."""
     picture = np.zeros((48, 96, 4), np.float32)
     _crown(picture, rng, 0.9)
     picture[40:] = picture[39]
@@ -34,7 +34,7 @@ def bush(rng: np.random.Generator) -> np.ndarray:
 
 
 def person(rng: np.random.Generator) -> np.ndarray:
-    """Somebody on foot, 96 x 40."""
+    """Pedestrian, 96 x 40."""
     picture = np.zeros((96, 40, 4), np.float32)
     legs, shirt = _cloth(rng), _cloth(rng)
     stride = int(rng.integers(2, 9))
@@ -50,7 +50,7 @@ def person(rng: np.random.Generator) -> np.ndarray:
 
 
 def rider(rng: np.random.Generator) -> np.ndarray:
-    """A bicycle or motorcycle with its rider, 96 x 48, from behind or in front."""
+    """Bicycle or motorcycle with its rider, 96 x 48, from behind or in front."""
     picture = np.zeros((96, 48, 4), np.float32)
     cv2.line(picture, (24, 58), (24, 94), (0.02, 0.02, 0.02, 1.0), int(rng.integers(4, 9)))
     _polygon(picture, [(15, 52), (33, 52), (31, 72), (17, 72)], _cloth(rng))
@@ -63,7 +63,7 @@ def rider(rng: np.random.Generator) -> np.ndarray:
 
 
 def pole(rng: np.random.Generator, lamp: bool) -> np.ndarray:
-    """A mast with cross-arms or with a lamp on an arm, 256 x 64."""
+    """Mast with cross-arms or with a lamp on an arm, 256 x 64."""
     picture = np.zeros((256, 64, 4), np.float32)
     grey = tuple(rng.uniform(0.12, 0.4) * np.array((1.0, 0.97, 0.92)))
     cv2.line(picture, (32, 255), (32, 4), (*grey, 1.0), 3)
@@ -78,7 +78,7 @@ def pole(rng: np.random.Generator, lamp: bool) -> np.ndarray:
 
 
 def sign(rng: np.random.Generator) -> np.ndarray:
-    """A round, triangular, square or board sign on its post, 128 x 48."""
+    """Round, triangular, square or board sign on its post, 128 x 48."""
     picture = np.zeros((128, 48, 4), np.float32)
     cv2.line(picture, (24, 127), (24, 20), (0.3, 0.3, 0.3, 1.0), 3)
     inner, frame = (
@@ -97,7 +97,7 @@ def sign(rng: np.random.Generator) -> np.ndarray:
 
 
 def cone(rng: np.random.Generator) -> np.ndarray:
-    """A traffic cone or a painted bollard, 48 x 32."""
+    """Traffic cone or painted bollard, 48 x 32."""
     picture = np.zeros((48, 32, 4), np.float32)
     low, high = (12, 3) if rng.random() < 0.6 else (6, 6)
     colour, band = (
@@ -110,7 +110,7 @@ def cone(rng: np.random.Generator) -> np.ndarray:
 
 
 def _crown(part: np.ndarray, rng: np.random.Generator, fullness: float) -> None:
-    """Leaves in an ellipse, lit from above, over what is there."""
+    """Leaves in an ellipse, lit from above, painted over the texture."""
     rows, cols, _ = part.shape
     v, u = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : cols * 1j]
     shape = fractal(rng, (rows, cols), (0.55, 0.5, 0.4, 0.35, 0.3))

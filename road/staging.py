@@ -1,4 +1,4 @@
-"""Draws what stands on the road into a view: shadows, bodies and pictures, lamps; and what they hide."""
+"""Drawing of scene objects into a view: shadows, bodies, sprites, lamps, and the occlusion they cause."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -15,12 +15,12 @@ _SPRITE_NEAR_M = 1.3
 _SPRITE_MIN_PX, _SPRITE_MAX_PX = 3, 1200
 _SHADOWS_WITHIN_M = 50.0
 _LONGEST_SHADOW = 6.0  # metres per metre of height
-_CONTACT = ((1.3, 50), (1.12, 110), (0.98, 165))  # scale of a body's outline, darkness under it of 255
-_LAMP_HEIGHT_M = 4.0  # a lamp higher than this hangs over the road
+_CONTACT = ((1.3, 50), (1.12, 110), (0.98, 165))  # contact shadow: scale of outline, darkness (of 255)
+_LAMP_HEIGHT_M = 4.0  # lamps above this height are street lamps
 
 
 class Air(NamedTuple):
-    """Light of the scene, lamps' shares of it (see `colour.Conditions`), and the fog."""
+    """Illumination and atmosphere of a scene: light, shares of the lamps (see `colour.Conditions`), fog."""
 
     light: Light
     ambient: float
@@ -33,9 +33,9 @@ class Air(NamedTuple):
 def draw(
     image: np.ndarray, hits: np.ndarray, view: View, props: Sequence[Prop], air: Air
 ) -> dict[int, float]:
-    """Add `props` to the linear `image` (H, W, 3), farthest first, and clear the `hits` (H, W) behind them.
+    """Draw `props` into the linear `image` (H, W, 3), farthest first; clear the `hits` (H, W) behind them.
 
-    Returns the share of its pixels that each feature in `hits` has lost.
+    Returns the occluded share of the pixels of each feature in `hits`.
     """
     ordered = sorted(props, key=lambda prop: -float(np.hypot(*(place_of(prop) - view.position[:2]))))
     ground = hits.copy()
@@ -55,18 +55,18 @@ def draw(
 
 
 def lamp_pools(props: Sequence[Prop]) -> np.ndarray:
-    """(n, 3) x, y and strength of the light that street lamps throw on the road."""
+    """(n, 3) x, y and strength of the pools of light under street lamps."""
     lamps = [p for p in props if isinstance(p, Sprite) and p.height_m > _LAMP_HEIGHT_M and any(p.glow)]
     return np.array([(p.x, 0.75 * p.y, max(p.glow)) for p in lamps]).reshape(-1, 3)
 
 
 def _to_camera(view: View, points: np.ndarray) -> np.ndarray:
-    """Forward, left, up (n, 3) of world points."""
+    """Camera coordinates forward, left, up (n, 3) of world points."""
     return (points - view.position) @ view.rotation
 
 
 def _pixels(view: View, points: np.ndarray) -> np.ndarray | None:
-    """Polygon (m, 2) in pixels of a world polygon, clipped before the camera; None if nothing is left."""
+    """Pixel polygon (m, 2) of a world polygon, clipped at the near plane; None if nothing is left."""
     seen = _to_camera(view, points)
     inside = seen[:, 0] > _NEAR_M
     if not inside.any():
@@ -85,20 +85,20 @@ def _pixels(view: View, points: np.ndarray) -> np.ndarray | None:
 
 
 def _fill(mask: np.ndarray, polygon: np.ndarray, value: int, origin: tuple[int, int] = (0, 0)) -> None:
-    """Fill a pixel polygon, edges anti-aliased; `origin` is the column and row of the mask's corner."""
+    """Fill a pixel polygon with anti-aliased edges; `origin` is the column and row of the mask's corner."""
     corners = np.clip(polygon - origin - 0.5, -8000, 8000)
     cv2.fillPoly(mask, [np.rint(corners * 16).astype(np.int32)], value, cv2.LINE_AA, 4)
 
 
 def _window(low: np.ndarray, high: np.ndarray, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
-    """Rows and columns of the image that a pixel rectangle meets."""
+    """Rows and columns of the image that a pixel rectangle overlaps."""
     c0, r0 = np.maximum(np.floor(low).astype(int) - 1, 0)
     c1, r1 = np.minimum(np.ceil(high).astype(int) + 2, (shape[1], shape[0]))
     return (slice(r0, r1), slice(c0, c1)) if r1 > r0 and c1 > c0 else None
 
 
 def _shade_ground(image: np.ndarray, view: View, props: Sequence[Prop], air: Air) -> None:
-    """Shadows in the sun, and the dark under bodies."""
+    """Cast shadows of the sun, and contact shadows under bodies."""
     sun, light = air.light.sun, air.light
     props = [p for p in props if abs(place_of(p)[0] - view.position[0]) < _SHADOWS_WITHIN_M]
     mask = np.zeros(image.shape[:2], np.uint8)
@@ -134,7 +134,7 @@ def _darken(image: np.ndarray, mask: np.ndarray, amount: np.ndarray) -> None:
 
 
 def _shadow_outlines(prop: Prop, shift: np.ndarray) -> list[np.ndarray]:
-    """Polygons (n, 2) on the ground; `shift` (2,) is the shadow's way for a metre of height."""
+    """Shadow polygons (n, 2) on the ground; `shift` (2,) is the shadow's displacement per metre of height."""
     if isinstance(prop, Solid):
         both = np.concatenate((prop.base, prop.base + 0.95 * prop.height_m * shift)).astype(np.float32)
         return [cv2.convexHull(both)[:, 0]]
@@ -145,7 +145,7 @@ def _shadow_outlines(prop: Prop, shift: np.ndarray) -> list[np.ndarray]:
 def _radiance(
     albedo: np.ndarray, beam: float, openness: float, ahead: float, aside: float, air: Air
 ) -> np.ndarray:
-    """Light (..., 3) that a surface sends back: sun, sky, and by night the headlights."""
+    """Reflected radiance (..., 3) of a surface: sun, sky, and at night the headlights."""
     lit = air.light.sun * beam + air.light.sky * openness * air.ambient
     if air.headlight:
         spread = np.exp(-((aside / (1.3 + 0.22 * ahead)) ** 2))
@@ -231,7 +231,7 @@ def _draw_sprite(
 
 
 def _add_halo(image: np.ndarray, u: float, v: float, size: float, colour: np.ndarray, wet: bool) -> None:
-    """The lamp itself and the light that the lens and the air scatter around it; its streak in a wet road."""
+    """Lamp with its glow by scattering in lens and air, and its streak on a wet road."""
     reach = float(np.clip(8 * size, 10, 60))
     part = _window(
         np.array([u - reach, v - reach]), np.array([u + reach, v + reach * (5 if wet else 1)]), image.shape

@@ -1,4 +1,4 @@
-"""The lit map of a road: height, feature ids and radiance on a 2 cm grid, filled as the camera advances."""
+"""Ground map of a road: height, feature ids and radiance on a 2 cm grid, filled as the camera advances."""
 
 import cv2
 import numpy as np
@@ -12,10 +12,10 @@ from road.texture import fractal
 
 COLUMNS = int(2 * HALF_WIDTH_M / CELL_M)
 BLOCK_ROWS = 640
-APRON_ROWS = 40  # shadows and shading look this far past a block
-COARSE = 4  # the smooth random fields live on a grid this much coarser
-BEYOND_END_M = 50.0  # the map goes on past the road's end so that the view never stops
-_STEEP = 0.3  # slope across the road (a kerb) that the ray caster must not step over
+APRON_ROWS = 40  # rows beyond a block that shadows and shading use
+COARSE = 4  # the smooth random fields have a grid coarser by this factor
+BEYOND_END_M = 50.0  # length of the map past the road's end, so that the view stays filled
+_STEEP = 0.3  # lateral slope (a kerb) from which on the ray caster takes fine steps
 _OCTAVES = {
     "tone": (0.05, 0.05, 0.04, 0.04, 0.03, 0.03, 0.03),
     "wear": (0.1, 0.15, 0.2, 0.3, 0.35),
@@ -25,7 +25,7 @@ _OCTAVES = {
 
 
 class Surface:
-    """Maps of one scene, rows along x from START_M, columns along y from -HALF_WIDTH_M.
+    """Ground maps of one scene, rows along x from START_M, columns along y from -HALF_WIDTH_M.
 
     height: (rows, cols) float32, m. ids: (rows, cols) int16, 0 none, k for feature k - 1.
     atlas: (rows x 127/64, cols, 4) uint8, mip levels of encoded radiance and wetness (see `lighting.shade`)
@@ -33,7 +33,8 @@ class Surface:
     strip: (cols, 4) float32, the last level's average along the road's beginning.
     mask: one cell per MASK_CELLS x MASK_CELLS, uint8, 1 where a view ray has to be marched finely.
 
-    Blocks of the map are painted when `extend` first asks for them; what they show does not depend on when.
+    Blocks of the map are painted at the first call of `extend` that needs them; the result does not depend on
+    the order.
     """
 
     def __init__(self, road: Road, look: Appearance, seed: int) -> None:
@@ -114,7 +115,7 @@ class Surface:
         )
 
     def _mark(self, block: Block, rows: slice) -> None:
-        """Note the height range, and where the march must look closely: around features and at kerbs."""
+        """Store the height range, and the mask of fine ray steps: around features and at kerbs."""
         across = np.abs(np.diff(block.height, axis=1, prepend=block.height[:, :1]))
         uneven = (block.ids > 0) | (across > _STEEP * CELL_M)
         tiles = uneven.reshape(-1, MASK_CELLS, COLUMNS // MASK_CELLS, MASK_CELLS).any(axis=(1, 3))
@@ -128,7 +129,7 @@ class Surface:
 
 
 def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:
-    """The atlas and views of its levels."""
+    """Empty atlas, and array views of its levels."""
     sizes = [rows >> k for k in range(len(LEVEL_COLUMN_SHIFTS))]
     atlas = np.zeros((sum(sizes), COLUMNS, 4), np.uint8)
     starts = np.cumsum([0, *sizes])
@@ -140,9 +141,9 @@ def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The road's height (n, m) float32 at x (n, 1), y (1, m).
+    """Road height (n, m) float32 at x (n, 1), y (1, m).
 
-    Between features it is sampled COARSE times more thinly across the road and interpolated, as roughness
+    Between features it is sampled COARSE times more sparsely across the road and interpolated, as roughness
     itself is between its tracks.
     """
     plain = np.ones(len(x), bool)
@@ -166,7 +167,7 @@ def _refined(field: np.ndarray, first: int, rows: int) -> np.ndarray:
 
 
 def _carriageway(road: Road, look: Appearance) -> tuple[float, float]:
-    """Right and left edge (m) of the carriageway: as the look says, but wide enough for every feature."""
+    """Right and left edge (m) of the carriageway: those of the appearance, widened to hold every feature."""
     right = min([look.right_edge_m, *(f.y_min_m - 0.05 for f in road.features)])
     left = max([look.left_edge_m, *(f.y_max_m + 0.05 for f in road.features)])
     return max(right, -HALF_WIDTH_M + 0.5), min(left, HALF_WIDTH_M - 0.5)

@@ -7,7 +7,7 @@ GRAIN_CELLS = 512
 
 
 def fractal(rng: np.random.Generator, shape: tuple[int, int], amplitudes: tuple[float, ...]) -> np.ndarray:
-    """Sum of octaves of smooth noise, float32 of the given shape.
+    """Fractal noise: sum of octaves of smooth noise, float32 of the given shape.
 
     `amplitudes` runs from the coarsest octave to the finest (one lattice point per cell); each octave
     halves the spacing of its lattice.
@@ -30,7 +30,7 @@ def grain(rng: np.random.Generator) -> np.ndarray:
     """Periodic asphalt grain (GRAIN_CELLS squared, float32, zero mean, unit variance).
 
     White noise shaped by a log-normal band around 1/8 cycle per cell (the stones) and one at 1/50 (the
-    mixture), with the bright stones' tail left longer than the dark one.
+    mixture), clipped asymmetrically so that bright stones stand out more than dark gaps.
     """
     n = GRAIN_CELLS
     spectrum = np.fft.rfft2(rng.standard_normal((n, n)))

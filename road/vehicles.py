@@ -1,4 +1,4 @@
-"""Cars, vans, lorries, rickshaws and houses as simple bodies, drawn at random."""
+"""Random cars, vans, lorries, rickshaws and houses as polygon bodies."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ _SHARES = {"car": 0.58, "van": 0.16, "lorry": 0.14, "rickshaw": 0.12}
 
 
 def random_vehicle(rng: np.random.Generator, x: float, y: float, yaw: float, lights: bool) -> Solid:
-    """A vehicle with its middle at x, y; `lights` are on by night."""
+    """Random vehicle with its middle at x, y; `lights` are on at night."""
     kind = str(rng.choice(list(_SHARES), p=list(_SHARES.values())))
     paint = _PAINTS[int(rng.integers(len(_PAINTS)))]
     if kind == "car":
@@ -46,7 +46,7 @@ def random_vehicle(rng: np.random.Generator, x: float, y: float, yaw: float, lig
 
 
 def house(rng: np.random.Generator, x: float, y: float) -> Solid:
-    """A house, a wall or a shed; y is its middle."""
+    """Random house, wall or shed; y is its middle."""
     length, width = rng.uniform(4, 14), rng.uniform(4, 8)
     height = rng.choice((rng.uniform(1.2, 2.2), rng.uniform(2.8, 4), rng.uniform(5, 10)))
     wall = _WALLS[int(rng.integers(len(_WALLS)))]
@@ -89,7 +89,7 @@ def _car(rng: np.random.Generator, paint: Colour) -> tuple[tuple[float, float, f
 
 
 def _box(rng: np.random.Generator, paint: Colour, kind: str) -> tuple[tuple[float, float, float], list[Face]]:
-    """A van or bus, or a lorry with a load."""
+    """Van or bus, or lorry with a load."""
     lorry = kind == "lorry"
     length, width = (
         (rng.uniform(5.5, 9), rng.uniform(2.1, 2.5))
@@ -124,7 +124,7 @@ def _rickshaw(rng: np.random.Generator) -> tuple[tuple[float, float, float], lis
 
 
 def _running_gear(half: float, side: float, radius: float) -> list[Face]:
-    """What is dark under the body: axles and the tyres' treads."""
+    """Dark parts under the body: axles and tyre treads."""
     inner = (-half + 0.15, half - 0.15, -side + 0.12, side - 0.12)
     faces = prism(inner, inner, (0.12, 0.5), _BLACK)
     for facing in (-1, 1):
@@ -139,7 +139,7 @@ def _wheels(half: float, side: float, radius: float) -> list[Face]:
 
 
 def _lamps(length: float, width: float, height: float, lights: bool) -> list[Face]:
-    """Red lamps and a plate behind, white lamps in front."""
+    """Red lamps and a plate at the rear, white lamps in front."""
     rear, front = -length / 2 - 0.02, length / 2 + 0.02
     red = (0.9, 0.05, 0.03) if lights else (0.0, 0.0, 0.0)
     white = (3.0, 2.8, 2.3) if lights else (0.0, 0.0, 0.0)

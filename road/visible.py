@@ -1,4 +1,4 @@
-"""Boxes around what is visible of each feature in a picture."""
+"""Bounding boxes of the visible part of each feature in an image."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ def visible_boxes(
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int64]]:
     """Tight boxes (n, 4), feature numbers (n,), ascending, and pixel counts (n,) in `hits` (H, W).
 
-    Left out is what is not MIN_BOX_HEIGHT_PX high, MIN_BOX_WIDTH_PX wide and MIN_VISIBLE_PX pixels large.
+    Features below MIN_BOX_HEIGHT_PX high, MIN_BOX_WIDTH_PX wide or MIN_VISIBLE_PX pixels are left out.
     """
     boxes, numbers, counts = [], [], []
     rows = np.flatnonzero(hits.any(axis=1))

@@ -1,4 +1,4 @@
-"""Photographs of a checkerboard by a known camera."""
+"""Simulated photographs of a checkerboard by a known camera."""
 
 import cv2
 import numpy as np
@@ -40,7 +40,7 @@ def photograph(camera: Camera, rotation: np.ndarray, place: np.ndarray, board: B
 
 
 def poses(count: int, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Boards near and tilted, all over the picture of a camera of about 50 degrees by 30."""
+    """Tilted boards at close range, all over the image of a camera with a 50 by 30 degree field of view."""
     found = []
     for number in range(count):
         turn = Rotation.from_euler("xyz", rng.uniform(-0.55, 0.55, 3)).as_matrix()
@@ -53,7 +53,7 @@ def poses(count: int, rng: np.random.Generator) -> list[tuple[np.ndarray, np.nda
 
 def on_the_road(camera: Camera, pose: CameraPose, board: Board) -> np.ndarray:
     """(H, W) uint8: `board` flat on the road ahead, seen from `pose`."""
-    # Board x runs right (world -y), board y towards the car (world -x), in front of the picture's middle.
+    # Board x runs right (world -y), board y towards the car (world -x), in front of the image centre.
     axes = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     to_camera = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
     turn = to_camera @ pose.rotation.T @ axes

@@ -1,4 +1,4 @@
-"""Looks: validated fields, reproducible draws that reach every choice."""
+"""Appearance: validated fields, reproducible draws that reach every choice."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Box statistics and the data set's card: counted again by hand from small folders."""
+"""Box statistics and the dataset card, against small folders counted by hand."""
 
 import json
 from pathlib import Path

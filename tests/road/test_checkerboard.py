@@ -1,4 +1,4 @@
-"""Cameras recovered from photographs that a known camera took."""
+"""Camera calibration: cameras recovered from photographs by a known camera."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_corners_are_found_to_a_fraction_of_a_pixel():
     corners = find_corners(photograph(TRUE, turn, place), BOARD)
     points = BOARD.corners + place
     straight = TRUE.focal_px * points[:, :2] / points[:, 2:] + (TRUE.cx, TRUE.cy)
-    # A board half turned looks the same but for its colours, so the first corner is one of two.
+    # A board turned by 180 degrees differs only in its colours, so the first corner is one of two.
     apart = [np.abs(corners[::order] - TRUE.bent(straight)).max() for order in (1, -1)]
     assert min(apart) < 0.4
 
@@ -37,13 +37,13 @@ def test_the_camera_is_recovered(views):
         pytest.approx(327.0, abs=1.0),
         pytest.approx(188.0, abs=1.0),
     )
-    # What counts: each place where boards were belongs to the same ray, to half a pixel.
+    # Criterion: wherever boards were seen, a pixel belongs to the same ray, to half a pixel.
     grid = np.stack(np.meshgrid(np.linspace(80, 560, 13), np.linspace(50, 330, 9)), axis=2).reshape(-1, 2)
     rays, truth = (
         (camera.straightened(grid) - (camera.cx, camera.cy)) / camera.focal_px
         for camera in (found.camera, TRUE)
     )
-    # A shift of the principal point is the same as a turn of the camera.
+    # A shift of the principal point is equivalent to a rotation of the camera.
     apart = rays - truth - (rays - truth).mean(axis=0)
     assert np.abs(apart).max() * TRUE.focal_px < 0.5
     assert max(found.views_px) < 0.25

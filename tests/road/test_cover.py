@@ -1,4 +1,4 @@
-"""Dust, puddles and snow lie where they must; crumbled potholes keep to their holes."""
+"""Dust, puddles and snow in their places; crumbled potholes within their outlines."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The data set: reproducible to the byte, split by road, labels that fit their images."""
+"""Data set generation: reproducible to the byte, split by road, labels that fit their images."""
 
 import json
 from pathlib import Path
@@ -122,13 +122,13 @@ def test_bad_counts_are_refused(tmp_path: Path) -> None:
 
 
 def features_of(seed: int, split: str, number: int) -> tuple[Feature, ...]:
-    """What lies on one road of a set, drawn again."""
+    """Features of one road of a set, drawn again."""
     rng = np.random.default_rng((seed, SPLITS.index(split), number))
     return random_road(rng, random_appearance(rng)).features
 
 
 def lies_ahead(feature: Feature, places: list[float]) -> bool:
-    """Whether a feature is as far ahead of all `places` as what is approached."""
+    """True if a feature is within the approach distances of all `places`."""
     return all(NEAREST_M - 1e-9 <= feature.start_m - x <= FARTHEST_M + 1e-9 for x in places)
 
 

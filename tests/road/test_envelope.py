@@ -31,7 +31,7 @@ def test_wheel_over_a_step_follows_its_own_circle():
 
 
 def gap_depth(length: float, depth: float, patch: float = 0.1) -> float:
-    """Analytic: a wheel over a gap hangs on its nearer edge or stands on the floor; patch mean."""
+    """Closed form: a wheel over a gap hangs on its nearer edge or stands on the floor; patch mean."""
 
     def hang(s: float) -> float:
         return max(np.sqrt(R**2 - (length / 2 - abs(s)) ** 2) - R, -depth)

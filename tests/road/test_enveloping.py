@@ -15,7 +15,7 @@ X = np.arange(-600, 601) * STEP
 def test_pothole_of_30_cm_by_5_cm_becomes_about_28_mm_under_a_rigid_wheel():
     """The wheel hangs on the edges, 38.7 mm deep in the middle; the mean over the patch leaves 26.8 mm.
 
-    28.0 mm it is for a wheel of 0.2975 m, by the same closed form.
+    The 28.0 mm hold for a wheel of 0.2975 m, by the same closed form.
     """
     hang = R - np.sqrt(R**2 - 0.15**2)
     slot = np.where(np.abs(X) < 0.15, -0.05, 0.0)
@@ -51,7 +51,7 @@ def test_tandem_is_the_mean_of_two_cams_a_shift_apart():
 
 
 def test_short_cleat_is_felt_twice_and_lower_than_it_is():
-    """Tyres feel both edges of a cleat shorter than their contact as a hump (Schmeitz 2004)."""
+    """A cleat shorter than the contact patch gives two humps, one for each edge (Schmeitz 2004)."""
     cleat = np.where(np.abs(X) <= 0.005, 0.01, 0.0)
     felt = TandemCam(shift=1.6).effective_height(cleat, STEP, R)
     peaks = np.flatnonzero((felt[1:-1] > felt[:-2]) & (felt[1:-1] >= felt[2:])) + 1

@@ -1,4 +1,4 @@
-"""Changes of grade: heights by closed form, and as the camera sees them."""
+"""Vertical alignment: heights by closed form, and rendered views of changing grades."""
 
 from dataclasses import replace
 
@@ -52,7 +52,7 @@ def test_the_camera_sees_a_bump_where_the_grade_puts_it(grade: float) -> None:
 
 
 def test_the_plane_beyond_the_map_meets_it() -> None:
-    """Depth goes on without a jump where the rays leave the map, 46 m ahead."""
+    """Depth is continuous where the rays leave the map, 46 m ahead."""
     scene = Scene(Road(200.0, grades=(GradeChange(5.0, 0.02),)), Appearance(), 1)
     frame = scene.render(Camera(), pose_of(CameraMount(), 4.0, 0.0, 0.0), 0)
     column = frame.depth[:, 320]
@@ -87,7 +87,7 @@ VALLEY = (GradeChange(8.0, -0.08), GradeChange(30.0, 0.1))
 def test_the_road_is_where_marching_through_its_height_finds_it(
     changes: tuple[GradeChange, ...], x_m: float
 ) -> None:
-    """From the level before and from the grade itself, with sky and hidden road, to where the map ends."""
+    """Views from the level before and from the grade itself, with sky and hidden road, to the map's end."""
     camera = Camera()
     level = pose_of(CameraMount(), x_m, 0.0, -np.arctan(grade_at(changes, x_m)))
     pose = replace(level, z=level.z + float(grade_height(changes, x_m)))
@@ -101,7 +101,7 @@ def test_the_road_is_where_marching_through_its_height_finds_it(
 
 
 def test_no_road_is_painted_where_only_sky_is_to_be_seen() -> None:
-    """Down a slope of 5 % that begins 26 m ahead, what is below eye level and over the edge is sky."""
+    """Down a slope of 5 % that begins 26 m ahead, all pixels below eye level and beyond the crest are sky."""
     change = GradeChange(40.0, -0.05)
     scene = Scene(Road(200.0, grades=(change,)), Appearance(), 1)
     camera, pose = Camera(), pose_of(CameraMount(), 3.0, 0.0, 0.0)
@@ -114,7 +114,7 @@ def test_no_road_is_painted_where_only_sky_is_to_be_seen() -> None:
 
 
 def test_a_bump_up_the_road_is_seen_in_the_box_that_geometry_gives() -> None:
-    """On a grade of 10 % from 10 m on, a bump at 28 m, 0.4 m over the eyes of a car at 3 m."""
+    """On a grade of 10 % from 10 m on, a bump at 28 m, 0.4 m above the camera of a car at 3 m."""
     bump = HalfSineBump(28.0, 0.08, 0.5)
     road = Road(60.0, (bump,), grades=(GradeChange(10.0, 0.1),))
     camera, pose = Camera(1280, 768, 914.0), pose_of(CameraMount(), 3.0, 0.0, 0.0)

@@ -26,7 +26,7 @@ def test_sinusoid_has_the_golden_cars_gain(wavelength):
 
 
 def test_gain_follows_from_the_equations_of_motion_integrated():
-    """mean |stroke slope| on a sinusoid, by a general integrator that knows no transition matrix."""
+    """Mean |stroke slope| on a sinusoid, by a general-purpose integrator without a transition matrix."""
     n, amplitude = 1 / 6.0, 0.003
     omega = 2 * np.pi * n * SPEED_M_S
 
@@ -78,7 +78,7 @@ def test_state_recursion_step_by_step_gives_the_same():
     ("heights", "step", "message"),
     [
         (np.zeros(100), 0.5, "^step_m must be > 0 and <= 0.3, got 0.5"),
-        (np.zeros(40), 0.25, "^an IRI needs at least 11 m of road, got 9.75 m"),
+        (np.zeros(40), 0.25, "^IRI: road must be >= 11 m long, got 9.75 m"),
         (np.full(400, np.nan), 0.1, "^heights must be"),
     ],
 )

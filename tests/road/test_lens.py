@@ -1,4 +1,4 @@
-"""The lens against OpenCV, its own inverse, and pictures of a rendered road."""
+"""Lens distortion against OpenCV, its own inverse, and images of a rendered road."""
 
 import cv2
 import numpy as np
@@ -35,7 +35,7 @@ def test_undistorting_what_was_distorted_returns_it(lens, x, y):
 
 @pytest.mark.parametrize("lens", [BARREL, PINCUSHION], ids=["barrel", "pincushion"])
 def test_project_agrees_with_opencv(lens):
-    """OpenCV counts pixels from their centres, here from their edges."""
+    """OpenCV counts pixels from their centres, this package from their edges."""
     camera = camera_of(lens)
     rng = np.random.default_rng(0)
     points = np.column_stack([rng.uniform(4, 30, 50), rng.uniform(-2, 2, 50), rng.uniform(-0.1, 0.3, 50)])
@@ -62,7 +62,7 @@ def test_the_reach_is_where_the_radius_stops_growing():
 
 
 def test_what_lies_far_outside_the_picture_does_not_come_back_into_it():
-    """The bare polynomial would show a point at the car's side, 0.4 m ahead, in the middle of the road."""
+    """The bare polynomial would map a point at the car's side, 0.4 m ahead, to the middle of the road."""
     camera = camera_of(BARREL)
     level = pose_of(CameraMount(pitch_deg=0.0), 0.0, 0.0, 0.0)
     aside = np.array([[level.x + 0.4, y, 0.6] for y in (0.5, 1.0, 2.0, 4.0)])
@@ -84,7 +84,7 @@ def test_no_distortion_is_the_pinhole_to_the_bit():
     "feature", [HalfSineBump(7.0, 0.06, 0.5, -2.0, 1.5), Pothole(6.0, 0.08, 0.8, 0.8, y_m=-0.75, seed=2)]
 )
 def test_the_picture_agrees_with_the_projection(lens, feature):
-    """Box and depth of the rendered picture, against points of the object seen through the lens."""
+    """Box and depth of the rendered image, against points of the object projected through the lens."""
     camera = camera_of(lens)
     frame = Scene(Road(20.0, (feature,)), Appearance(), 0).render(camera, REST)
     assert frame.image.shape == (camera.height_px, camera.width_px, 3)
@@ -103,7 +103,7 @@ def test_the_picture_agrees_with_the_projection(lens, feature):
 
 
 def test_a_lens_that_folds_the_image_is_refused():
-    with pytest.raises(InputError, match=r"^distortion must let one ray"):
+    with pytest.raises(InputError, match=r"^distortion must map exactly one ray"):
         Camera(distortion=(-1.5, 0.0, 0.0, 0.0, 0.0))
     with pytest.raises(InputError, match=r"^centre_px must"):
         Camera(centre_px=(700.0, 192.0))

@@ -1,4 +1,4 @@
-"""Light on the map against closed forms: a level plane, and the length of a shadow."""
+"""Lighting of the map against closed forms: a level plane, and the length of a shadow."""
 
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_dapple_needs_sun() -> None:
 
 
 def test_a_ramp_shows_under_an_overcast_sky() -> None:
-    """It sees less of the zenith than the road; nothing but shading tells a plain hump from a patch."""
+    """A ramp sees less of the zenith than the road: shading alone reveals an unpainted hump."""
     along = np.arange(150)[:, None] * CELL_M
     height = 0.1 * np.clip((along - 1.0) / 0.35, 0, 1) * np.ones((1, 40))
     shaded = decoded(lighting.shade(lighting.plan(Appearance(light="overcast")), level_block(height, 0.3)))

@@ -19,7 +19,7 @@ def written(folder, text, name="road.csv"):
 
 
 def outcome(path):
-    """The refusal of a file, or "surface"; any other error passes through."""
+    """Error message of a refused file, or "surface"; any other error passes through."""
     try:
         assert isinstance(read_surface(path), MeasuredSurface)
     except InputError as error:
@@ -99,7 +99,7 @@ def test_road_from_a_file_fades_in_pins_its_content_and_stays_after_its_end(tmp_
     os.utime(path, (1, 1))
     with pytest.raises(InputError, match=r"^file_sha256 .*the file has changed"):
         Road(25.0, file=str(path), file_sha256=road.file_sha256)
-    with pytest.raises(InputError, match=r"^length_m must be <= 30 m as .*road\.csv is, got 31"):
+    with pytest.raises(InputError, match=r"^length_m must be <= 30 m \(end of .*road\.csv\), got 31"):
         Road(31.0, file=str(path))
 
 

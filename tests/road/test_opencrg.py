@@ -40,7 +40,7 @@ ROWS = ((0.0, 0.0), (0.01, -0.02), (0.03, 0.04))
 
 
 def outcome(path):
-    """The refusal of a file, or "surface"; any other error passes through."""
+    """Error message of a refused file, or "surface"; any other error passes through."""
     try:
         assert isinstance(read_surface(path), MeasuredSurface)
     except InputError as error:
@@ -49,7 +49,7 @@ def outcome(path):
 
 
 def hand_written(path, kind, slope="0.0"):
-    """A file of one of the four basic variants: text of 10 or 20 characters a value, or big-endian binary."""
+    """File of one of the four basic variants: text of 10 or 20 characters a value, or big-endian binary."""
     values = [value for row in ROWS for value in row]
     if kind in ("KRBI", "KDBI"):
         code, block = ("f", 20) if kind == "KRBI" else ("d", 10)
@@ -119,7 +119,7 @@ def test_malformed_files_are_told_in_one_line(tmp_path):
 
 
 def test_holes_are_filled_as_the_format_says(tmp_path):
-    """Without modifiers, OpenCRG carries the last height across over what is missing."""
+    """Without modifiers, OpenCRG fills missing values with the last height across."""
     holed = Z.copy()
     holed[20, 3] = np.nan
     pyopencrg.CrgRoad(holed, 0.25, V).save(tmp_path / "holed.crg", fmt="KDBI")

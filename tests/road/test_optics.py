@@ -1,4 +1,4 @@
-"""Lens and exposure time against their formulas."""
+"""Optical effects (distortion, blur, glare) against their formulas."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def test_distortion_follows_the_radial_polynomial_and_stays_filled(coefficient: 
     expected = 1 - coefficient * radius[inner] ** 2
     assert np.ptp(scale / expected) < 2e-3
     assert np.abs(seen[..., :2]).max() <= 1.0
-    # Maps move with the picture, to the pixel.
+    # Maps move with the image, to the pixel.
     rows, cols = np.divmod(number, 640)
     assert np.abs(source[rows, cols, 0] - seen[..., 0]).max() < 0.51 / 320 + 1e-6
     assert np.abs(source[rows, cols, 1] - seen[..., 1]).max() < 0.51 / 320 + 1e-6

@@ -25,7 +25,7 @@ def random_pose(rng: np.random.Generator, x: float) -> CameraPose:
 
 
 def surface_points(road: Road, feature: Feature) -> np.ndarray:
-    """Points (n, 3) of a bump's surface, or of a pothole's rim, which is what shows its outline."""
+    """Points (n, 3) of a bump's surface, or of a pothole's rim, which forms its outline in the image."""
     x = np.linspace(feature.start_m, feature.end_m, 401)[:, None]
     y = np.linspace(feature.y_min_m, feature.y_max_m, 801)[None]
     inside = feature.footprint(x, y)

@@ -1,4 +1,4 @@
-"""What stands beside a road and moves on it: bodies closed and on the ground, things where they belong."""
+"""Roadside objects and traffic: closed bodies, on the ground, in their places."""
 
 import numpy as np
 import pytest

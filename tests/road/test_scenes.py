@@ -1,4 +1,4 @@
-"""Random roads and views: what they must contain, and what must not happen."""
+"""Random roads and views: required content and exclusions."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The sensor: exposure, noise and what hides the view."""
+"""Image sensor: exposure, noise and occlusion by the bonnet."""
 
 import numpy as np
 import pytest

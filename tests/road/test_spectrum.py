@@ -30,7 +30,7 @@ def test_class_limits_lie_a_factor_of_two_about_the_means():
 
 
 def test_what_has_no_class_is_refused():
-    with pytest.raises(InputError, match="at least 40 m of road, got 30 m"):
+    with pytest.raises(InputError, match="road must be >= 40 m long, got 30 m"):
         spectrum(np.zeros(600), 0.05)
-    with pytest.raises(InputError, match="rough road"):
+    with pytest.raises(InputError, match="road must be rough"):
         fit(spectrum(np.zeros(4000), 0.05))

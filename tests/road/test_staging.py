@@ -1,4 +1,4 @@
-"""What stands on the road, against slab tests of its rays, projection and the sun's geometry."""
+"""Scene objects in a view, against slab tests of the rays, projection and the sun's geometry."""
 
 from typing import Any
 
@@ -42,7 +42,7 @@ def drawn_hits(*props: Solid | Sprite) -> np.ndarray:
 
 
 def slab_test(centre: np.ndarray, size: np.ndarray, yaw: float) -> np.ndarray:
-    """(H, W) whether each pixel's ray meets a box that stands on z = 0: a second way to its silhouette."""
+    """(H, W) True where a pixel's ray meets a box that stands on z = 0: an independent silhouette."""
     u, v = np.meshgrid(np.arange(CAMERA.width_px) + 0.5, np.arange(CAMERA.height_px) + 0.5)
     direction = rays(CAMERA, POSE, np.stack((u.ravel(), v.ravel()), axis=1))
     c, s = np.cos(-yaw), np.sin(-yaw)

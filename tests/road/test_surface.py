@@ -1,4 +1,4 @@
-"""The map against the road it shows, and against itself filled in another order."""
+"""Ground map against the road it represents, and against itself filled in another order."""
 
 import numpy as np
 
