@@ -1,1 +1,1 @@
-"""Scenarios and the closed loop: the thin top of foreride."""
+"""Scenarios, closed-loop simulation, and the studies, reports and commands built on them."""

@@ -1,4 +1,4 @@
-"""Axes of a study: how one field of a scenario is varied."""
+"""Study axes: the variation of one scenario field."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -12,9 +12,9 @@ _RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
 
 @dataclass(frozen=True)
 class Axis:
-    """How one field is varied: over `values`, evenly from low to high, or normally around a mean.
+    """Variation of one field: a list of values, a uniform range or a normal distribution.
 
-    scale `log` spaces low ... high evenly in the logarithm; `whole` rounds to whole numbers.
+    scale `log` makes the range low ... high uniform in the logarithm; `whole` rounds to integers.
     """
 
     values: tuple[Scalar, ...] = ()
@@ -34,7 +34,7 @@ class Axis:
             raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")
 
     def at(self, share: float) -> Scalar:
-        """The value at a place 0 ... 1 of the axis: the quantile of its distribution."""
+        """Quantile of the axis's distribution at `share`, 0 ... 1."""
         if self.values:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         if self.sigma > 0:
@@ -49,7 +49,7 @@ class Axis:
 
 
 def read_axis(given: Any, place: str) -> Axis:
-    """The axis that a study file gives at `place`; InputError for what is none."""
+    """Parse the axis that a study file gives at `place`; InputError for an invalid one."""
     if isinstance(given, list):
         given = {"values": given}
     told = f"{place} must give values, or low and high, or mean and sigma, got {shown(given)}"
@@ -69,7 +69,7 @@ def read_axis(given: Any, place: str) -> Axis:
 
 
 def scalar(value: Any, place: str) -> Scalar:
-    """The value itself; InputError for what no field may be set to."""
+    """Return the value; InputError unless it is a scalar that a field may be set to."""
     if not isinstance(value, bool | int | float | str):
         raise InputError(f"{place} must hold numbers, texts, true or false, got {shown(value)}")
     return value

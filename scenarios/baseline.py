@@ -1,4 +1,4 @@
-"""Baseline files: cases with the metrics they had, as JSON that is committed beside the code."""
+"""Regression baselines: cases with their reference metrics, as JSON files under version control."""
 
 import json
 import os
@@ -18,14 +18,14 @@ from scenarios.runfolder import environment, to_json
 
 SCHEMA = 1
 REFERENCE = Path(__file__).parent / "baselines" / "reference.json"
-"""foreride's own reference events."""
+"""Baseline of foreride's own reference events."""
 
 
 @dataclass(frozen=True)
 class Held:
-    """A case as a baseline names it, with the metrics it had.
+    """Baseline entry: a case and its reference metrics.
 
-    scenario: a name in the library, or a file as seen from the baseline's folder. overrides: as for `--set`.
+    scenario: a name in the library, or a file relative to the baseline's folder. overrides: as for `--set`.
     """
 
     scenario: str
@@ -36,7 +36,7 @@ class Held:
     metrics: dict[str, float]
 
     def case(self, folder: Path) -> Case:
-        """The case to drive; `folder` is the baseline's."""
+        """Return the case to simulate; `folder` is the baseline's."""
         own = folder / self.scenario
         scenario = load(str(own) if own.is_file() else self.scenario, self.overrides)
         controller = self.controller
@@ -46,36 +46,36 @@ class Held:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from the others of a file."""
+        """Identity of the entry within a file."""
         return self.scenario, self.overrides, self.controller, self.perception, self.seed
 
 
 @dataclass(frozen=True)
 class Baseline:
-    """The cases of a file, its own tolerances (absolute, SI), and the foreride that wrote it."""
+    """Baseline file: cases, its own tolerances (absolute, SI), and the foreride version that wrote it."""
 
     held: tuple[Held, ...] = ()
     tolerances: dict[str, float] | None = None
     foreride: str = ""
 
     def own_tolerances(self) -> dict[str, Tolerance]:
-        """The file's tolerances, which take the place of the usual ones."""
+        """The file's own tolerances, which replace the default ones."""
         return {metric: Tolerance(absolute) for metric, absolute in (self.tolerances or {}).items()}
 
     def renewed(self, held: Sequence[Held]) -> "Baseline":
-        """With these cases in place of those of the same key, and new ones at the end."""
+        """Replace the cases of the same key by these, and append new ones."""
         known = {one.key: one for one in self.held} | {one.key: one for one in held}
         return replace(self, held=tuple(known.values()))
 
 
 def seen_from(folder: Path, name: str) -> str:
-    """A scenario or own controller as it is named in a baseline that lies in `folder`."""
+    """Path of a scenario or user controller relative to the baseline's `folder`; other names unchanged."""
     path, separator, inner = name.rpartition(":") if ".py:" in name else (name, "", "")
     return os.path.relpath(path, folder) + separator + inner if Path(path).is_file() else name
 
 
 def write(path: Path, baseline: Baseline) -> None:
-    """Write a baseline file, whole or not at all."""
+    """Write a baseline file atomically."""
     document = {
         "schema": SCHEMA,
         "manifest": environment(),

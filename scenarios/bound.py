@@ -1,4 +1,4 @@
-"""What is physically there to win on a scenario: the clairvoyant bound, found once and kept."""
+"""Clairvoyant bound of a scenario: the optimal plan for the whole drive, cached."""
 
 import hashlib
 import io
@@ -24,16 +24,16 @@ from vehicle.speed import ConstantSpeed, SpeedProfile
 from vehicle.state import road_under
 
 STARTS = ("passive", "skyhook", "mpc_preview")
-"""Controllers whose commands the searches start from."""
+"""Controllers whose commands serve as starting points of the optimisation."""
 
 Commands = Callable[[Case], np.ndarray]
-"""Drives a case and returns the commands of each tick (inputs, ticks), N·s/m and N."""
+"""Simulates a case and returns the command during each tick (inputs, ticks), N·s/m and N."""
 
 
 def bound(scenario: Scenario, commands: Commands) -> Optimum:
-    """The best plan for the scenario's whole drive; from the cache where it is known.
+    """Return the optimal plan for the scenario's whole drive, from the cache if available.
 
-    What is cached is believed only if its plan still gives the J that stands beside it.
+    A cached plan is accepted only if it still yields the J stored with it.
     """
     car, drive = scenario.vehicle.parameters, drive_of(scenario)
     whole = WholeDrive(car, drive)
@@ -49,13 +49,13 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
     for name in STARTS:
         plans[name] = commands(_rehearsal(scenario, name))[:, first].T / KILO
     optimum = optimise(car, whole, plans)
-    with suppress(OSError):  # a bound that cannot be kept is still a bound
+    with suppress(OSError):  # a bound that cannot be cached is still valid
         write_bytes(path, _bytes(optimum))
     return optimum
 
 
 def drive_of(scenario: Scenario) -> Drive:
-    """The scenario's drive as `controller.whole_drive` takes it."""
+    """External inputs of the scenario's drive, for `controller.whole_drive`."""
     car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
     plant = Plant(car)
@@ -82,9 +82,9 @@ def drive_of(scenario: Scenario) -> Drive:
 
 
 def _rehearsal(scenario: Scenario, controller: str) -> Case:
-    """A drive with exact states, the true road ahead and shipped settings, in which nothing goes wrong.
+    """Fault-free case with exact states, the true road ahead and shipped settings, as a starting point.
 
-    It follows from what `_key` tells of the scenario: what is kept must not depend on who asked first.
+    It depends only on what enters `_key`: a cached result must not depend on the caller's settings.
     """
     settings = tuned_settings(scenario.vehicle.parameters.kind)
     clear = replace(
@@ -98,7 +98,7 @@ def _rehearsal(scenario: Scenario, controller: str) -> Case:
 
 
 def _key(scenario: Scenario, drive: Drive) -> str:
-    """Hash of all that the bound depends on: the car, and what happens to it."""
+    """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
     told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
     told.update(repr((drive.rate_hz, drive.rho)).encode())
     for array in (drive.height, drive.velocity, drive.middle, drive.surge, drive.interval, drive.start):
@@ -114,7 +114,7 @@ def _bytes(optimum: Optimum) -> bytes:
 
 
 def _read(data: bytes, whole: WholeDrive) -> Optimum | None:
-    """What was kept, or None where it is damaged or not true any more."""
+    """Parse a cached optimum; None if it is damaged or outdated."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as kept:
             plan, names, values = kept["plan"], kept["names"], kept["values"]

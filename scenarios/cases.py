@@ -1,4 +1,4 @@
-"""Which runs a comparison consists of."""
+"""Cases of a comparison: combinations of scenario, seed, controller and perception."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ PERCEPTIONS = ("none", "oracle", "map", "boxes", "camera")
 
 @dataclass(frozen=True)
 class Case:
-    """One run: a scenario driven with one controller, one perception and one seed."""
+    """Case: one run of a scenario with one controller, one perception and one seed."""
 
     scenario: Scenario
     controller: str
@@ -32,7 +32,7 @@ def cases(
 ) -> list[Case]:
     """Scenarios x seeds x controllers x perceptions, in that order.
 
-    A controller that does not look ahead runs once, with perception `none`, whatever is asked for others.
+    A controller without preview runs once, with perception `none`, whatever perceptions are requested.
     `seeds` None leaves each scenario its own seed.
     """
     return [

@@ -1,7 +1,7 @@
-"""Simulated time in integer ticks of the plant step, so that rates never drift or depend on rounding."""
+"""Simulation clock in integer plant ticks, so that rates never drift or depend on rounding."""
 
 TICKS_PER_SECOND = 1000
-"""The plant steps at 1 kHz."""
+"""Plant tick rate, 1 kHz."""
 
 
 def due(tick: int, rate_hz: int) -> bool:
@@ -14,11 +14,11 @@ def due(tick: int, rate_hz: int) -> bool:
 
 
 def next_due(tick: int, rate_hz: int) -> int:
-    """The first tick after `tick` at which a process of `rate_hz` fires."""
+    """First tick after `tick` at which a process of `rate_hz` fires."""
     fired = tick * rate_hz // TICKS_PER_SECOND
     return -(-(fired + 1) * TICKS_PER_SECOND // rate_hz)
 
 
 def ticks(duration_s: float) -> int:
-    """Nearest whole number of ticks of a duration in seconds."""
+    """Duration in seconds, rounded to ticks."""
     return round(duration_s * TICKS_PER_SECOND)

@@ -1,4 +1,4 @@
-"""The multi-rate closed loop: plant at 1 kHz, controller and camera at their own rates, one run at a time."""
+"""Multirate closed-loop simulation: plant at 1 kHz, controller and camera at their own rates."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -32,18 +32,18 @@ from vehicle.state import VehicleState
 
 @dataclass(frozen=True)
 class Run:
-    """Everything one run produced.
+    """Results of one run.
 
-    signals: one value a tick under each name; per-wheel names end in `_0`, `_1`, ... (front, rear or
+    signals: one value per tick under each name; per-wheel names end in `_0`, `_1`, ... (front, rear or
         front left, front right, rear left, rear right).
     metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
     observer: RMS errors of its states (see `scenarios.observer_errors`).
-    solver, perception_stats: counts and qualities; timing: what the run took on this machine.
-    files_sha256: of what the case names beside its road (see `scenarios.named_files`).
-    track_y_m: lateral position of the right wheels. looks: exposures, images included where asked for.
-    previews: what the controller was told of the road ahead.
-    memory: what the estimator learned, if there is one. bound: what there was to win (see `scenarios.room`),
-        where that was asked for.
+    solver, perception_stats: counts and qualities; timing: run times on this machine.
+    files_sha256: hashes of the files that the case names beside its road (see `scenarios.named_files`).
+    track_y_m: lateral position of the right wheels. looks: exposures, with images if requested.
+    previews: record of the previews given to the controller.
+    memory: the estimator's map for the next drive, if any. bound: passive and clairvoyant objective (see
+        `scenarios.room`), if requested.
     """
 
     case: Case
@@ -63,7 +63,7 @@ class Run:
 
 
 def random_streams(seed: int) -> dict[str, np.random.Generator]:
-    """Independent generators for each source of chance, so that adding one never shifts another."""
+    """Independent generators for each source of randomness, so that adding one never shifts another."""
     names = ("sensors", "boxes", "mounting", "image", "oracle", "faults", "map")
     children = np.random.SeedSequence(seed).spawn(len(names))
     return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
@@ -72,7 +72,7 @@ def random_streams(seed: int) -> dict[str, np.random.Generator]:
 def simulate(
     case: Case, keep_images: bool = False, advance: Callable[[int], None] = lambda ticks: None
 ) -> Run:
-    """Drive one case from start to end; `advance` is told of every stretch of ticks done (progress bars).
+    """Simulate one case; `advance` is called with every number of completed ticks (for progress bars).
 
     The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
     """
@@ -113,14 +113,14 @@ def simulate(
 
 
 def commands(case: Case) -> np.ndarray:
-    """Drive a case; return what was asked for during each tick, (inputs, ticks), N·s/m and N."""
+    """Simulate a case; return the command during each tick, (inputs, ticks), N·s/m and N."""
     signals, car = simulate(case).signals, case.scenario.vehicle.parameters
     names = [f"{kind}_{wheel}" for kind in ("command", "force_command") for wheel in range(car.wheels)]
     return np.array([signals[name][1:] for name in names[: input_size(car)]])
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
-    """The ride metrics of a recorded drive, and its audit (`vehicle.audit`)."""
+    """Ride metrics of a recorded drive, with its energy audit (`vehicle.audit`)."""
     car = case.scenario.vehicle.parameters
     ride = ride_metrics(
         TICKS_PER_SECOND,
@@ -139,7 +139,7 @@ def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
 
 
 def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:
-    """One array of length n under each name; rows of per-wheel and per-seat signals get their index."""
+    """Signals as one array of length n per name; rows of per-wheel and per-seat signals get their index."""
     flat: dict[str, np.ndarray] = {}
     for field in fields(record):
         values = np.asarray(getattr(record, field.name), dtype=float)

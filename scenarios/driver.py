@@ -1,4 +1,4 @@
-"""The order of events within a run: look, sense, decide, act, move."""
+"""Multirate loop of a run: expose, sense, decide, actuate, integrate, event by event."""
 
 from collections import deque
 from collections.abc import Callable
@@ -24,12 +24,12 @@ from vehicle.state import VehicleState
 
 
 class Driver:
-    """Leads plant, perception and controller through the ticks of one case; `drive` once, then read the rest.
+    """Scheduler of plant, perception and controller for one case; call `drive` once, then read the rest.
 
-    events: detections, fallbacks and changes of the constraints that bind, in order of time; solver: the
-    controller's counts, without its run times; timing: those run times; estimates: those of an observer, one
-    a decision; seen: the previews, 20 Hz.
-    A car whose dampers never change and that looks at nothing is neither sensed nor asked: no estimates.
+    events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
+    controller's counts, without its run times; timing: those run times; estimates: the observer's, one per
+    decision; seen: the previews, 20 Hz. For fixed dampers without perception neither sensors nor controller
+    are evaluated: no estimates.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class Driver:
         faults: Faults,
         controller: Controller | None = None,
     ) -> None:
-        """Without `controller`, the one that the case names is built."""
+        """Build the controller named by the case unless `controller` is given."""
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
         timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
@@ -60,7 +60,7 @@ class Driver:
             self._unasked = True
             self._waiting.append((self._delay, self._controller.command))
         self.estimates: list[Estimate] = []
-        self._wheel = int(np.argmin(car.wheel_y_m))  # the right front one
+        self._wheel = int(np.argmin(car.wheel_y_m))  # right front wheel
         self.seen: list[tuple[float, np.ndarray, np.ndarray]] = []
         self._active: tuple[str, ...] = ()
         self.events: list[Event] = []

@@ -1,4 +1,4 @@
-"""Eyes for the closed loop: true boxes with errors, or a rendered image through the detector."""
+"""Camera perceptions of the closed loop: true boxes with errors, or rendered images through the detector."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,7 +25,7 @@ from scenarios.told import corrector
 from vehicle.state import VehicleState
 
 Eye = Callable[[int, VehicleState], Look]
-_SECOND = 1 << 40  # added to a tick, it gives the second camera's image a noise of its own
+_SECOND = 1 << 40  # offset of the tick that seeds the second camera's image noise
 
 
 def build_perception(
@@ -34,7 +34,7 @@ def build_perception(
     streams: dict[str, np.random.Generator],
     keep_images: bool,
 ) -> Perception:
-    """The perception that a case names."""
+    """Build the perception that a case names."""
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     if case.perception == "none":
         return Blind()
@@ -65,7 +65,7 @@ def build_perception(
 
 
 def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
-    """The mounting as it really is: the nominal one with calibration errors."""
+    """Actual camera mounting: the nominal one with calibration errors."""
     pitch, height = rng.standard_normal(2)
     return replace(
         nominal,
@@ -84,18 +84,18 @@ def load_detector(scenario: Scenario) -> Detector:
 
 @lru_cache(maxsize=4)
 def _session(weights: Path, threads: int, confidence: float, written_ns: int) -> Detector:
-    """One detector for all runs of a process; `written_ns` tells a file from its successor."""
+    """Return one detector shared by all runs of a process; `written_ns` detects a changed file."""
     return Detector(weights, threads=threads, confidence=confidence)
 
 
 def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
-    """Where the camera is when the sprung mass is in `state`."""
+    """Camera pose for the sprung mass in `state`."""
     attitude = float(state.heave_m), float(state.pitch_rad)
     return pose_of(mount, float(state.x_m), *attitude, roll=float(state.roll_rad))
 
 
 def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> Eye:
-    """True outlines with the scenario's box errors."""
+    """Box source: true outlines with the scenario's box errors."""
     camera, errors = scenario.camera.intrinsics, scenario.boxes
 
     def look(tick: int, state: VehicleState) -> Look:
@@ -106,7 +106,7 @@ def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) ->
 
 
 def camera_eye(scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator) -> Eye:
-    """Render what the camera, or the pair of cameras, sees and run the detector on the first image."""
+    """Box source: render the image, or the stereo pair, and run the detector on the first image."""
     setup = scenario.camera
     seed = int(rng.integers(2**31))
     scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)

@@ -1,4 +1,4 @@
-"""What goes wrong during a drive, when and for how long: sensors, the preview, answers that come too late."""
+"""Fault injection: sensor faults, preview faults and late controller answers, within time windows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +16,9 @@ _ABSURD_M = 3.0
 
 @dataclass(frozen=True)
 class SensorFault:
-    """A sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one.
+    """Sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one.
 
-    `roll_rate` fails to the camera's estimator alone, which no car but a full one has a roll gyro for.
+    `roll_rate` affects only the camera's estimator, and only on a full car, which has a roll gyro.
     """
 
     kind: ClassVar[str] = "sensor"
@@ -36,7 +36,7 @@ class SensorFault:
 
 @dataclass(frozen=True)
 class PreviewFault:
-    """A preview that is not renewed any more (frozen), or claims cliffs (absurd)."""
+    """Preview that is no longer updated (frozen), or has implausible heights (absurd)."""
 
     kind: ClassVar[str] = "preview"
     mode: Literal["frozen", "absurd"]
@@ -49,7 +49,7 @@ class PreviewFault:
 
 @dataclass(frozen=True)
 class LateAnswers:
-    """Each answer of the controller comes too late with a probability."""
+    """Controller answers that come too late, each with a probability."""
 
     kind: ClassVar[str] = "late_answers"
     start_s: float
@@ -66,7 +66,7 @@ Fault = SensorFault | PreviewFault | LateAnswers
 
 
 class Faults:
-    """Applies the faults of one drive as its time goes on."""
+    """Fault injector for one drive."""
 
     def __init__(self, faults: Sequence[Fault], rng: np.random.Generator):
         self._faults, self._rng = faults, rng
@@ -74,7 +74,7 @@ class Faults:
         self._preview: RoadPreview | None = None
 
     def reading(self, measurement: Measurement) -> Measurement:
-        """What the sensors really deliver of a reading."""
+        """Return the reading as delivered under the active faults."""
         delivered = measurement
         for fault in self._faults:
             if isinstance(fault, SensorFault) and _active(fault, measurement.time_s):
@@ -83,7 +83,7 @@ class Faults:
         return delivered
 
     def preview(self, preview: RoadPreview | None, time_s: float) -> RoadPreview | None:
-        """What the controller really gets of a preview."""
+        """Return the preview as delivered under the active faults."""
         if preview is None:
             return None
         for fault in self._faults:
@@ -95,7 +95,7 @@ class Faults:
         return preview
 
     def late(self, time_s: float) -> bool:
-        """Whether the answer asked for now comes too late."""
+        """Whether the present controller answer comes too late."""
         risks = [f.probability for f in self._faults if isinstance(f, LateAnswers) and _active(f, time_s)]
         return any(self._rng.random() < risk for risk in risks)
 

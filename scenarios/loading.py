@@ -1,4 +1,4 @@
-"""Scenarios by name or file, with single fields overridden."""
+"""Loading of scenarios by name or file, with single fields overridden."""
 
 import difflib
 from collections.abc import Sequence

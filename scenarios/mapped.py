@@ -1,4 +1,4 @@
-"""`map`: the road ahead as a map has it, seen from where the car believes to be on it."""
+"""Map perception (`map`): preview from a road map at the car's estimated position on it."""
 
 from collections.abc import Callable, Sequence
 
@@ -15,7 +15,7 @@ from vehicle.state import VehicleState
 
 
 class Mapped(Blind):
-    """A map and a place on it that is wrong by `error_m` during the whole drive."""
+    """Perception from a road map, with a constant localisation error `error_m` over the drive."""
 
     def __init__(
         self, road_map: RoadMap, tracks: Sequence[WheelProfile], car: Car, sigma_m: float, error_m: float
@@ -26,20 +26,20 @@ class Mapped(Blind):
         self._axles = np.asarray(car.axle_x_m)
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
-        """The map ahead now."""
+        """Return the mapped road ahead of the wheels."""
         wheels = float(state().x_m) + self._error_m + self._axles
         return map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
 
 
 def read_map(scenario: Scenario) -> tuple[RoadMap, float]:
-    """The map of a scenario and how well the car knows its place on it, m; InputError without a map."""
+    """Map of a scenario and the localisation standard deviation, m; InputError without a map."""
     if scenario.map is None:
         raise InputError(f"{scenario.name}: perception map needs the field map with a file, got none")
     return read(scenario.map.file), scenario.map.localisation_sigma_m
 
 
 def build_map(scenario: Scenario, rng: np.random.Generator) -> Mapped:
-    """The perception `map` of a scenario, its place on the map drawn from `rng`."""
+    """Build the perception `map` of a scenario, with a localisation error drawn from `rng`."""
     car = scenario.vehicle.parameters
     known, sigma = read_map(scenario)
     tracks = wheel_tracks(known, car.wheel_y_m, car.wheel_radius_m, scenario.enveloping)

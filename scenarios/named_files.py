@@ -1,4 +1,4 @@
-"""The files that a case names beside its road: tried before anything is driven, pinned by their content."""
+"""Files that a case names beside its road: checked before the simulation, identified by their hashes."""
 
 import hashlib
 from pathlib import Path
@@ -10,12 +10,12 @@ from scenarios.eyes import load_detector
 from scenarios.mapped import read_map
 
 SEEING = ("boxes", "camera")
-"""Perceptions with an estimator, which may remember an earlier drive."""
+"""Perceptions with an estimator, which can use the memory of an earlier drive."""
 HASHES = ("weights_sha256", "map_sha256", "memory_sha256")
 
 
 def try_files(case: Case) -> None:
-    """Read every file that the case will need; InputError for the first that is missing or bad."""
+    """Read every file that the case needs; InputError for the first that is missing or invalid."""
     if case.perception == "camera":
         load_detector(case.scenario)
     if case.perception == "map":

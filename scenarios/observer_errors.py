@@ -1,4 +1,4 @@
-"""How far the observer was from the truth during a drive."""
+"""Observer errors: deviation of the estimates from the simulated state over a drive."""
 
 from collections.abc import Sequence
 
@@ -12,10 +12,10 @@ from vehicle.state import VehicleState
 
 
 def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleState) -> dict[str, float]:
-    """RMS of each state's error over the drive, and over the wheels where each has one; {} without estimates.
+    """RMS error of each state over the drive, and over the wheels for per-wheel states; {} without estimates.
 
-    Heights are told relative to one another, because the observer's frame follows the road: rattle (body to
-    wheel) and tyre deflection (wheel to road, while the wheel touches it).
+    Heights are compared relative to one another, because the observer's frame follows the road: rattle (body
+    to wheel) and tyre deflection (wheel to road, while the wheel touches it).
     """
     if not estimates:
         return {}

@@ -1,4 +1,4 @@
-"""`oracle`: the true road ahead, or one that is wrong in ways that can be set one by one."""
+"""Oracle perception (`oracle`): the true road ahead, optionally with prescribed errors."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -20,14 +20,13 @@ from vehicle.state import VehicleState
 
 @dataclass(frozen=True)
 class OracleErrors:
-    """How what the oracle says differs from the truth, and what it admits of it.
+    """Errors of the oracle's preview, and its stated uncertainty.
 
-    bias_m: features are believed this much farther ahead than they are; negative: nearer.
-    height_gain: believed over true height.
-    latency_s: age of the view, carried forward by the measured speed.
-    miss_probability: of each feature, for the whole drive. false_per_100m: mean number of bumps and potholes
-    that are not there.
-    position_sigma_m, height_sigma (relative), existence: what it says of its own quality.
+    bias_m: longitudinal error of the features, positive farther ahead.
+    height_gain: previewed over true height.
+    latency_s: age of the view, extrapolated with the measured speed.
+    miss_probability: of each feature, for the whole drive. false_per_100m: mean number of non-existent bumps
+    and potholes. position_sigma_m, height_sigma (relative), existence: stated uncertainty of the preview.
     """
 
     bias_m: float = 0.0
@@ -51,7 +50,7 @@ class OracleErrors:
 
 
 class Oracle(Blind):
-    """The believed profile ahead of each wheel, seen from where the car was `latency_s` ago."""
+    """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
 
     def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
         super().__init__()
@@ -63,11 +62,11 @@ class Oracle(Blind):
         self._views: deque[tuple[float, float, float]] = deque()
 
     def sense(self, measurement: Measurement) -> None:
-        """Note the speed, which carries old views forward."""
+        """Record the measured speed, used to extrapolate old views."""
         self._speed_m_s = measurement.speed_m_s
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
-        """The believed profile ahead now."""
+        """Return the believed profile ahead of the wheels."""
         x_m = float(state().x_m)
         errors = self._errors
         if errors.latency_s > 0.0:
@@ -86,7 +85,7 @@ class Oracle(Blind):
         )
 
     def _carried_forward(self, time_s: float, x_m: float) -> float:
-        """Where the car believes to be: where it was at the view's time, and what it has measured since."""
+        """Position extrapolated from the view's time by the measured speed."""
         if self._views:
             self._travelled_m += self._speed_m_s * (time_s - self._views[-1][0])
         self._views.append((time_s, x_m, self._travelled_m))
@@ -104,7 +103,7 @@ def build_oracle(
     rng: np.random.Generator,
     enveloping: Enveloping | None = None,
 ) -> Oracle:
-    """The oracle of a drive; what it misses and imagines is drawn once."""
+    """Build the oracle of a drive; missed and false features are drawn once."""
     if errors.miss_probability == errors.false_per_100m == 0.0:
         return Oracle(true, car, errors)
     believed = believed_road(road, car.track_m, errors, rng)
@@ -113,7 +112,7 @@ def build_oracle(
 
 
 def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.random.Generator) -> Road:
-    """The road without the features that are missed, with those that are imagined."""
+    """Road without the missed features and with the false ones."""
     found = rng.random(len(road.features)) >= errors.miss_probability
     kept = [feature for feature, seen in zip(road.features, found, strict=True) if seen]
     count = rng.poisson(errors.false_per_100m * road.length_m / 100.0)
@@ -122,7 +121,7 @@ def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.rand
 
 
 def _imagined(start_m: float, track_m: float, rng: np.random.Generator) -> Feature:
-    """A bump across the lane or a pothole on the right track, of common size."""
+    """False feature of common size: a bump across the lane or a pothole on the right track."""
     size, length = float(rng.uniform(0.04, 0.08)), float(rng.uniform(0.35, 0.8))
     if rng.random() < 0.5:
         return HalfSineBump(float(start_m), size, length)

@@ -1,4 +1,4 @@
-"""Many cases on several processes; the results come in the order of the cases."""
+"""Parallel simulation of many cases in worker processes; results come in the order of the cases."""
 
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
@@ -9,11 +9,11 @@ from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
 
 Advance = Callable[[Case, int], None]
-"""Told of every stretch of ticks that a case has done."""
+"""Called with every number of ticks that a case has completed."""
 
 
 class WorkerDied(RuntimeError):
-    """A worker process ended without an answer, most likely for want of memory."""
+    """Failure of a worker process that ended without an answer, most likely for lack of memory."""
 
 
 def simulate_each(
@@ -21,14 +21,14 @@ def simulate_each(
 ) -> Iterator[Run]:
     """Yield the run of each case in order; `jobs` > 1 computes that many at a time.
 
-    A run depends on its case alone, so the number of jobs changes no result. InputError of a case ends all;
-    a worker that dies raises `WorkerDied`.
+    A run depends on its case alone, so the number of jobs changes no result. An InputError of any case ends
+    all; a worker that dies raises `WorkerDied`.
     """
     if jobs == 1 or len(wanted) < 2:
         for case in wanted:
             yield simulate(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
         return
-    # Spawned, because forking a process whose libraries have started threads may hang.
+    # Spawned: forking a process whose libraries have started threads may hang.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=context) as pool:
         waiting = [pool.submit(simulate, case, keep_images) for case in wanted]

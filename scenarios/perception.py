@@ -1,6 +1,6 @@
-"""The ladder of perceptions: how a controller comes to know the road ahead.
+"""Perception interface of the closed loop, and its implementations from none to camera.
 
-none: it does not · oracle: the true profile · boxes: true boxes, degraded, through the estimator ·
+none: no preview · oracle: the true profile · boxes: true boxes, degraded, through the estimator ·
 camera: rendered image, detector, estimator.
 """
 
@@ -30,7 +30,7 @@ Event = dict[str, Any]
 
 @dataclass(frozen=True)
 class Look:
-    """One exposure: when it was taken, what was in it and, from a camera, the image (H, W, 3).
+    """Camera exposure: its tick, detections and, from a camera, the image (H, W, 3).
 
     second: image of the right camera of a stereo pair.
     """
@@ -43,86 +43,84 @@ class Look:
 
 
 class Perception(Protocol):
-    """Called at the ticks it asks for: `expose`, then `receive`; `preview` when the controller asks."""
+    """Protocol of a perception, called at the ticks it requests: `expose`, `receive`; `preview` on demand."""
 
     looks: list[Look]
 
     def next_tick(self, tick: int) -> int | None:
-        """The next tick after `tick` at which something happens here; None for never."""
+        """Next tick after `tick` at which the perception must be called; None for never."""
 
     def expose(self, tick: int, state: Callable[[], VehicleState]) -> None:
-        """Take an image if one is due."""
+        """Start an exposure if one is due."""
 
     def receive(self, tick: int) -> list[Event]:
-        """Take in what has become available; returns what is worth logging."""
+        """Process the detections that have become available; return the events to log."""
 
     def sense(self, measurement: Measurement) -> None:
-        """Take in one reading of the car's own sensors."""
+        """Process one reading of the car's own sensors."""
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
-        """The road ahead as known now."""
+        """Return the present preview of the road ahead."""
 
     def stats(self) -> dict[str, Any]:
-        """Counts of what was seen."""
+        """Return counts of frames, boxes and tracks."""
 
     def memory(self) -> Memory | None:
-        """What the next drive over this road may start with."""
+        """Return the map that the next drive over this road may start with."""
 
     def timing(self) -> dict[str, float]:
-        """How long it took on this machine."""
+        """Return run times on this machine."""
 
     def close(self) -> None:
-        """Release what was held."""
+        """Release resources."""
 
 
 @dataclass
 class Blind:
-    """`none`."""
+    """Perception without preview (`none`)."""
 
     looks: list[Look] = field(default_factory=list)
 
     def next_tick(self, tick: int) -> int | None:
-        """Nothing happens."""
+        """Return None: there are no events."""
         return None
 
     def expose(self, tick: int, state: Callable[[], VehicleState]) -> None:
-        """Nothing to expose."""
+        """Do nothing."""
 
     def receive(self, tick: int) -> list[Event]:
-        """Nothing arrives."""
+        """Return no events."""
         return []
 
     def sense(self, measurement: Measurement) -> None:
-        """Nothing to update."""
+        """Do nothing."""
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
-        """Nothing is known."""
+        """Return None: there is no preview."""
         return None
 
     def stats(self) -> dict[str, Any]:
-        """Nothing was seen."""
+        """Return no counts."""
         return {}
 
     def memory(self) -> Memory | None:
-        """Nothing is remembered."""
+        """Return None: there is no memory."""
         return None
 
     def timing(self) -> dict[str, float]:
-        """Nothing took time."""
+        """Return no run times."""
         return {}
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing."""
 
 
 class Seeing:
-    """`boxes` and `camera`: an eye that looks at `rate_hz`, whose boxes arrive `latency_s` later.
+    """Detector-based perception (`boxes`, `camera`): exposures at `rate_hz`, with boxes `latency_s` later.
 
-    `eye` turns the car's state at exposure into a `Look`. It runs in a thread of its own while simulated
-    time goes on; its result is waited for at the tick where it is due, so real time never changes a result.
-    An eye that raises has not seen: the estimator goes on with what it knows, and the look is counted as
-    failed. One whose first look already is an InputError has bad input, and that ends the run.
-    `looks` holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
+    `eye` maps the car's state at exposure to a `Look`. It runs in a thread of its own while simulated time
+    goes on; its result is awaited at the tick where it is due, so real time never changes a result. `looks`
+    holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
     """
 
     def __init__(
@@ -144,7 +142,7 @@ class Seeing:
         self.estimator_s: list[float] = []
 
     def next_tick(self, tick: int) -> int | None:
-        """The next exposure, or the next arrival of boxes."""
+        """Tick of the next exposure or the next arrival of boxes."""
         arrivals = [exposed + self._latency for exposed, _ in self._pending]
         return min(
             next_due(tick, self._rate_hz), *(arrival for arrival in arrivals if arrival > tick), 1 << 62
@@ -156,7 +154,7 @@ class Seeing:
             self._pending.append((tick, self._pool.submit(self._eye, tick, state())))
 
     def receive(self, tick: int) -> list[Event]:
-        """Hand the boxes that have become available to the estimator; log them."""
+        """Pass the boxes that have become available to the estimator; return them as events."""
         events = []
         while self._pending and self._pending[0][0] + self._latency <= tick:
             exposed, future = self._pending.popleft()
@@ -201,14 +199,14 @@ class Seeing:
         self._estimator.update_motion(measurement.time_s, measurement)
 
     def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview | None:
-        """The estimator's road ahead, with what it is told exactly."""
+        """Return the estimator's preview, with ground truth substituted where `correct` says so."""
         if (correct := self._correct) is None:
             return self._estimator.preview(time_s)
         drift_m = self._estimator.motion.at(time_s).x_m - float(state().x_m)
         return self._estimator.preview(time_s, lambda track: correct(track, drift_m))
 
     def stats(self) -> dict[str, Any]:
-        """Frames, boxes and tracks; `failed_looks` where there are any."""
+        """Return counts of frames, boxes and confirmed tracks."""
         confirmed = [event for event in self._estimator.events if event["event"] == "confirmed"]
         failed = {"failed_looks": self._failed} if self._failed else {}
         return failed | {
@@ -218,11 +216,11 @@ class Seeing:
         }
 
     def memory(self) -> Memory | None:
-        """What the estimator learned of camera and road."""
+        """Return the estimator's memory of camera mounting and road."""
         return self._estimator.memory()
 
     def timing(self) -> dict[str, float]:
-        """Median run time of one exposure with its detection, and of the estimator."""
+        """Return the median run time of one exposure with its detection, and of the estimator."""
         if not self.looks:
             return {}
         return {
@@ -231,5 +229,5 @@ class Seeing:
         }
 
     def close(self) -> None:
-        """Stop the eye's thread."""
+        """Stop the worker thread."""
         self._pool.shutdown(cancel_futures=True)

@@ -1,4 +1,4 @@
-"""What a controller was told of the road ahead, thinned out for a record of the run."""
+"""Preview record of a run: the previews given to the controller, decimated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ STEP_M = 0.1
 
 @dataclass(frozen=True)
 class PreviewLog:
-    """The road ahead of the right front wheel as believed at k moments, float32.
+    """Preview at the right front wheel at k times, float32.
 
     time_s: (k,). distance_m: (n,) ahead of the wheel. height_m, position_sigma_m, existence: (k, n), see
     `RoadPreview`.
@@ -31,7 +31,7 @@ class PreviewLog:
 
 
 def thinned(preview: RoadPreview, wheel: int) -> tuple[float, np.ndarray, np.ndarray]:
-    """(time_s, distances, [height, position_sigma, existence]) of one wheel, a value every 0.1 m."""
+    """Preview of one wheel every 0.1 m: (time_s, distances, [height, position_sigma, existence])."""
     stride = max(1, round(STEP_M / float(preview.distance_m[1] - preview.distance_m[0])))
     rows = (preview.height_m, preview.position_sigma_m, preview.existence)
     kept = np.array([row[wheel, ::stride] for row in rows], np.float32)
@@ -39,7 +39,7 @@ def thinned(preview: RoadPreview, wheel: int) -> tuple[float, np.ndarray, np.nda
 
 
 def collect(seen: Sequence[tuple[float, np.ndarray, np.ndarray]]) -> PreviewLog:
-    """All that was thinned, as one log; empty where nothing was seen."""
+    """Combine decimated previews into one log, which may be empty."""
     if not seen:
         none = np.zeros((0, 0), np.float32)
         return PreviewLog(none[:, 0:0].ravel(), none.ravel(), none, none, none)

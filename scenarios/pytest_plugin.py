@@ -1,6 +1,6 @@
-"""The pytest fixture `ride_comfort`: drive a scenario and hold its metrics against a committed baseline.
+"""Pytest plugin with the fixture `ride_comfort`: ride metrics of a scenario against a committed baseline.
 
-Every test has its own file, `ride_baselines/<module>-<test>.json` beside the test's, which
+Every test has its own baseline, `ride_baselines/<module>-<test>.json` beside the test's file, which
 `pytest --ride-accept` writes.
 """
 
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:  # every pytest run imports this file; only a test that drives needs the rest
+if TYPE_CHECKING:  # every pytest run imports this file; only tests with the fixture need the rest
     from scenarios.closed_loop import Run
 
 
@@ -26,14 +26,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.fixture
 def ride_comfort(request: pytest.FixtureRequest) -> RideComfort:
-    """Call it with a scenario; it fails the test where a ride metric got worse than its tolerance allows."""
+    """Fixture to call with a scenario; the test fails if a ride metric exceeds its tolerance."""
     name = re.sub(r"[^\w.-]+", "_", request.node.name)
     file = request.path.parent / "ride_baselines" / f"{request.path.stem}-{name}.json"
     return RideComfort(file, request.config.getoption("--ride-accept"))
 
 
 class RideComfort:
-    """`ride_comfort("hump_flat_30", controller="mpc_preview")` drives, checks, and returns the run."""
+    """Regression check: `ride_comfort("hump_flat_30", controller="mpc_preview")` returns the checked run."""
 
     def __init__(self, file: Path, accept: bool) -> None:
         self._file, self._accept = file, accept
@@ -47,8 +47,10 @@ class RideComfort:
         overrides: Sequence[str] = (),
         tolerances: Mapping[str, float] | None = None,
     ) -> Run:
-        """Drive one case. `scenario`, `controller`: as on the command line, files as seen from the test's
-        folder; `overrides`: as for `--set`; `tolerances`: absolute ones (SI) in place of the usual.
+        """Simulate and check one case.
+
+        `scenario`, `controller`: as on the command line, files relative to the test's folder; `overrides`: as
+        for `--set`; `tolerances`: absolute ones (SI) in place of the default ones.
         """
         from scenarios.baseline import Baseline, Held, read, write
         from scenarios.closed_loop import simulate

@@ -1,4 +1,4 @@
-"""Run folders read back into runs, for reports and films."""
+"""Reading of run folders, for reports and videos."""
 
 import json
 from collections.abc import Callable
@@ -27,12 +27,12 @@ MANIFEST = "manifest.json"
 
 
 def is_run(folder: Path) -> bool:
-    """Whether `folder` looks like that of a run, whole or not."""
+    """Whether `folder` looks like a run folder, complete or not."""
     return (folder / MANIFEST).is_file() or (folder / "signals.parquet").is_file()
 
 
 def read(folder: Path) -> Run:
-    """The run in `folder`; InputError where a file is missing, broken or of another version."""
+    """Read the run in `folder`; InputError if a file is missing, damaged or of another version."""
     manifest = _parsed(folder / MANIFEST, json.loads)
     if not isinstance(manifest, dict) or manifest.get("schema") != SCHEMA:
         raise InputError(f"{folder / MANIFEST}: is no manifest of schema {SCHEMA}")

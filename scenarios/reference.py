@@ -1,4 +1,4 @@
-"""Reference pages made from the code itself: scenario fields, commands, metrics, controllers (Markdown)."""
+"""Generated reference pages (Markdown): scenario fields, commands, metrics, controllers."""
 
 import argparse
 import inspect
@@ -18,7 +18,7 @@ from vehicle.audit import energy_audit
 
 _SCENARIO_HEAD = """# Scenario fields
 
-Made from the schema: what a scenario file may say, and `--set path.to.field=value` on the command line. A
+Generated from the schema: the fields of a scenario file, also set by `--set path.to.field=value`. A
 field without a default must be given, but `name` is the file's name where it is missing, and
 `vehicle.parameters` holds only what differs from the car that `vehicle.model` names (`quarter`, `half`,
 `full` or a YAML file).
@@ -29,14 +29,14 @@ _LEAVES = {float: "number", int: "whole number", str: "text", bool: "true or fal
 
 
 def write(folder: Path) -> None:
-    """Write every page into the folder."""
+    """Write all pages into the folder."""
     pages = {"scenario": scenario_page(), "commands": command_page(), "metrics": metric_page()}
     for name, text in pages.items():
         write_text(folder / f"{name}.md", text)
 
 
 def scenario_page() -> str:
-    """Every field a scenario file may set: type, default, and what its block is about."""
+    """Page of all scenario fields: type, default and description."""
     lines = [_SCENARIO_HEAD]
     for path, cls in blocks(Scenario):
         own = [item for item in fields(cls) if item.init]
@@ -72,7 +72,7 @@ def blocks(root: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _described(doc: str, names: set[str]) -> tuple[str, dict[str, str]]:
-    """A docstring's prose, and what it says of single fields in the form `name[, name]: text`."""
+    """Prose of a docstring, and its field descriptions of the form `name[, name]: text`."""
     prose: list[str] = []
     meanings: dict[str, str] = {}
     current: list[str] = []
@@ -93,16 +93,16 @@ def _described(doc: str, names: set[str]) -> tuple[str, dict[str, str]]:
 
 
 def command_page() -> str:
-    """The help of every command."""
-    lines = ["# Commands", "", "Exit codes: 0 success, 1 a check failed, 2 bad input, told in one line.", ""]
+    """Page with the help of every command."""
+    lines = ["# Commands", "", "Exit codes: 0 success, 1 a check failed, 2 bad input (in one line).", ""]
     for name, command in _commands(parser()):
         lines += [f"## {name}", "", "```text", command.format_help().rstrip(), "```", ""]
     return "\n".join(lines)
 
 
 def metric_page() -> str:
-    """Every metric of a run with its unit."""
-    lines = ["# Metrics", "", "What `metrics.json` of a run and the rows of a comparison hold.", ""]
+    """Page of all metrics of a run with their units."""
+    lines = ["# Metrics", "", "Contents of `metrics.json` of a run and of the rows of a comparison.", ""]
     lines += ["| metric | unit and meaning |", "|---|---|"]
     lines += [f"| `{name}` | {meaning} |" for name, meaning in METRICS.items()]
     lines += ["", "## Audit", "", inspect.cleandoc(energy_audit.__doc__ or ""), ""]
@@ -125,7 +125,7 @@ def _dataclasses(hint: Any) -> Iterator[Any]:
 
 
 def _first_line(hint: Any) -> str:
-    """What the one block a field may hold is; "" where it is a plain value or there are kinds."""
+    """Summary line of the dataclass a field may hold; "" for plain values and for unions."""
     members = list(_dataclasses(hint))
     return inspect.cleandoc(members[0].__doc__ or "").partition("\n")[0] if len(members) == 1 else ""
 

@@ -1,4 +1,4 @@
-"""Ride metrics held against a baseline, each within a tolerance of its own physical size."""
+"""Regression check of ride metrics against a baseline, each with a tolerance of its own."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from scenarios.closed_loop import Run
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What a metric may change by, `absolute` (SI) or `relative`, whichever is more; shown times `factor`."""
+    """Permitted change of a metric: the larger of `absolute` (SI) and `relative`; shown times `factor`."""
 
     absolute: float
     relative: float = 0.0
@@ -18,7 +18,7 @@ class Tolerance:
     factor: float = 1.0
 
     def of(self, expected: float) -> float:
-        """The change allowed around a baseline value."""
+        """Permitted change about a baseline value."""
         return max(self.absolute, self.relative * abs(expected))
 
 
@@ -38,15 +38,15 @@ TOLERANCES = {
     "damper_energy": Tolerance(5.0, 0.02, "J"),
     "fallbacks": Tolerance(0.5),
 }
-"""Less than a passenger could tell apart or a sensor resolve; a metric without an entry gets `OTHERS`."""
+"""Below what a passenger perceives or a sensor resolves; metrics without an entry get `OTHERS`."""
 OTHERS = Tolerance(1e-6, 0.02)
 NEUTRAL = frozenset({"crest_factor", "damper_energy"})
-"""Metrics whose change is worth telling but is no loss of comfort or safety."""
+"""Metrics whose change is reported but is no loss of comfort or safety."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """One metric that left its tolerance (`allowed`, in the metric's unit)."""
+    """Metric outside its tolerance (`allowed`, in the metric's unit)."""
 
     metric: str
     before: float
@@ -55,12 +55,12 @@ class Change:
 
     @property
     def used(self) -> float:
-        """The change as a multiple of what is allowed."""
+        """Change as a multiple of the permitted one."""
         return abs(self.after - self.before) / self.allowed
 
     @property
     def verdict(self) -> str:
-        """`worse`, `better`, or `changed` for a metric of which neither can be said."""
+        """`worse`, `better`, or `changed` for a neutral metric."""
         if math.isnan(self.after):
             return "worse"
         if self.metric in NEUTRAL:
@@ -69,16 +69,16 @@ class Change:
 
 
 def measured(run: Run) -> dict[str, float]:
-    """What a baseline holds of a run: its ride metrics, and how often the controller fell back."""
+    """Values of a run that a baseline holds: its ride metrics and the number of fallbacks."""
     return run.metrics | {"fallbacks": float(run.solver.get("fallbacks", 0))}
 
 
 def changes(
     before: Mapping[str, float], after: Mapping[str, float], own: Mapping[str, Tolerance]
 ) -> list[Change]:
-    """The metrics outside their tolerance, worst first; a metric that is gone counts as not a number.
+    """Metrics outside their tolerance, worst first; a missing metric counts as NaN.
 
-    own: tolerances that take the place of the usual ones.
+    own: tolerances that replace the default ones.
     """
     found = []
     for metric, old in before.items():
@@ -90,12 +90,12 @@ def changes(
 
 
 def failed(found: Sequence[Change]) -> bool:
-    """Whether anything got worse."""
+    """Whether any metric got worse."""
     return any(change.verdict == "worse" for change in found)
 
 
 def diff(found: Sequence[Change]) -> list[str]:
-    """One line a change: what, from where to where, and how much of its tolerance that is."""
+    """One line per change: metric, old and new value, and the change in units of its tolerance."""
     lines = []
     for change in found:
         shown = TOLERANCES.get(change.metric, OTHERS)
@@ -110,6 +110,6 @@ def diff(found: Sequence[Change]) -> list[str]:
 
 
 def label(case: Case, overrides: Sequence[str] = ()) -> str:
-    """How a diff calls a case."""
+    """Display name of a case in a diff."""
     chosen = f" ({', '.join(overrides)})" if overrides else ""
     return f"{case.scenario.name} · {case.controller} · {case.perception} · seed {case.seed}{chosen}"

@@ -1,4 +1,4 @@
-"""A growing Parquet dataset that survives a kill at any moment."""
+"""Crash-safe Parquet dataset that grows row by row."""
 
 import io
 import json
@@ -19,10 +19,10 @@ _TEXT = frozenset({"error"})
 
 
 class Results:
-    """Rows of one folder: `part-00000.parquet`, ... and a journal of those that wait for the next part.
+    """Dataset of one folder: `part-00000.parquet`, ... and a journal of the rows that wait for the next part.
 
-    `add` returns once the row is on the disk. `done` maps the key of each row to its error (None: it went
-    well). A line that a kill tore off is not counted as done.
+    `add` returns once the row is on disk. `done` maps the key of each row to its error (None: success). A
+    journal line truncated by a kill is not counted as done.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -40,7 +40,7 @@ class Results:
         self._restart_journal()
 
     def add(self, row: Mapping[str, Any]) -> None:
-        """Take in one row with a `key` and an `error`."""
+        """Append one row with a `key` and an `error`."""
         self._append(row)
         self._waiting.append(dict(row))
         self.done[row["key"]] = row["error"]
@@ -48,7 +48,7 @@ class Results:
             self.flush()
 
     def flush(self) -> None:
-        """Make a part of the rows that wait."""
+        """Write the waiting rows as a part."""
         if not self._waiting:
             return
         part = self.folder / f"part-{len(self._parts()):05d}.parquet"
@@ -66,7 +66,7 @@ class Results:
         for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
             try:
                 rows.append(json.loads(line))
-            except ValueError:  # the kill came while this line was written
+            except ValueError:  # truncated by a kill
                 break
         return rows
 
@@ -82,7 +82,7 @@ class Results:
 
 
 def load_results(folder: Path) -> pa.Table:
-    """All rows of a study's parts, the latest of each key; columns that a part lacks are null."""
+    """Read all rows of a study's parts, the latest of each key; columns that a part lacks are null."""
     parts = [pq.read_table(part) for part in sorted(folder.glob("part-*.parquet"))]
     if not parts:
         raise InputError(f"{folder}: holds no part-*.parquet")
@@ -92,13 +92,13 @@ def load_results(folder: Path) -> pa.Table:
 
 
 def _even(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """All rows with all columns, as a failed case has no metrics."""
+    """Rows padded to the same columns, as a failed case has no metrics."""
     names = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in names} for row in rows]
 
 
 def _typed(table: pa.Table) -> pa.Table:
-    """Columns without any value get the type that they have in other parts."""
+    """Cast columns without any value to the type they have in other parts."""
     for place, field in enumerate(table.schema):
         if pa.types.is_null(field.type):
             kind = pa.string() if field.name in _TEXT else pa.float64()

@@ -1,4 +1,4 @@
-"""The `road` of a scenario file: what follows from its file and from the car is filled in."""
+"""Road block of a scenario file: defaults from its surface file and from the car."""
 
 from pathlib import Path
 from typing import Any
@@ -7,9 +7,9 @@ from road.measured import read_surface
 
 
 def fill_in(road: Any, folder: Path, track_m: Any) -> Any:
-    """The block with its file found beside the scenario, the file's length and the car's track as defaults.
+    """Return the block with its file found beside the scenario, and file length and car track as defaults.
 
-    What is malformed is left alone for the validation to tell. Raises InputError for an unreadable file.
+    Malformed entries are left to the validation. Raises InputError for an unreadable file.
     """
     if not isinstance(road, dict):
         return road

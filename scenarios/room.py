@@ -1,4 +1,4 @@
-"""What there is to win on a drive: between the passive car and the best that any controller could do."""
+"""Headroom of a drive: objective of the passive car and of the clairvoyant bound."""
 
 from controller.clairvoyant import Optimum
 from scenarios.bound import bound
@@ -10,7 +10,7 @@ from scenarios.schema import Scenario
 def room(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:
     """`objective` of the clairvoyant bound, `gap_between_starts` of its search, and `passive_objective`.
 
-    The bound is searched once, then taken from the cache (`scenarios.bound`), unless it is `known`.
+    The bound is computed once, then taken from the cache (`scenarios.bound`), unless it is `known`.
     """
     optimum = known or bound(scenario, commands)
     passive = simulate(Case(scenario, "passive", "none", scenario.seed)).metrics

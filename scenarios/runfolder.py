@@ -1,4 +1,4 @@
-"""What a run leaves behind in its folder, whole or not at all; `scenarios.readback` reads it again."""
+"""Writing of run folders, atomically; `scenarios.readback` reads them."""
 
 import hashlib
 import json
@@ -34,7 +34,7 @@ _VERSIONED = (
 
 
 def versions() -> dict[str, str]:
-    """Installed version of foreride and of every library that can change a number."""
+    """Installed versions of foreride and of every library that can affect a result."""
     found = {"python": platform.python_version()}
     for name in _VERSIONED:
         try:
@@ -45,12 +45,12 @@ def versions() -> dict[str, str]:
 
 
 def digest(value: Any) -> str:
-    """SHA-256 of a JSON-able value, independent of key order."""
+    """SHA-256 of a JSON-serialisable value, independent of key order."""
     return hashlib.sha256(to_json(value, indent=None).encode()).hexdigest()
 
 
 def scenario_hash(scenario: Scenario) -> str:
-    """SHA-256 of a scenario's fields; of files their names only, as folders depend on where one stands."""
+    """SHA-256 of a scenario's fields; files enter by name only, as folders differ between machines."""
     told = dict(scenario.mapping)
     for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
         if told[block] and told[block][field]:
@@ -74,12 +74,12 @@ def _plain(value: Any) -> Any:
 
 
 def environment() -> dict[str, Any]:
-    """Versions and platform that a result was computed with."""
+    """Versions and platform with which a result was computed."""
     return {"versions": versions(), "platform": platform.platform(), "machine": platform.machine()}
 
 
 def manifest(run: Run) -> dict[str, Any]:
-    """Everything needed to repeat a run, and how long it took here."""
+    """Manifest of a run: everything needed to repeat it, and its run times."""
     return {
         "schema": 1,
         "scenario": run.case.scenario.name,
@@ -101,7 +101,7 @@ def manifest(run: Run) -> dict[str, Any]:
 
 
 def row(run: Run) -> dict[str, Any]:
-    """One line of a comparison: what ran, its metrics, and what it took."""
+    """Summary row of a run for a comparison: case, metrics and run times."""
     return {
         "scenario": run.case.scenario.name,
         "vehicle": run.case.scenario.vehicle.model,
@@ -122,7 +122,7 @@ def _bound(run: Run) -> dict[str, Any]:
 
 
 def folder_name(case: Case) -> str:
-    """Name that tells a run from its siblings, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
+    """Folder name that identifies a run, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
     controller = case.controller.replace("/", "_").replace(":", "-")
     return (
         f"{case.scenario.name}-{case.scenario.vehicle.model}-{controller}-{case.perception}-seed{case.seed}"
@@ -130,7 +130,7 @@ def folder_name(case: Case) -> str:
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write manifest, metrics, signals, events, previews and, where there are any, memory and frames."""
+    """Write manifest, metrics, signals, events, previews and, if any, memory and frames."""
     with atomic_folder(folder) as scratch:
         (scratch / "manifest.json").write_text(to_json(manifest(run)) + "\n")
         (scratch / "metrics.json").write_text(to_json(run.metrics) + "\n")
@@ -147,7 +147,7 @@ def write(run: Run, folder: Path) -> None:
 
 
 def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:
-    """An RGB image (H, W, 3) as JPEG."""
+    """Encode an RGB image (H, W, 3) as JPEG."""
     done, data = cv2.imencode(
         ".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality]
     )

@@ -1,4 +1,4 @@
-"""What a scenario file may say: frozen dataclasses, read strictly by `files.strict`."""
+"""Scenario schema: frozen dataclasses of a scenario file, read strictly by `files.strict`."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,7 +24,7 @@ from vehicle.speed import SpeedProfile
 
 @dataclass(frozen=True)
 class Vehicle:
-    """The car: `model` names where its parameters came from, `parameters` holds all of them."""
+    """Car of a scenario: `model` names the origin of its parameters, `parameters` holds all of them."""
 
     model: str
     parameters: Car
@@ -63,7 +63,7 @@ class CameraSetup:
         _within("latency_s", self.latency_s, 0.0, 1.0, "s")
 
     def mount(self, front_axle_m: float) -> CameraMount:
-        """The nominal mounting, relative to the centre of gravity of a car with this front axle."""
+        """Nominal camera mounting relative to the centre of gravity of a car with this front axle."""
         return CameraMount(
             x_m=front_axle_m - self.behind_front_axle_m, height_m=self.height_m, pitch_deg=self.pitch_deg
         )
@@ -71,7 +71,7 @@ class CameraSetup:
 
 @dataclass(frozen=True)
 class Detection:
-    """How the detector runs: its confidence threshold and, where not the shipped ones, its weights."""
+    """Detector settings: its confidence threshold and, unless the shipped ones, its weights."""
 
     weights: str | None = None
     confidence: float = 0.2
@@ -161,17 +161,17 @@ class Scenario:
 
     @property
     def speed_m_s(self) -> float:
-        """Forward speed at the start."""
+        """Initial forward speed."""
         return self.speed_kmh * KM_H
 
     @cached_property
     def motion(self) -> float | SpeedProfile:
-        """Forward speed over the drive: one for all of it, m/s, or a profile."""
+        """Forward motion over the drive: a constant speed, m/s, or a speed profile."""
         return profile(self.speed_kmh, self.start_m, self.speed) if self.speed else self.speed_m_s
 
     @property
     def ticks(self) -> int:
-        """Length of the run in plant steps."""
+        """Length of the run in plant ticks."""
         end = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
         if isinstance(self.motion, SpeedProfile):
             return int(self.motion.time_at(end) * TICKS_PER_SECOND)
@@ -180,7 +180,7 @@ class Scenario:
 
     @cached_property
     def mapping(self) -> dict[str, Any]:
-        """Every field as plain values, defaults included: what the scenario hash stands for."""
+        """All fields as plain values, defaults included: the input of the scenario hash."""
         mapping = strict.to_mapping(self)
         assert isinstance(mapping, dict)
         return mapping

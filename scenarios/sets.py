@@ -1,4 +1,4 @@
-"""Sets of scenarios: a YAML list of them in one file, shipped by name or of the user's own."""
+"""Scenario sets: a YAML list of scenarios in one file, shipped or user-defined."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,9 +16,9 @@ def set_names() -> list[str]:
 
 
 def load_all(names: Iterable[str], overrides: Sequence[str] = ()) -> list[Scenario]:
-    """The scenarios that names and files stand for, in order; a set stands for all of its own.
+    """Load the scenarios that names and files stand for, in order; a set stands for all its members.
 
-    Overrides hold for each of them. Anything wrong raises one-line `InputError`.
+    Overrides apply to each of them. Raises one-line `InputError` for invalid input.
     """
     return [scenario for name in names for scenario in _one_or_many(name, overrides)]
 

@@ -1,4 +1,4 @@
-"""Speed over the drive: points that a scenario's car goes through, joined by constant accelerations."""
+"""Speed points of a scenario: the car's speed over the drive, joined by constant accelerations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ HARDEST_M_S2 = 12.0
 
 @dataclass(frozen=True)
 class SpeedPoint:
-    """The car goes at `kmh` when `at_s` into the drive, or when its centre of gravity is `at_m` along it."""
+    """Speed `kmh` reached `at_s` into the drive, or with the centre of gravity `at_m` along the road."""
 
     kmh: float
     at_s: float | None = None
@@ -26,10 +26,10 @@ class SpeedPoint:
 
 
 def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> SpeedProfile:
-    """The profile from `start_kmh` at time 0 and place `start_m` through the points, in order.
+    """Speed profile from `start_kmh` at time 0 and position `start_m` through the points, in order.
 
     Between two points the acceleration is constant. Raises InputError naming the point that comes too early,
-    asks for more than HARDEST_M_S2, or leaves the car standing.
+    requires more than HARDEST_M_S2, or leaves the car at standstill.
     """
     times, speeds, place = [0.0], [start_kmh * KM_H], start_m
     for i, point in enumerate(points):

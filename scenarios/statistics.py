@@ -1,4 +1,4 @@
-"""What a comparison says: means over seeds with confidence intervals, paired effects against a baseline."""
+"""Comparison statistics: means over seeds with confidence intervals, paired effects against a baseline."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 from files.errors import InputError
 
 Row = Mapping[str, Any]
-"""One run as `scenarios.runfolder.row` describes it."""
+"""Summary row of one run, as returned by `scenarios.runfolder.row`."""
 
 PASSIVE = "passive"
 BOUND = "clairvoyant"
-"""The controller whose objective is the least that any controller could reach."""
+"""Controller whose objective is the lower bound for all controllers."""
 LEAST_SEEDS = 3
-"""Fewer values say nothing about their spread."""
+"""Minimum number of values for a confidence interval."""
 CONFIDENCE = 0.95
 RESAMPLES = 9999
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean and its 95 % bootstrap confidence interval; no limits where there are fewer than three seeds."""
+    """Mean with 95 % bootstrap confidence interval; no limits for fewer than three seeds."""
 
     mean: float
     low: float | None = None
@@ -32,10 +32,10 @@ class Interval:
 
 @dataclass(frozen=True)
 class Variant:
-    """One line of a comparison: a scenario and vehicle driven by one controller with one perception.
+    """Line of a comparison: a scenario and vehicle with one controller and one perception.
 
     metrics: of the runs themselves. difference, ratio: of each run to the baseline's run of the same seed,
-    metric by metric (no ratio where a baseline is zero). captured: the share of what there was to win over
+    metric by metric (no ratio where a baseline is zero). captured: fraction of the possible improvement over
     the passive car, whatever the baseline; None where the bound is not known.
     """
 
@@ -51,14 +51,14 @@ class Variant:
     fallbacks: int = 0
 
     def plain(self) -> dict[str, Any]:
-        """As nested dicts, for JSON."""
+        """Return nested dicts, for JSON."""
         return asdict(self)
 
 
 def summarise(rows: Sequence[Row], baseline: str | None = None) -> list[Variant]:
-    """One `Variant` for each scenario, vehicle, controller and perception, in the order of the rows.
+    """Compute one `Variant` per scenario, vehicle, controller and perception, in the order of the rows.
 
-    baseline: `controller`, or `controller@perception` where it ran with several; None for no effects.
+    baseline: `controller`, or `controller@perception` if it ran with several; None for no effects.
     """
     groups: dict[tuple[str, str, str, str], list[Row]] = {}
     for row in rows:
@@ -69,12 +69,12 @@ def summarise(rows: Sequence[Row], baseline: str | None = None) -> list[Variant]
 
 
 def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
-    """The (controller, perception) pairs that ran, each once."""
+    """Distinct (controller, perception) pairs that ran."""
     return list(dict.fromkeys((row["controller"], row["perception"]) for row in rows))
 
 
 def pick(baseline: str, ran: Sequence[tuple[str, str]]) -> tuple[str, str]:
-    """The one (controller, perception) among those that ran which `baseline` names; else InputError."""
+    """Return the (controller, perception) that `baseline` names among those that ran; else InputError."""
     controller, _, perception = baseline.partition("@")
     found = [pair for pair in ran if pair[0] == controller and perception in ("", pair[1])]
     if len(found) != 1:
@@ -84,7 +84,7 @@ def pick(baseline: str, ran: Sequence[tuple[str, str]]) -> tuple[str, str]:
 
 
 def paired(rows: Sequence[Row], controller: str, perception: str) -> dict[tuple[str, str, int], Row]:
-    """The runs of one controller and perception by scenario, vehicle and seed."""
+    """Runs of one controller and perception by scenario, vehicle and seed."""
     return {
         (*_event(row), row["seed"]): row
         for row in rows
@@ -94,7 +94,7 @@ def paired(rows: Sequence[Row], controller: str, perception: str) -> dict[tuple[
 
 def intervals(values: NDArray[np.float64]) -> list[Interval]:
     """Mean and bias-corrected accelerated bootstrap interval (Efron 1987) of each row of (rows, seeds)."""
-    from scipy.stats import bootstrap  # slow to import, and needed for several seeds only
+    from scipy.stats import bootstrap  # slow to import, needed for several seeds only
 
     means = values.mean(axis=1)
     if values.shape[1] < LEAST_SEEDS:
@@ -145,12 +145,12 @@ def _variant(
 
 
 def captured(objective: float, passive: float, bound: float) -> float:
-    """Share of the benefit that exists which a controller's J gets: 0 for passive, 1 for the bound."""
+    """Fraction of the possible reduction of J that a controller achieves: 0 for passive, 1 for the bound."""
     return (passive - objective) / (passive - bound)
 
 
 def _rooms(rows: Sequence[Row]) -> dict[tuple[str, str, int], tuple[float, float]]:
-    """J of the passive car and of the bound, for each drive where a row tells it or both ran."""
+    """J of the passive car and of the bound, for each drive where a row holds them or both ran."""
     passive, bound = (paired(rows, controller, "none") for controller in (PASSIVE, BOUND))
     known = {
         drive: (passive[drive]["metrics"]["objective"], best["metrics"]["objective"])
@@ -164,7 +164,7 @@ def _rooms(rows: Sequence[Row]) -> dict[tuple[str, str, int], tuple[float, float
 def _captured(
     members: Sequence[Row], rooms: Mapping[tuple[str, str, int], tuple[float, float]]
 ) -> Interval | None:
-    """The share captured, where there was something to win in every run."""
+    """Fraction captured, if every run had a possible improvement."""
     shares = []
     for row in members:
         passive, bound = rooms.get((*_event(row), row["seed"]), (0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Study files: which fields of a scenario are varied, how, and the list of drives that follows."""
+"""Study files: the variation of scenario fields, and the resulting list of drives."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,12 +22,12 @@ from scenarios.named_files import try_files
 from scenarios.runfolder import digest
 
 TRIED = 20
-"""Samples of each kind of which one must be valid, or the study is refused as a whole."""
+"""Number of samples of each kind of which at least one must be valid, else the study is refused."""
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study file without its axes. `samples` belongs to every sampling but the grid."""
+    """Study file without its axes. `samples` applies to every sampling except the grid."""
 
     scenarios: tuple[str, ...]
     title: str = ""
@@ -52,7 +52,7 @@ class Study:
 
 @dataclass(frozen=True)
 class Sample:
-    """One drive of a study: plain values only, so that it travels to any worker."""
+    """Sample of a study: one drive as plain values, which can be sent to any worker."""
 
     scenario: str
     point: tuple[tuple[str, Scalar], ...]
@@ -62,18 +62,18 @@ class Sample:
 
     @property
     def key(self) -> str:
-        """Names the drive by its content, the same in every session."""
+        """Content hash that identifies the drive across sessions."""
         name = Path(self.scenario).name
         return digest([name, self.point, self.controller, self.perception, self.seed])[:20]
 
     def case(self) -> Case:
-        """The case to drive."""
+        """Return the case to simulate."""
         overrides = [f"{path}={json.dumps(value)}" for path, value in self.point]
         return Case(load(self.scenario, overrides), self.controller, self.perception, self.seed)
 
 
 def read(path: Path) -> list[Sample]:
-    """The drives that a study file asks for; InputError, in one line, for one that is malformed."""
+    """Read the drives of a study file; InputError, in one line, if it is malformed."""
     mapping = parse(read_text(path), str(path))
     if not isinstance(mapping, dict):
         raise InputError(f"{path}: a study must be a mapping of fields, got {type(mapping).__name__}")
@@ -92,7 +92,7 @@ def read(path: Path) -> list[Sample]:
 
 
 def _try(samples: Sequence[Sample]) -> None:
-    """Pass when one of them can be driven; the others, if not, become rows with an error."""
+    """Check that at least one of the samples is valid; invalid ones become rows with an error."""
     errors = []
     for sample in samples:
         try:
@@ -104,7 +104,7 @@ def _try(samples: Sequence[Sample]) -> None:
 
 
 def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
-    """Where in the space of the varied fields the study samples."""
+    """Sample points of the study in the space of the varied fields."""
     if study.sampling == "grid":
         for field, axis in axes.items():
             if not axis.values:
@@ -120,7 +120,7 @@ def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
 
 
 def _unit_cube(study: Study, dimensions: int) -> NDArray[np.float64]:
-    """(samples, dimensions) places in [0, 1), from `study.seed`."""
+    """Sample points in the unit cube, (samples, dimensions) in [0, 1), from `study.seed`."""
     from scipy.stats import qmc  # slow to import
 
     rng = np.random.default_rng(study.seed)

@@ -1,4 +1,4 @@
-"""The drives of a study on a Dask cluster: an embedded one, or any that is reached by an address."""
+"""Execution of a study on a Dask cluster, local or reached by an address."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ if TYPE_CHECKING:  # the extra `sweep`
     from distributed import Client, Future
 
 AHEAD = 4
-"""Drives handed out for each worker thread: enough that none waits, few enough to stop quickly."""
+"""Drives submitted per worker thread: enough to keep it busy, few enough to stop quickly."""
 REACH_S = 10
 PATIENCE_S = 120
-"""How long a cluster may be without any result before it is asked whether it has workers at all."""
+"""Time without any result after which the cluster is asked whether it has workers, s."""
 
 
 _ALONE = threading.Lock()
-"""Prediction models are shared within a process, so that workers with several threads must take turns."""
+"""Prediction models are shared within a process, so worker threads must take turns."""
 
 
 def work(sample: Sample) -> dict[str, Any]:
-    """Drive one sample on a worker: its row, or its error. What a worker has built it keeps for the next."""
+    """Simulate one sample on a worker; return its row or its error. Compiled models stay for later samples."""
     try:
         with _ALONE:
             found = json.loads(to_json(flat(row(simulate(sample.case())))))
         return described(sample, None) | found
-    except Exception as error:  # whatever a case runs into is its result
+    except Exception as error:  # any failure of a case is its result
         return described(sample, f"{type(error).__name__}: {' '.join(str(error).split())}")
 
 
 def described(sample: Sample, error: str | None) -> dict[str, Any]:
-    """The columns that every row has: key, error, what was asked for."""
+    """Common columns of every row: key, error and inputs."""
     asked = {f"set.{path}": value for path, value in sample.point}
     names = {name: getattr(sample, name) for name in ("scenario", "controller", "perception", "seed")}
     return {"key": sample.key, "error": error, **names, **asked}

@@ -1,4 +1,4 @@
-"""The estimator's tracks with one thing made exact, which tells what the error of it costs."""
+"""Ground-truth substitution in the estimator's tracks, to measure the cost of single errors."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -13,13 +13,13 @@ _NEAR_M = 2.0
 _KINDS: dict[type, Kind] = {HalfSineBump: BUMP, WattsHump: HUMP, FlatTopHump: TABLE, Pothole: POTHOLE}
 
 Correct = Callable[[Track, float], Track]
-"""A track and the odometer's error (odometer minus truth, m) at that moment give the corrected track."""
+"""Maps a track and the odometer error (odometer minus truth, m) to the corrected track."""
 
 
 def corrector(features: Sequence[Feature], told: Sequence[str]) -> Correct | None:
-    """What makes `distance` (the near edge) or `shape` (kind, length, height) exact; None for nothing told.
+    """Build the correction that makes `distance` (near edge) or `shape` exact; None for an empty list.
 
-    A track far from any feature of its class stays as it is, as does the shape of kinds without a template.
+    A track far from any feature of its class is left unchanged, as is the shape of kinds without a template.
     """
     if not told:
         return None
@@ -43,5 +43,5 @@ def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[st
         kind = _KINDS[type(feature)]
         state[LENGTH] = feature.end_m - feature.start_m
         state[HEIGHT] = feature.depth_m if isinstance(feature, Pothole) else feature.height_m  # type: ignore[union-attr]
-        elevation = elevation or Elevation(1.0)  # a hole is as deep as measured
+        elevation = elevation or Elevation(1.0)  # a pothole keeps its measured depth
     return replace(track, fits=[best._replace(kind=kind, state=state)], elevation=elevation)

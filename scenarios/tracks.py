@@ -1,4 +1,4 @@
-"""The road as each wheel of a scenario's car feels it."""
+"""Wheel profiles: the effective road under each wheel of a scenario's car."""
 
 from functools import lru_cache
 
@@ -9,7 +9,7 @@ from scenarios.schema import Scenario
 
 
 def wheel_profiles(scenario: Scenario) -> list[WheelProfile]:
-    """The effective road under each wheel; drives over the same road share it, for it never changes."""
+    """Effective road under each wheel; drives over the same road share it, as it is immutable."""
     car = scenario.vehicle.parameters
     return list(_profiles(scenario.road, tuple(car.wheel_y_m), car.wheel_radius_m, scenario.enveloping))
 

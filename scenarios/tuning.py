@@ -1,4 +1,4 @@
-"""Search for the settings with which a controller does best on a set of events."""
+"""Controller tuning: search for the settings that minimise a controller's objective over a set of events."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -16,20 +16,20 @@ from scenarios.schema import Scenario
 
 
 class Span(NamedTuple):
-    """Where a setting is looked for; `ratio` where its order of magnitude is what is unknown."""
+    """Search range of a setting; `ratio` for a logarithmic one."""
 
     low: float
     high: float
     ratio: bool = False
 
     def at(self, share: float) -> float:
-        """The value at a share 0 ... 1 of the span, to four digits, as it is written into files."""
+        """Value at `share`, 0 ... 1, of the range, rounded to four digits as in files."""
         low, high = np.log([self.low, self.high]) if self.ratio else (self.low, self.high)
         value = low + float(np.clip(share, 0.0, 1.0)) * (high - low)
         return float(f"{np.exp(value) if self.ratio else value:.4g}")
 
     def share(self, value: float) -> float:
-        """The share of the span at which a value lies, 0 or 1 for one beyond it."""
+        """Fraction of the range at which a value lies, clipped to 0 ... 1."""
         low, high, value = (
             np.log([self.low, self.high, value]) if self.ratio else (self.low, self.high, value)
         )
@@ -54,12 +54,12 @@ SPANS: dict[str, dict[str, Span]] = {
         "smoothing_m_s": Span(0.01, 0.4, ratio=True),
     },
 }
-"""What is tuned of each controller, and where."""
+"""Tuned settings of each controller and their search ranges."""
 
 
 @dataclass(frozen=True)
 class Tuned:
-    """The best settings found, their score, and the score of the settings that were there before.
+    """Result of a tuning: the best settings, their score, and the score of the previous settings.
 
     A score is the mean over the events of J relative to the passive car.
     """
@@ -71,7 +71,7 @@ class Tuned:
 
 
 class Judge:
-    """Scores settings of one controller on events, each against the passive car with the same noise."""
+    """Tuning objective: scores settings on events, each against the passive car with the same noise."""
 
     def __init__(self, scenarios: Sequence[Scenario], advance: Callable[[], None] = lambda: None):
         self._scenarios, self._advance = scenarios, advance
@@ -88,7 +88,7 @@ class Judge:
 
 
 def spans_of(controller: str, wheels: int) -> dict[str, Span]:
-    """What is tuned of a controller on a car with so many wheels; InputError where there is nothing."""
+    """Search ranges of a controller on a car with `wheels` wheels; InputError if it has none."""
     if controller not in SPANS:
         raise InputError(f"controllers must be among {', '.join(SPANS)}, got {controller!r}")
     return {name: span for name, span in SPANS[controller].items() if wheels > 1 or name != "rear_ns_m"}
@@ -102,14 +102,14 @@ def tune(
     evaluations: int,
     seed: int,
 ) -> Tuned:
-    """Look over the whole span with up to half of the evaluations, then climb from the best with the rest.
+    """Global search with up to half of the evaluations, then local search from the best point with the rest.
 
-    A scrambled Sobol sequence looks, a trust-region method on quadratic models climbs (COBYQA: Ragonneau &
-    Zhang, as in scipy). The settings `there` before may be where the climb begins, if they lie within the
-    spans; the result is never worse than they are.
+    Global: a scrambled Sobol sequence; local: a trust-region method on quadratic models (COBYQA: Ragonneau &
+    Zhang, as in SciPy). The previous settings, `there`, are a candidate starting point if they lie within the
+    ranges; the result is never worse than they are.
     """
     before = judge.score(controller, {})
-    # Outside the spans the settings before were not measured at a place where the search could go.
+    # Settings outside the ranges cannot be a starting point of the search.
     inside = all(span.low <= there[name] <= span.high for name, span in spans.items())
     tried = {tuple(span.share(there[name]) for name, span in spans.items()): before} if inside else {}
 
@@ -120,7 +120,7 @@ def tune(
             tried[place] = judge.score(controller, dict(zip(spans, values, strict=True)))
         return tried[place]
 
-    looks = int(np.log2(evaluations / 2))  # a Sobol sequence is even after powers of two
+    looks = int(np.log2(evaluations / 2))  # a Sobol sequence is balanced at powers of two
     for point in qmc.Sobol(len(spans), rng=seed).random_base2(looks):
         ask(point)
     minimize(
@@ -138,7 +138,7 @@ def tune(
 
 
 def with_settings(scenario: Scenario, controller: str, settings: dict[str, float]) -> Scenario:
-    """The scenario with some settings of one controller replaced."""
+    """Return the scenario with some settings of one controller replaced."""
     there = scenario.control.settings
     changed = replace(there, **{controller: replace(getattr(there, controller), **settings)})
     return replace(scenario, control=replace(scenario.control, settings=changed))
