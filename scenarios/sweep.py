@@ -32,7 +32,7 @@ _ALONE = threading.Lock()
 
 
 def work(sample: Sample) -> dict[str, Any]:
-    """Simulate one sample on a worker; return its row or its error. Compiled models stay for later samples."""
+    """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
     try:
         with _ALONE:
             found = json.loads(to_json(flat(row(simulate(sample.case())))))

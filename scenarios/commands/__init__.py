@@ -1,1 +1,1 @@
-"""The subcommands of `foreride`, one a file: each offers `add(subparsers)` and the function it runs."""
+"""Subcommands of `foreride`, one per module, each with `add(subparsers)` and the function it runs."""

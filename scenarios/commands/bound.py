@@ -1,4 +1,4 @@
-"""`foreride bound`: what is physically there to win on a scenario, whatever the controller."""
+"""`foreride bound`: lower bound of the objective on a scenario, for any controller."""
 
 import argparse
 from dataclasses import replace
@@ -21,9 +21,9 @@ ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyAct
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("bound", help="the best that any controller could do on a scenario")
+    command = commands.add_parser("bound", help="lower bound of J on a scenario, for any controller")
     command.add_argument("scenario", metavar="SCENARIO", help="a name in the library, or a YAML file")
-    beside = "what works beside the dampers (default: what the scenario's car has)"
+    beside = "actuators in parallel with the dampers (default: those of the scenario's car)"
     command.add_argument("--actuator", choices=tuple(ACTUATORS), help=beside)
     add_field_options(command)
     command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
@@ -31,7 +31,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Find the scenario's optimum, or take it from the cache, and replay it through the plant."""
+    """Compute the scenario's optimum, or take it from the cache, and replay it on the plant."""
     scenario = load(arguments.scenario, overrides_of(arguments))
     if arguments.actuator:
         scenario = equipped(scenario, arguments.actuator)
@@ -62,6 +62,6 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def equipped(scenario: Scenario, actuator: str) -> Scenario:
-    """The scenario with another actuator in its car: none, slow_active or fully_active."""
+    """Return the scenario with another actuator in its car: none, slow_active or fully_active."""
     parameters = replace(scenario.vehicle.parameters, actuator=ACTUATORS[actuator])
     return replace(scenario, vehicle=replace(scenario.vehicle, parameters=parameters))

@@ -1,4 +1,4 @@
-"""`foreride calibrate`: the camera's block of a scenario, from photographs of a checkerboard."""
+"""`foreride calibrate`: camera calibration from checkerboard photographs, as a scenario's camera block."""
 
 import argparse
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Find the boards, fit the camera, tell; 1 if it explains the corners badly."""
+    """Detect the boards, fit the camera, report; return 1 if the reprojection error is large."""
     board = _board(arguments.squares, arguments.square_m)
     seen, size = _views(arguments.photos, board)
     missed = [str(path) for path in arguments.photos if path not in seen]
@@ -80,7 +80,7 @@ def _board(squares: str, square_m: float) -> Board:
 
 
 def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray], tuple[int, int]]:
-    """Corners in each photo that shows the whole board, and the size of all photos (width, height)."""
+    """Corners in each photo that shows the whole board, and the common size of all photos (width, height)."""
     seen, sizes = {}, {}
     for path in track(photos, "looking for the board", console=console, transient=True):
         image = _photo(path)
@@ -95,7 +95,7 @@ def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray]
 
 
 def _photo(path: Path) -> np.ndarray:
-    """(H, W) grey, as the sensor saw it: a turn that only the file's header asks for would turn the lens."""
+    """(H, W) grey image in sensor orientation; the file's own rotation would rotate the lens."""
     data = np.frombuffer(path.read_bytes(), np.uint8)
     flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
     image = cv2.imdecode(data, flags) if len(data) else None

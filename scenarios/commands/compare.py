@@ -30,7 +30,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
     add_frames_option(command)
     told = (
-        "search the best that any controller could do, too (or take it from the cache), and show `captured`"
+        "also compute the bound of any controller (or take it from the cache), and show `captured`"
     )
     command.add_argument("--bound", action="store_true", help=told)
     add_table_options(command)
@@ -38,7 +38,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run the cases and print their table; `--out` keeps the run folders too, each as soon as it is done."""
+    """Run the cases and print their table; `--out` also keeps each run folder as soon as it is complete."""
     wanted = cases_of(arguments, arguments.scenarios)
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
     jobs = jobs_of(arguments)
@@ -62,7 +62,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def rooms_of(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
-    """What there is to win on each scenario of the cases, by the hash of its fields."""
+    """Headroom of each scenario of the cases, by the hash of its fields."""
     scenarios = {scenario_hash(case.scenario): case.scenario for case in wanted}
     found = {}
     with progress_bar() as progress:

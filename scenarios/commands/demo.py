@@ -1,4 +1,4 @@
-"""`foreride demo`: a bump, a hump and a pothole; passive, skyhook, reactive MPC, and an MPC with a camera."""
+"""`foreride demo`: bump, hump and pothole with passive dampers, skyhook, reactive MPC and camera preview."""
 
 import argparse
 from pathlib import Path
@@ -19,9 +19,9 @@ CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("demo", help="the whole loop on three events, with table, figure and film")
+    command = commands.add_parser("demo", help="the whole loop on three events: table, figure and video")
     command.add_argument("--seed", type=int, default=0, help="seed of noise and weather (default 0)")
-    command.add_argument("--no-film", action="store_true", help="leave out the film")
+    command.add_argument("--no-film", action="store_true", help="do not write the video")
     add_output_options(command)
     add_table_options(command)
     command.set_defaults(execute=execute)

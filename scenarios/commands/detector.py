@@ -19,7 +19,7 @@ MODULES = {
 
 
 def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand; the options after the step's name are those of its module."""
+    """Add the subcommand; the options after the step's name belong to its module."""
     summary = "; ".join(f"{name}: {text}" for name, (_, text) in MODULES.items())
     command = commands.add_parser("detector", help=", ".join(MODULES), description=summary, add_help=True)
     command.add_argument("step", choices=MODULES)
@@ -28,7 +28,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Hand the remaining options to the module that does the step."""
+    """Pass the remaining options to the module of this step."""
     name = MODULES[arguments.step][0]
     try:
         return int(importlib.import_module(name).main(arguments.rest) or 0)

@@ -1,4 +1,4 @@
-"""`foreride doctor`: is this installation sound? Each link of the loop is tried once."""
+"""`foreride doctor`: self-test of the installation, one check per component of the loop."""
 
 import argparse
 import os
@@ -28,7 +28,7 @@ from vehicle.plant import Plant
 
 @dataclass(frozen=True)
 class Finding:
-    """One check: whether it passed, and what was seen."""
+    """Result of one check: whether it passed, with details."""
 
     check: str
     passed: bool
@@ -43,7 +43,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Print one line for each check; exit code 1 if one failed."""
+    """Print one line per check; exit code 1 if one failed."""
     console.print(f"{platform.platform()}, {os.cpu_count()} cores")
     console.print(", ".join(f"{name} {found}" for name, found in versions().items()))
     findings = []
@@ -67,7 +67,7 @@ def _try(check: Callable[[], str]) -> Finding:
     title = (check.__doc__ or check.__name__).strip().rstrip(".")
     try:
         return Finding(title, True, check())
-    except Exception as error:  # a doctor reports whatever is broken
+    except Exception as error:  # report any failure
         return Finding(title, False, f"{type(error).__name__}: {error}".splitlines()[0])
 
 

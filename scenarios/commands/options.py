@@ -1,4 +1,4 @@
-"""Options and output shared by the commands that run cases."""
+"""Options and console output shared by the commands that run cases."""
 
 import argparse
 import json
@@ -32,7 +32,7 @@ _FILE_WIDTH = 140
 
 
 def _console() -> Console:
-    """The terminal; a file or a pipe is given room for every column."""
+    """Console of the terminal; for a file or a pipe, wide enough for every column."""
     terminal = Console()
     return terminal if terminal.is_terminal else Console(width=_FILE_WIDTH)
 
@@ -41,14 +41,14 @@ console = _console()
 
 
 def comma_list(text: str) -> list[str]:
-    """Split `a,b,c`."""
+    """Split `a,b,c` into its parts."""
     return [part.strip() for part in text.split(",") if part.strip()]
 
 
 def add_case_options(command: argparse.ArgumentParser, controllers: str, perceptions: str) -> None:
-    """Add what chooses the cases: controllers, perception, seeds, and the fields of the scenario."""
+    """Add the options that select the cases: controllers, perception, seeds, and scenario fields."""
     names, ladder = comma_list(controllers), comma_list(perceptions)
-    own = f"names, or an own one as path/to/file.py:name (default {controllers})"
+    own = f"names, or your own as path/to/file.py:name (default {controllers})"
     command.add_argument("--controllers", type=comma_list, default=names, metavar="A,B,...", help=own)
     known = f"{', '.join(PERCEPTIONS)} (default {perceptions})"
     command.add_argument("--perception", type=comma_list, default=ladder, metavar="A,B,...", help=known)
@@ -61,7 +61,7 @@ def add_case_options(command: argparse.ArgumentParser, controllers: str, percept
 
 
 def jobs_of(arguments: argparse.Namespace) -> int:
-    """How many worker processes were asked for."""
+    """Number of worker processes requested."""
     if arguments.jobs < 0:
         raise InputError(f"--jobs must be >= 0, got {arguments.jobs}")
     return arguments.jobs or os.cpu_count() or 1
@@ -69,18 +69,18 @@ def jobs_of(arguments: argparse.Namespace) -> int:
 
 def add_frames_option(command: argparse.ArgumentParser) -> None:
     """Add `--frames`."""
-    told = "keep the camera's images in the run folders (for reports and films)"
+    told = "keep the camera images in the run folders (for reports and videos)"
     command.add_argument("--frames", action="store_true", help=told)
 
 
 def add_field_options(command: argparse.ArgumentParser) -> None:
-    """Add what overrides fields of the scenario."""
+    """Add the options that override scenario fields."""
     command.add_argument(
         "--vehicle", metavar="MODEL", help="quarter, half, full, or a YAML file of parameters"
     )
     command.add_argument("--observer", choices=("truth", "sensors"), help="overrides the scenario's observer")
     command.add_argument(
-        "--settings", type=Path, metavar="FILE", help="controllers' settings, as `foreride tune` writes them"
+        "--settings", type=Path, metavar="FILE", help="controller settings, as written by `foreride tune`"
     )
     command.add_argument(
         "--set",
@@ -95,11 +95,11 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
 def add_output_options(command: argparse.ArgumentParser) -> None:
     """Add `--json` and `--out`."""
     command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
-    command.add_argument("--out", type=Path, metavar="DIR", help="folder for what the command writes")
+    command.add_argument("--out", type=Path, metavar="DIR", help="output folder")
 
 
 def overrides_of(arguments: argparse.Namespace) -> list[str]:
-    """The `--set` overrides, with those that `--vehicle` and `--observer` stand for."""
+    """Overrides of `--set`, `--vehicle`, `--observer` and `--settings`."""
     overrides = [] if arguments.settings is None else settings_overrides(arguments.settings)
     overrides += arguments.overrides
     if arguments.vehicle:
@@ -110,20 +110,20 @@ def overrides_of(arguments: argparse.Namespace) -> list[str]:
 
 
 def settings_overrides(path: Path) -> list[str]:
-    """The overrides that a file of controllers' settings stands for; what it leaves out stays as it is."""
+    """Overrides equivalent to a file of controller settings; fields it omits stay unchanged."""
     strict.read(ControllerSettings, path)
     return _overrides("control.settings", yaml12.parse(read_text(path), str(path)))
 
 
 def _overrides(place: str, value: Any) -> list[str]:
-    """One override for each value that a nested mapping holds, written so that `--set` reads it as it was."""
+    """Overrides for the values of a nested mapping, in a notation that `--set` parses back unchanged."""
     if isinstance(value, dict):
         return [one for name, inner in value.items() for one in _overrides(f"{place}.{name}", inner)]
     return [f"{place}={json.dumps(value)}"]
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
-    """The `--seeds` as whole numbers; None leaves each scenario its own."""
+    """Parse `--seeds`; None leaves each scenario its own."""
     if arguments.seeds is None:
         return None
     try:
@@ -136,7 +136,7 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
 
 
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
-    """All cases that the command line asks for, in order; the files that they name are tried first."""
+    """Cases selected by the command line, in order, after checking the files that they name."""
     scenarios = load_all(names, overrides_of(arguments))
     wanted = cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
     for case in wanted:
@@ -145,12 +145,12 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
 
 
 def simulate_all(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:
-    """Run the cases behind a progress bar with the time left."""
+    """Run the cases with a progress bar."""
     return list(simulated(wanted, keep_images, jobs))
 
 
 def simulated(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> Iterator[Run]:
-    """Yield the run of each case, in order, behind a progress bar with the time left."""
+    """Yield the run of each case, in order, with a progress bar."""
     with progress_bar() as progress:
         bar = progress.add_task("", total=sum(case.scenario.ticks for case in wanted))
 
@@ -162,7 +162,7 @@ def simulated(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) 
 
 
 def progress_bar() -> Progress:
-    """A bar with the time that is left; it vanishes when all is done."""
+    """Transient progress bar with the remaining time."""
     columns = (
         TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),

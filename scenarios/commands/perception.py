@@ -1,4 +1,4 @@
-"""`foreride perception`: how well the estimator places and shapes what lies on the road."""
+"""`foreride perception`: position, timing, shape and existence errors of the estimator."""
 
 import argparse
 from itertools import product
@@ -28,14 +28,14 @@ from scenarios.runfolder import environment, to_json
 _OBSTACLES_A_ROAD = 10
 _BASE = "mixed_40"
 _OF_COURSES: dict[str, Any] = {"looks": ["day"], "braking": 0.0, "grade": 0.0, "events": 100}
-"""Options that only courses have, and what holds where they are not given."""
+"""Options that apply to courses only, with their defaults."""
 
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
     command = commands.add_parser(
         "perception",
-        help="errors of distance, timing, shape and existence, on a scenario or on roads full of obstacles",
+        help="errors of distance, timing, shape and existence, on a scenario or on roads with many obstacles",
     )
     command.add_argument(
         "scenarios", nargs="*", metavar="SCENARIO", help="names in the library, or YAML files"
@@ -51,18 +51,18 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--looks",
         type=comma_list,
         metavar="A,B,...",
-        help=f"of courses: {', '.join(LOOKS)}, or {MIXED}: these in turn, road by road (default day)",
+        help=f"of courses: {', '.join(LOOKS)}, or {MIXED}: all in turn, road by road (default day)",
     )
     command.add_argument(
-        "--braking", type=float, metavar="M_S2", help="up to each obstacle of a course, m/s²"
+        "--braking", type=float, metavar="M_S2", help="deceleration before each obstacle of a course, m/s²"
     )
     command.add_argument(
-        "--grade", type=float, help="of a course, changed by so much before each obstacle (m/m)"
+        "--grade", type=float, help="change of grade before each obstacle of a course (m/m)"
     )
-    command.add_argument("--events", type=int, help="obstacles a course (default 100)")
+    command.add_argument("--events", type=int, help="obstacles per course (default 100)")
     command.add_argument("--perception", choices=("boxes", "camera"), default="camera")
     command.add_argument(
-        "--seeds", type=comma_list, metavar="0,1,...", help="of a scenario; first of a course"
+        "--seeds", type=comma_list, metavar="0,1,...", help="seeds of a scenario; first seed of a course"
     )
     command.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
@@ -73,7 +73,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Drive, judge, print; `--out` draws error over distance, `--json` writes the rows."""
+    """Simulate, evaluate, print; `--out` plots error over distance, `--json` writes the rows."""
     jobs = jobs_of(arguments)
     groups = _courses(arguments) if arguments.courses else _scenarios(arguments)
     rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups]
@@ -109,7 +109,7 @@ def _scenarios(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
 
 
 def _courses(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
-    """Name and cases, one a road, of each course in each look."""
+    """Name and cases, one per road, of each course in each lighting and weather."""
     looks, braking, grade, events = (
         usual if getattr(arguments, name) is None else getattr(arguments, name)
         for name, usual in _OF_COURSES.items()

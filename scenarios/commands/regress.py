@@ -1,4 +1,4 @@
-"""`foreride regress`: do the ride metrics still hold against a committed baseline?"""
+"""`foreride regress`: ride metrics checked against a committed baseline."""
 
 import argparse
 from collections.abc import Sequence
@@ -25,19 +25,19 @@ CHECK_FAILED = 1
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("regress", help="hold ride metrics against a committed baseline")
-    named = "with --accept: cases to add to the baseline or to renew in it"
+    command = commands.add_parser("regress", help="check ride metrics against a committed baseline")
+    named = "with --accept: cases to add to or update in the baseline"
     command.add_argument("scenarios", nargs="*", metavar="SCENARIO", help=named)
     told = "the baseline file (default: that of foreride's own reference events)"
     command.add_argument("--baseline", type=Path, default=REFERENCE, metavar="FILE", help=told)
-    renew = "write what is measured now into the baseline instead of comparing"
+    renew = "write the present metrics into the baseline instead of comparing"
     command.add_argument("--accept", action="store_true", help=renew)
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Drive the cases of the baseline; exit code 1 where a metric got worse than its tolerance allows."""
+    """Run the baseline's cases; exit code 1 if a metric is worse than its tolerance allows."""
     if arguments.scenarios and not arguments.accept:
         raise InputError("scenarios are named only with --accept, which adds them to the baseline")
     path: Path = arguments.baseline
@@ -65,7 +65,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _named(arguments: argparse.Namespace) -> list[Held]:
-    """The cases that the command line asks to accept, without metrics yet."""
+    """Baseline entries for the cases on the command line, without metrics yet."""
     folder, overrides = arguments.baseline.parent, tuple(overrides_of(arguments))
     named = ((name, case) for name in arguments.scenarios for case in cases_of(arguments, [name]))
     return [
@@ -86,7 +86,7 @@ def _judged(change: Change) -> dict[str, object]:
 
 
 def _tell(labels: Sequence[str], found: Sequence[Sequence[Change]], wrote: str) -> None:
-    """Print what moved, case by case, and the sum of it."""
+    """Print the changes case by case, and their total."""
     for name, moved in zip(labels, found, strict=True):
         if moved:
             console.print(f"{'FAILED' if failed(moved) else 'moved '} {name}", highlight=False)

@@ -1,4 +1,4 @@
-"""`foreride render`: what the camera sees along a scenario, with boxes."""
+"""`foreride render`: camera images along a scenario, with bounding boxes."""
 
 import argparse
 from pathlib import Path
@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Write one PNG for each place, and `boxes.json` with what is marked on them."""
+    """Write one PNG per position, and `boxes.json` with the boxes drawn on them."""
     if not arguments.every > 0:
         raise InputError(f"--every must be > 0 m, got {arguments.every:g}")
     scenario = load(arguments.scenario, overrides_of(arguments))
@@ -68,7 +68,7 @@ def execute(arguments: argparse.Namespace) -> int:
 def photograph(
     scenario: Scenario, scene: Scene, x_m: float, index: int, detector: Detector | None
 ) -> tuple[np.ndarray, Detections]:
-    """The image with the car at rest at `x_m`, and the detector's boxes or, without one, the true ones."""
+    """Image with the car at rest at `x_m`, and the detector's boxes or, without one, the true ones."""
     axles = scenario.vehicle.parameters.axle_x_m
     pose = pose_of(scenario.camera.mount(max(axles)), x_m, 0.0, 0.0)
     frame: Frame = scene.render(scenario.camera.intrinsics, pose, index)

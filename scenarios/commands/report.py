@@ -1,4 +1,4 @@
-"""`foreride report`: a run or a comparison as one HTML file, or as a film."""
+"""`foreride report`: HTML report or video of a run or a comparison."""
 
 import argparse
 from collections.abc import Sequence
@@ -21,12 +21,12 @@ _RENDERED = "Rendered again from the run's own record."
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("report", help="a run or a comparison as one HTML file, or as a film")
+    command = commands.add_parser("report", help="a run or a comparison as one HTML file or a video")
     told = "a run's folder, a folder of runs (compare --out), or the JSON file of a comparison"
     command.add_argument("source", type=Path, metavar="RUN|COMPARE", help=told)
     command.add_argument("--out", type=Path, metavar="FILE.html", help="default: report.html in that folder")
     command.add_argument("--film", type=Path, metavar="FILE.mp4", help="passive and preview side by side")
-    none = "show boxes only where a run kept no camera images, instead of rendering them again"
+    none = "for runs without camera images show boxes only, instead of rendering the images again"
     command.add_argument("--no-render", action="store_true", help=none)
     told = "add where the gain of preview is lost, as `python -m benchmarks.tables.budget --json` wrote it"
     command.add_argument("--budget", type=Path, metavar="FILE", help=told)
@@ -34,7 +34,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Write the report, and the film where one is asked for."""
+    """Write the report, and the video if requested."""
     source: Path = arguments.source
     gathered = gather(source)
     budget = error_budget_section(arguments.budget) if arguments.budget else ""
@@ -63,7 +63,7 @@ def _with_frames(runs: Sequence[Run]) -> list[Run]:
 
 
 def _pairs(runs: Sequence[Run]) -> list[tuple[Run, Run]]:
-    """(passive, best seeing run) of each drive."""
+    """(passive, best run with perception) of each drive."""
     pairs = []
     for _, group in groupby(runs, key=lambda run: run.case.scenario.name):
         members = list(group)

@@ -1,4 +1,4 @@
-"""`foreride road`: length, roughness and features of a scenario's road or of a profile file."""
+"""`foreride road`: length, roughness and features of a scenario's road or a profile file."""
 
 import argparse
 from dataclasses import asdict
@@ -21,7 +21,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
     command = commands.add_parser("road", help="length, IRI, ISO 8608 class and features of a road")
     command.add_argument("road", help="a scenario (name or YAML file), or a profile (.csv or .crg)")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the facts as JSON")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
     command.set_defaults(execute=execute)
 
 
@@ -40,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _road(name: str) -> tuple[Road, list[float]]:
-    """The road, and where the wheels run."""
+    """Road, and lateral positions of the wheel tracks."""
     if Path(name).suffix.lower() in FORMATS:
         return Road(read_surface(name).length_m, file=name), [TRACK_M / 2, -TRACK_M / 2]
     scenario = load(name)

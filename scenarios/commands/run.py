@@ -1,4 +1,4 @@
-"""`foreride run`: drive one scenario and keep everything it produced."""
+"""`foreride run`: simulation of one scenario, with all results in a run folder."""
 
 import argparse
 from pathlib import Path
@@ -18,7 +18,7 @@ from scenarios.runfolder import folder_name, row, write
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("run", help="drive one scenario and write a run folder")
+    command = commands.add_parser("run", help="simulate one scenario and write a run folder")
     command.add_argument("scenario", help="name in the library, or a YAML file")
     add_case_options(command, controllers="mpc_preview", perceptions="oracle")
     add_frames_option(command)
@@ -27,7 +27,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run the cases, print their table, write one folder for each."""
+    """Run the cases, print their table, write a folder for each."""
     wanted = cases_of(arguments, [arguments.scenario])
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
     out = arguments.out or Path("runs")

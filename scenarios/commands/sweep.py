@@ -1,4 +1,4 @@
-"""`foreride sweep`: all drives of a study, on all cores or on a cluster, into a Parquet dataset."""
+"""`foreride sweep`: parallel execution of a study, on all cores or on a cluster, into a Parquet dataset."""
 
 import argparse
 from pathlib import Path
@@ -14,21 +14,21 @@ from scenarios.sweep import cluster, run
 
 def add(commands: argparse._SubParsersAction) -> None:
     """Add the subcommand."""
-    command = commands.add_parser("sweep", help="drive all samples of a study, in parallel and resumable")
+    command = commands.add_parser("sweep", help="run all drives of a study, in parallel and resumable")
     command.add_argument("study", type=Path, metavar="STUDY", help="a YAML file")
-    out = "folder of the results (default runs/NAME); one that holds some of them already is completed"
+    out = "output folder (default runs/NAME); an incomplete one is completed"
     command.add_argument("--out", type=Path, metavar="DIR", help=out)
     there = "a Dask cluster instead of this machine"
     command.add_argument("--scheduler", metavar="tcp://HOST:PORT", help=there)
     many = "worker processes (default: all cores)"
     command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
-    command.add_argument("--retry-failed", action="store_true", help="drive failed cases once more")
+    command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the counts as JSON")
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Drive what is not there yet; every finished drive is kept, whatever happens next."""
+    """Run the drives that are missing; every finished drive is saved at once."""
     samples = {sample.key: sample for sample in read(arguments.study)}
     jobs = jobs_of(arguments)
     results = Results(arguments.out or Path("runs") / arguments.study.stem)

@@ -1,4 +1,4 @@
-"""Where a comparison's numbers go: terminal, JSON, Parquet, Markdown, LaTeX."""
+"""Output of comparison tables: terminal, JSON, Parquet, Markdown, LaTeX."""
 
 import argparse
 import io
@@ -20,16 +20,16 @@ DEFAULT_BASELINE = "passive"
 
 
 def add_table_options(command: argparse.ArgumentParser) -> None:
-    """Add the baseline of the effects and the files that a table may be written to."""
-    told = f"what effects are relative to, such as mpc_preview@oracle (default {DEFAULT_BASELINE})"
+    """Add the options for the baseline of the effects and for output files of the table."""
+    told = f"reference of the effects, such as mpc_preview@oracle (default {DEFAULT_BASELINE})"
     command.add_argument("--baseline", metavar="NAME[@PERCEPTION]", help=told)
-    command.add_argument("--parquet", type=Path, metavar="FILE", help="write one row a run as Parquet")
+    command.add_argument("--parquet", type=Path, metavar="FILE", help="write one row per run as Parquet")
     command.add_argument("--markdown", type=Path, metavar="FILE", help="write the table as Markdown")
     command.add_argument("--latex", type=Path, metavar="FILE", help="write the table as LaTeX (booktabs)")
 
 
 def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | None:
-    """The baseline asked for, checked; without a wish the passive car where it runs, else none."""
+    """Return the requested baseline, checked; by default the passive car if it runs, else none."""
     if wished is not None:
         pick(wished, ran)
         return wished
@@ -37,7 +37,7 @@ def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | Non
 
 
 def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> dict[str, Any]:
-    """Print the table of the rows and write the files that the options ask for; returns the JSON document."""
+    """Print the table of the rows and write the requested files; return the JSON document."""
     baseline = baseline_of(arguments.baseline, variants_of(rows))
     variants = summarise(rows, baseline)
     console.print(comparison(variants, title, console.width, baseline))
@@ -57,7 +57,7 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
 
 
 def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None) -> dict[str, Any]:
-    """The comparison as schema 1 of the JSON file: manifest, rows, and their summary."""
+    """Comparison as a JSON document of schema 1: manifest, rows and summary."""
     summary = [variant.plain() for variant in variants]
     return {
         "schema": 1, "manifest": environment(), "rows": list(rows), "baseline": baseline, "summary": summary,
@@ -65,14 +65,14 @@ def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | N
 
 
 def parquet(rows: Sequence[Row]) -> bytes:
-    """The rows as a Parquet file: metrics under their own names, the rest under dotted ones."""
+    """Rows as a Parquet file: metrics under their own names, the rest under dotted ones."""
     sink = io.BytesIO()
     pq.write_table(pa.Table.from_pylist([flat(row) for row in rows]), sink, compression="zstd")
     return sink.getvalue()
 
 
 def flat(row: Row) -> dict[str, Any]:
-    """One row without nesting: metrics under their own names, deeper mappings as JSON text."""
+    """Row without nesting: metrics under their own names, deeper mappings as JSON text."""
     line: dict[str, Any] = {}
     for name, value in row.items():
         if not isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""`foreride tune`: find the settings of the reactive controllers on roads that no report uses."""
+"""`foreride tune`: tuning of the reactive controllers on roads that no report uses."""
 
 import argparse
 from pathlib import Path
@@ -36,16 +36,16 @@ def add(commands: argparse._SubParsersAction) -> None:
         type=int,
         default=24,
         metavar="N",
-        help="drives of the set for each controller (default 24)",
+        help="evaluations of the set per controller (default 24)",
     )
-    command.add_argument("--seed", type=int, default=1, help="of the search (default 1)")
+    command.add_argument("--seed", type=int, default=1, help="seed of the search (default 1)")
     add_field_options(command)
     add_output_options(command)
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Tune one controller after the other; write their settings to `--out` (default runs/tuned/KIND.yaml)."""
+    """Tune one controller after the other; write the settings to `--out` (default runs/tuned/KIND.yaml)."""
     if arguments.evaluations < 8:
         raise InputError(f"--evaluations must be >= 8, got {arguments.evaluations}")
     scenarios = load_all(arguments.events, overrides_of(arguments))
@@ -77,7 +77,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
-    """The settings of all tuned controllers as YAML, with what made them and how well they do."""
+    """Settings of all tuned controllers as YAML, with the command that produced them and their scores."""
     scores = {tuned.controller: tuned.score for tuned in found}
     lines = [f"# Made by: {command}", "# After each: mean over the events of J relative to passive."]
     for name, values in strict.to_mapping(scenario.control.settings).items():
@@ -89,7 +89,7 @@ def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
 
 
 def _command(arguments: argparse.Namespace) -> str:
-    """The command line that does the same again."""
+    """Command line that reproduces the result."""
     parts = ["foreride tune", *arguments.events]
     if arguments.controllers != list(TUNED):
         parts.append(f"--controllers {','.join(arguments.controllers)}")

@@ -1,4 +1,4 @@
-"""`foreride validation`: hold every check against its reference and write the table."""
+"""`foreride validation`: all checks against independent references, as a table."""
 
 import argparse
 import math
@@ -47,12 +47,12 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _entry(area: str, check: Check) -> dict[str, Any]:
-    deviation = check.deviation if math.isfinite(check.deviation) else None  # JSON knows no infinity
+    deviation = check.deviation if math.isfinite(check.deviation) else None  # JSON has no infinity
     return {"area": area, **vars(check), "deviation": deviation, "passed": check.passed}
 
 
 def markdown(rows: list[tuple[str, Check]]) -> str:
-    """The rows as a document with one table for each area."""
+    """Document with one table per area."""
     lines = [_HEAD]
     for area in dict.fromkeys(area for area, _ in rows):
         lines += [f"## {area}\n", "| check | reference | deviation | bound | |", "|---|---|---|---|---|"]
@@ -65,5 +65,5 @@ def markdown(rows: list[tuple[str, Check]]) -> str:
 
 
 def _shown(check: Check, value: float) -> str:
-    """Two figures and the unit; ratios in per cent."""
+    """Value with two significant figures and unit; ratios in per cent."""
     return f"{value:.2g} {check.unit}" if check.unit else f"{100 * value:.2g} %"

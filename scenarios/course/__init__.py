@@ -1,1 +1,1 @@
-"""The perception course: seeded roads full of obstacles, and how well the estimator places them."""
+"""Perception benchmark: seeded roads with many obstacles, and the estimator's errors on them."""

@@ -1,4 +1,4 @@
-"""What the estimator believed of every obstacle of a drive, against where the obstacle really was."""
+"""Matching of the estimator's tracks to the true obstacles of a drive."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,19 +11,19 @@ from scenarios.closed_loop import Run
 from scenarios.perception import Event
 
 USE_M = 2.5
-"""Distance of the front wheel from the near edge at which a belief is judged: from there on it is used."""
+"""Distance of the front wheel from the near edge at which an estimate is evaluated, m."""
 
-_FRESH_S = 0.2  # a belief that was given up earlier is of no use
+_FRESH_S = 0.2  # an estimate dropped earlier than this is not used
 _GATE_M, _GATE_SHARE = 1.2, 0.12
 _KIND_OF = {"half_sine_bump": "bump", "watts_hump": "hump", "flat_top_hump": "table", "pothole": "pothole"}
 
 
 @dataclass(frozen=True)
 class Belief:
-    """One track at one arrival of boxes, matched to an obstacle.
+    """Track estimate at one arrival of boxes, matched to an obstacle.
 
-    distance_m: true distance from the front wheel to the near edge; error_m: believed minus true (positive:
-    too far); sigma_m: what the estimator said of it; height_m: believed, negative for holes.
+    distance_m: true distance from the front wheel to the near edge; error_m: estimated minus true (positive:
+    too far); sigma_m: standard deviation stated by the estimator; height_m: estimated, negative for potholes.
     """
 
     time_s: float
@@ -38,7 +38,7 @@ class Belief:
 
 @dataclass(frozen=True)
 class Passage:
-    """One obstacle of a drive, all beliefs of it, oldest first, and the speed when a front wheel meets it."""
+    """Encounter with one obstacle: all estimates of it, oldest first, and the speed at contact."""
 
     feature: Feature
     speed_m_s: float
@@ -46,7 +46,7 @@ class Passage:
 
     @property
     def used(self) -> Belief | None:
-        """The last confirmed belief at least `USE_M` before the front wheel; None if it was missed."""
+        """Last confirmed estimate at least `USE_M` before the front wheel; None if it was missed."""
         ahead = [belief for belief in self.beliefs if belief.confirmed and belief.distance_m >= USE_M]
         fresh = bool(ahead) and ahead[-1].distance_m < USE_M + _FRESH_S * self.speed_m_s
         return ahead[-1] if fresh else None
@@ -58,19 +58,19 @@ class Passage:
 
     @property
     def true_height_m(self) -> float:
-        """Height of the crest, or depth of the floor as a negative number."""
+        """Height of the crest, or depth of a pothole as a negative number."""
         if self.feature.kind == "pothole":
             return -self.feature.depth_m  # type: ignore[union-attr]
         return float(self.feature.height_m)  # type: ignore[union-attr]
 
     @property
     def true_kind(self) -> str:
-        """Name of the kind as the estimator calls it."""
+        """Name of the kind as in the estimator."""
         return _KIND_OF.get(self.feature.kind, self.feature.kind)
 
 
 def passages(run: Run) -> list[Passage]:
-    """Every obstacle of the drive with what was believed of it."""
+    """Every obstacle of the drive with its estimates."""
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
     speed = run.signals["speed_m_s"]
     found = []
@@ -82,7 +82,7 @@ def passages(run: Run) -> list[Passage]:
 
 
 def false_tracks(run: Run) -> int:
-    """Confirmed tracks that never came near any obstacle of their class."""
+    """Number of confirmed tracks that never came near any obstacle of their class."""
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
     real: set[int] = set()
     for feature in _obstacles(run):
@@ -92,7 +92,7 @@ def false_tracks(run: Run) -> int:
 
 
 def _obstacles(run: Run) -> Iterator[Feature]:
-    """What the detector is asked for; joints, covers and steps are not."""
+    """Features that the detector is trained for; not joints, covers and steps."""
     return (feature for feature in run.case.scenario.road.features if feature.cls is not None)
 
 
@@ -101,7 +101,7 @@ def _arrivals(run: Run) -> Iterator[Event]:
 
 
 def _beliefs(run: Run, feature: Feature, axle: float) -> Iterator[Belief]:
-    """The likeliest belief of the obstacle at each arrival, until the front wheel is on it."""
+    """Best estimate of the obstacle at each arrival, until the front wheel reaches it."""
     by_time: dict[float, Belief] = {}
     for belief in _all_beliefs(run, feature, axle):
         other = by_time.get(belief.time_s)

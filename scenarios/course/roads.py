@@ -1,4 +1,4 @@
-"""Seeded roads of many like obstacles, in some light and weather: what the estimator is measured on."""
+"""Seeded roads with many obstacles of one kind, in a given lighting and weather."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,12 +21,12 @@ LOOKS = {
     "dusk": Appearance(light="sunset", weather="dry", sun_elevation_deg=8.0),
     "rain": Appearance(light="overcast", weather="rain"),
 }
-MIXED = "mixed"  # all of LOOKS in turn, road by road
+MIXED = "mixed"  # all LOOKS in turn, road by road
 HARDEST_BRAKING_M_S2, STEEPEST_GRADE = 8.0, 0.05
 _FIRST_M = 40.0
 _SPACING_M = (24.0, 34.0)
 _BRAKING_M, _SLOW_M = 8.0, 6.0  # before an obstacle, and from its near edge on
-_GRADE_LEAD_M = (5.0, 15.0)  # from a change of grade to the obstacle behind it
+_GRADE_LEAD_M = (5.0, 15.0)  # from a change of grade to the next obstacle
 _PAINTS = ("plain", "yellow_black", "white_stripes", "white_triangles")
 
 
@@ -40,14 +40,14 @@ def course(
     braking_m_s2: float = 0.0,
     grade: float = 0.0,
 ) -> Scenario:
-    """`base` on a road of `obstacles` obstacles of one of `COURSES`, seen in one of `LOOKS`, at 30-60 km/h.
+    """Return `base` on a road with `obstacles` of one of `COURSES`, in one of `LOOKS`, at 30-60 km/h.
 
     Sizes, paint, lateral positions, distances, speed and roughness (class B) are drawn from `seed`. `plain`
-    has no obstacle on as long a road; the look `mixed` is one of LOOKS, by the seed.
+    has no obstacle on a road of the same length; the look `mixed` is one of LOOKS, by the seed.
 
     Args:
-        braking_m_s2: the car brakes so until its front wheels are at an obstacle, then speeds up again.
-        grade: the road's grade changes by this (m/m) before each obstacle: up, level, down, level.
+        braking_m_s2: deceleration until the front wheels reach an obstacle; the car then accelerates again.
+        grade: change of the road's grade (m/m) before each obstacle: up, level, down, level.
 
     Raises InputError for an unknown kind or look, no obstacle, or more braking or grade than allowed.
     """
@@ -88,7 +88,7 @@ def _check(name: str, value: float, most: float) -> None:
 def _stops(
     starts: Sequence[float], axle_m: float, speed_kmh: float, braking_m_s2: float
 ) -> tuple[SpeedPoint, ...]:
-    """Points of speed: less before each obstacle, but never below half, and back to `speed_kmh` after it."""
+    """Speed points: slower before each obstacle, but never below half, and back to `speed_kmh` after it."""
     square = (speed_kmh * KM_H) ** 2
     span = min(_BRAKING_M, 0.75 * square / (2 * braking_m_s2))
     slow_kmh = float(np.sqrt(square - 2 * braking_m_s2 * span)) / KM_H
@@ -106,7 +106,7 @@ def _stops(
 
 
 def _grades(starts: Sequence[float], grade: float, rng: np.random.Generator) -> tuple[GradeChange, ...]:
-    """One change before each obstacle; the road stays within a few decimetres of its first height."""
+    """One change of grade before each obstacle; the road stays within decimetres of its initial height."""
     steps = zip(starts, cycle((grade, 0.0, -grade, 0.0)))
     return tuple(GradeChange(start - float(rng.uniform(*_GRADE_LEAD_M)), to) for start, to in steps)
 

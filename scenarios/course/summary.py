@@ -1,4 +1,4 @@
-"""Statistics of many passages: errors by distance, timing, truth of sigma, shape, range, misses."""
+"""Statistics of the perception benchmark: errors by distance, timing, consistency, shape, range, misses."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -17,11 +17,11 @@ _IN_ORDER = ("bias_m", "sigma_m", "timing_ms_95")
 def summarise(runs: Sequence[Run]) -> dict[str, Any]:
     """One row of the perception report over all drives of `runs`.
 
-    At the distance of use: `bias_m`, `sigma_m` of the near edge, `timing_ms_95` (95 % of |error| / speed),
-    `nees` (mean squared error over claimed variance) with the band in which 95 % of such means lie if the
-    claim is true. `height_error_rms` is relative. `by_distance` holds bias and sigma for bins of distance,
-    `by_order` those and the timing for the first, second, ... obstacle of a drive, from which the estimator
-    learns. None stands for what no passage tells.
+    At the distance of use: `bias_m`, `sigma_m` of the near edge, `timing_ms_95` (95th percentile of |error| /
+    speed), `nees` (normalised estimation error squared: mean squared error over stated variance) with its 95
+    % acceptance band for a consistent estimator. `height_error_rms` is relative. `by_distance` holds bias and
+    sigma for bins of distance, `by_order` those and the timing for the first, second, ... obstacle of a
+    drive, from which the estimator learns. None stands for undefined values.
     """
     drives = [passages(run) for run in runs]
     met = [passage for drive in drives for passage in drive]

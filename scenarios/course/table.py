@@ -1,4 +1,4 @@
-"""The perception report as tables for the terminal."""
+"""Perception report as terminal tables."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -25,19 +25,19 @@ _COLUMNS = (
     ("right\nkind %", "right_kind", ".0f", 100),
     ("estimator\nms", "estimator_median_ms", ".2f", 1),
 )
-_ORDERS = (1, 5)  # of a drive: before anything was learned, and after
-_FINE_M = 8.0  # up to here millimetres are told
+_ORDERS = (1, 5)  # of a drive: before and after online calibration
+_FINE_M = 8.0  # distance up to which millimetres are shown
 
 
 def use_table(rows: Sequence[Row]) -> Table:
-    """What `scenarios.course.summary` says of the moment at which beliefs are used, one line a row."""
+    """Statistics of `scenarios.course.summary` at the distance of use, one line per row."""
     title = f"near edge {USE_M:g} m before the front wheel"
     lines = [[_cell(row[key], style, factor) for _, key, style, factor in _COLUMNS] for row in rows]
     return _table(title, [title for title, _, _, _ in _COLUMNS], rows, lines)
 
 
 def error_table(rows: Sequence[Row]) -> Table:
-    """Bias and sigma by distance, and the timing of the first and a later obstacle of the drives."""
+    """Bias and sigma by distance, and the timing at the first and a later obstacle of the drives."""
     bins = list(pairwise(BINS_M))
     titles = [f"{near:g}-{far:g} m" for near, far in bins] + [f"no. {n}\nms (95 %)" for n in _ORDERS]
     lines = []
@@ -60,7 +60,7 @@ def _table(title: str, columns: Sequence[str], rows: Sequence[Row], lines: Seque
 
 
 def _cell(value: Any, style: str, factor: float) -> str:
-    """A number, or a range of numbers, as the table shows it."""
+    """Format a number or a range of numbers."""
     if value is None:
         return "-"
     values = value if isinstance(value, list) else [value]

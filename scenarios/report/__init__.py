@@ -1,1 +1,1 @@
-"""What a person looks at: tables, figures and films of runs."""
+"""Reports of runs and comparisons: tables, figures, HTML and video."""

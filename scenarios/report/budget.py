@@ -1,4 +1,4 @@
-"""The comfort budget in a report: what each source of error costs of what preview could gain."""
+"""Comfort budget section of the report: cost of each error source relative to the gain of preview."""
 
 import json
 from html import escape
@@ -12,7 +12,7 @@ _NUMBERS = ("reactive", "whole", "all_true")
 
 
 def error_budget_section(path: Path) -> str:
-    """The section for what `python -m benchmarks.tables.budget --json` wrote, one table an event.
+    """HTML section for the output of `python -m benchmarks.tables.budget --json`, one table per event.
 
     Raises InputError for a file that is no such budget.
     """

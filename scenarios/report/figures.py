@@ -1,4 +1,4 @@
-"""Figures of runs as PNG files."""
+"""Figures of runs, as PNG files."""
 
 import io
 from collections.abc import Sequence
@@ -25,19 +25,19 @@ _SPARE = ("#8d4fb0", "#b0413e", "#2a9d9d", "#5b5b9d")
 
 
 def colour_of(controller: str, index: int) -> str:
-    """The colour that a controller keeps in every figure."""
+    """Colour of a controller, the same in every figure."""
     return COLOURS.get(controller, _SPARE[index % len(_SPARE)])
 
 
 def label_of(run: Run) -> str:
-    """How a run is named in a legend."""
+    """Legend label of a run."""
     return run.case.controller.rpartition(":")[2] + (
         "" if run.case.perception == "none" else f" ({run.case.perception})"
     )
 
 
 def write_overview(path: Path, runs: Sequence[Run]) -> None:
-    """One column an event: road, body acceleration, damping, and J relative to passive."""
+    """Figure with one column per event: road, body acceleration, damping, and J relative to passive."""
     groups = [list(group) for _, group in groupby(runs, key=lambda run: run.case.scenario.name)]
     figure = Figure(figsize=(5.2 * len(groups), 10.5), layout="constrained")
     axes = figure.subplots(4, len(groups), squeeze=False, height_ratios=(1, 2.2, 1.8, 1.6))
@@ -48,7 +48,7 @@ def write_overview(path: Path, runs: Sequence[Run]) -> None:
 
 
 def write_event_figure(path: Path, runs: Sequence[Run]) -> None:
-    """Road, body acceleration and damping of the runs of one scenario."""
+    """Figure of road, body acceleration and damping for the runs of one scenario."""
     figure = Figure(figsize=(9, 7.5), layout="constrained")
     axes = figure.subplots(3, 1, height_ratios=(1, 2.2, 1.8))
     _event_column(list(axes), runs)
@@ -57,7 +57,7 @@ def write_event_figure(path: Path, runs: Sequence[Run]) -> None:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG in one step."""
+    """Write a figure as PNG, atomically."""
     FigureCanvasAgg(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110, metadata={"Software": None})

@@ -1,4 +1,4 @@
-"""A short film: what the camera sees, and the car with passive dampers above the car with preview."""
+"""Comparison video: camera image with boxes, side views of the passive and the preview car, and signals."""
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -36,7 +36,7 @@ def mark(image: np.ndarray, detections: Detections) -> np.ndarray:
 
 
 def pictures(passive: Run, preview: Run, fps: int, slow_motion: float) -> Iterator[np.ndarray]:
-    """Yield the film's pictures (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera frames."""
+    """Yield the video frames (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera frames."""
     if not preview.looks or preview.looks[0].image is None:
         raise InputError(f"film: the run of {preview.case.controller} kept no camera frames")
     traces = Traces([("passive", passive, PASSIVE_COLOUR), ("preview", preview, PREVIEW_COLOUR)], WIDTH, 336)
@@ -62,7 +62,7 @@ def write_film(
     slow_motion: float = 3.0,
     advance: Callable[[], None] = lambda: None,
 ) -> None:
-    """Write one film over all (passive, preview) pairs; `slow_motion` 3 shows a second in three.
+    """Write one video of all (passive, preview) pairs; `slow_motion` 3 shows one second in three.
 
     The codec follows the suffix: `.mp4` (MPEG-4) or `.webm` (VP9). An unwritable file raises `InputError`.
     """

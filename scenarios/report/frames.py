@@ -1,4 +1,4 @@
-"""The camera's view of a run: the frames it kept, or the same ones rendered again."""
+"""Camera frames of a run: those it kept, or the same ones rendered again."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +15,7 @@ LANE_M = 1.75  # half a lane
 
 
 def with_frames(run: Run, advance: Callable[[], None] = lambda: None) -> Run:
-    """The run with an image at every exposure: those kept, else rendered as the run saw them."""
+    """Return the run with an image at every exposure: kept ones, or rendered again from the run's record."""
     if has_frames(run) or not run.looks:
         return run
     scenario, streams = run.case.scenario, random_streams(run.case.seed)
@@ -34,7 +34,7 @@ def has_frames(run: Run) -> bool:
 
 
 def poses(run: Run) -> list[CameraPose]:
-    """Where the camera truly was at each exposure."""
+    """True camera pose at each exposure."""
     scenario = run.case.scenario
     nominal = scenario.camera.mount(max(scenario.vehicle.parameters.axle_x_m))
     mount = true_mount(scenario, nominal, random_streams(run.case.seed)["mounting"])
@@ -45,7 +45,7 @@ def poses(run: Run) -> list[CameraPose]:
 
 
 def track_lines(run: Run) -> list[list[dict[str, Any]]]:
-    """For each exposure the tracks' believed near edges: image line [u0, v0, u1, v1], class, confirmed."""
+    """Estimated near edge of the tracks at each exposure: image line [u0, v0, u1, v1], class, confirmed."""
     camera = run.case.scenario.camera.intrinsics
     told = [event["tracks"] for event in run.events if event["event"] == "boxes"]
     lines = []

@@ -1,4 +1,4 @@
-"""What a report is made of: the runs in a folder, the passive car beside them, and what is missing."""
+"""Collection of a report's input: the runs of a folder, the passive reference, and missing parts."""
 
 import json
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ COMPARISON = "comparison.json"
 
 @dataclass(frozen=True)
 class Gathered:
-    """runs: with signals. rows: of all runs, for tables. missing: what a partial result lacks."""
+    """Report input. runs: with signals. rows: of all runs, for tables. missing: gaps of a partial result."""
 
     runs: tuple[Run, ...]
     rows: tuple[Row, ...]
@@ -26,9 +26,9 @@ class Gathered:
 
 
 def gather(path: Path) -> Gathered:
-    """What lies at `path`: the folder of a run or of a comparison, or a comparison's JSON file.
+    """Collect the runs at `path`: the folder of a run or of a comparison, or a comparison's JSON file.
 
-    A single run gets the passive car beside it: the one in the same place if it ran there, else driven anew.
+    A single run is accompanied by the passive car: the run in the same place if there is one, else simulated.
     """
     if path.is_file():
         return Gathered((), tuple(_document(path).get("rows", ())))
@@ -66,7 +66,7 @@ def _same_drive(one: Case, other: Case) -> bool:
 
 
 def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
-    """All runs in the order in which a comparison planned them; without a plan by name, passive first."""
+    """All runs in the order in which the comparison planned them; without a plan by name, passive first."""
     listed = path / COMPARISON
     planned = list(_document(listed).get("planned", ())) if listed.is_file() else []
     runs: dict[str, Run] = {}

@@ -1,4 +1,4 @@
-"""The report as one HTML file that needs nothing else."""
+"""HTML report as one self-contained file."""
 
 import json
 from collections.abc import Sequence
@@ -20,11 +20,11 @@ from scenarios.statistics import summarise, variants_of
 _PAGE = Path(__file__).parent / "page"
 _SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")
 MOST_FRAMES = 300
-"""Frames in one file; a report with more exposures shows every second, third, ... of them."""
+"""Maximum number of frames in one file; with more exposures every second, third, ... is shown."""
 
 
 def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
-    """The report's text: `frames_from` tells where the camera's images come from, `budget` is a section."""
+    """Text of the report: `frames_from` notes the origin of the camera images, `budget` is a section."""
     runs = first_seeds(gathered.runs)
     baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
     variants = summarise(gathered.rows, baseline)
@@ -46,7 +46,7 @@ def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
 
 
 def first_seeds(runs: Sequence[Run]) -> list[Run]:
-    """The runs of the first seed of each scenario and vehicle: those that the replay shows."""
+    """Runs of the first seed of each scenario and vehicle, which the replay shows."""
     first: dict[tuple[str, str], int] = {}
     return [run for run in runs if first.setdefault(_drive(run), run.case.seed) == run.case.seed]
 

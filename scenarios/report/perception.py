@@ -1,4 +1,4 @@
-"""Figure of the perception report: bias and spread of the near edge over distance."""
+"""Figure of the perception report: bias and standard deviation of the near edge over distance."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from scenarios.report.figures import save
 
 
 def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
-    """One panel a row of the report: bias with one-sigma bars against true distance."""
+    """Plot bias with one-sigma bars against true distance, one panel per row of the report."""
     figure = Figure(figsize=(4.6 * min(len(rows), 3), 3.4 * -(-len(rows) // 3)), layout="constrained")
     axes = figure.subplots(-(-len(rows) // 3), min(len(rows), 3), squeeze=False, sharex=True, sharey=True)
     for axis in axes.flat[len(rows) :]:

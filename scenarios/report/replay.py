@@ -1,4 +1,4 @@
-"""What the replay in the HTML report shows, as plain data: signals, road, boxes, frames and previews."""
+"""Data of the replay in the HTML report: signals, road, boxes, frames and previews."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from scenarios.report.frames import track_lines
 from scenarios.runfolder import encode_jpeg
 
 STRIDE = 2
-"""Ticks from one shown sample to the next: 500 Hz."""
+"""Ticks between shown samples: 500 Hz."""
 ROAD_STEP_M = 0.02
 FRAME_WIDTH_PX = 480
 PSD_BAND_HZ = (0.4, 80.0)
@@ -26,7 +26,7 @@ _QUALITY = 68
 
 
 def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -> dict[str, Any]:
-    """One scenario with one seed: its road and the runs on it. `notes` tells by label of their frames."""
+    """One scenario with one seed: its road and the runs on it. `notes` holds a note on frames by label."""
     first = runs[0].case.scenario
     car = first.vehicle.parameters
     x = np.arange(0.0, first.road.length_m, ROAD_STEP_M)
@@ -49,7 +49,7 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
 
 
 def packed(values: ArrayLike) -> str:
-    """Numbers as base64 of little-endian float32."""
+    """Encode numbers as base64 of little-endian float32."""
     return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
 
 
@@ -88,7 +88,7 @@ def _run(run: Run, side: Sequence[int], note: str, frame_every: int) -> dict[str
 
 
 def _looks(run: Run, frame_every: int) -> list[dict[str, Any]]:
-    """Exposures: when, boxes, tracks, and every `frame_every`-th image as a data URI."""
+    """Exposures: time, boxes, tracks, and every `frame_every`-th image as a data URI."""
     shown = []
     for index, (look, tracks) in enumerate(zip(run.looks, track_lines(run), strict=True)):
         found = look.detections

@@ -1,4 +1,4 @@
-"""The tables of the HTML report."""
+"""Tables of the HTML report."""
 
 import json
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ _LADDER = {
 
 
 def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
-    """Means with their intervals, one table a scenario; a bar shows J relative to the baseline."""
+    """Means with confidence intervals, one table per scenario; a bar shows J relative to the baseline."""
     tables = []
     for (scenario, vehicle), group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
         members = list(group)
@@ -43,7 +43,7 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
 
 
 def budget_section(variants: Sequence[Variant]) -> str:
-    """How much of what preview can win over the reactive MPC each rung of the ladder keeps."""
+    """Fraction of the possible gain of preview over the reactive MPC that each perception keeps."""
     rows = []
     for (scenario, vehicle), group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
         found = {(v.controller, v.perception): v.metrics["objective"].mean for v in group}
@@ -63,7 +63,7 @@ def budget_section(variants: Sequence[Variant]) -> str:
 
 
 def solver_section(runs: Sequence[Run]) -> str:
-    """Counts and times of solver, fallbacks and perception, run by run."""
+    """Counts and times of solver, fallbacks and perception for each run."""
     rows = []
     for run in runs:
         reasons, bound = (
@@ -92,7 +92,7 @@ def solver_section(runs: Sequence[Run]) -> str:
 
 
 def manifest_section(runs: Sequence[Run]) -> str:
-    """Everything needed to repeat the runs."""
+    """Manifests of the runs, as needed to repeat them."""
     parts = []
     for run in runs:
         name = f"{run.case.scenario.name} · {label_of(run)} · seed {run.case.seed}"
@@ -123,7 +123,7 @@ def _number(value: float | None) -> str:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
-    """An HTML table of cells that are HTML already, its first `left` columns aligned to the left."""
+    """HTML table of cells that are already HTML, with the first `left` columns left-aligned."""
 
     def line(cells: Sequence[str], tag: str) -> str:
         return "".join(

@@ -1,4 +1,4 @@
-"""A side view of the car on its road, drawn to scale but with heights enlarged."""
+"""Side view of the car on the road, to scale except for enlarged vertical motion."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ SKY: Colour = (244, 246, 248)
 GROUND: Colour = (96, 98, 102)
 DARK: Colour = (34, 36, 40)
 HEIGHT_SCALE = 4.0
-"""Vertical motion is drawn this much larger than life; the car's own shape is not."""
+"""Magnification of vertical motion; the car's own shape is to scale."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class View:
 
     @property
     def scale(self) -> float:
-        """Pixels a metre."""
+        """Pixels per metre."""
         return self.width_px / self.span_m
 
     def column(self, forward_m: float | np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The comparison as a table: in the terminal, in Markdown, in LaTeX."""
+"""Comparison table in the terminal, in Markdown and in LaTeX."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from scenarios.statistics import Interval, Variant
 
 @dataclass(frozen=True)
 class Column:
-    """A metric as it is shown: what it is called, its unit, its place in `metrics`, factor and format."""
+    """Displayed metric: heading, unit, key in `metrics`, format and factor."""
 
     name: str
     unit: str
@@ -39,7 +39,7 @@ _OBJECTIVE = Column("J", "(m/s²)²", "objective", ".3f")
 def comparison(
     variants: Sequence[Variant], title: str = "", width: int = _WIDE, baseline: str | None = None
 ) -> Table:
-    """The terminal's table: means over seeds; J relative to the baseline with its confidence interval.
+    """Terminal table: means over seeds; J relative to the baseline with its confidence interval.
 
     `width` is that of the terminal in characters; a narrow one gets the essential columns only.
     """
@@ -68,14 +68,14 @@ def comparison(
 
 
 def markdown(variants: Sequence[Variant], baseline: str | None = None) -> str:
-    """The comparison as a Markdown table (GitHub's pipes), every number with its interval."""
+    """Comparison as a Markdown table (GitHub's pipes), every number with its interval."""
     heads, rows = _full(variants, baseline)
     align = ["---"] * len(_HEADS) + ["---:"] * (len(heads) - len(_HEADS))
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, align, *rows))
 
 
 def latex(variants: Sequence[Variant], baseline: str | None = None) -> str:
-    """The comparison as a LaTeX `tabular`; needs the package booktabs."""
+    """Comparison as a LaTeX `tabular`; needs the package booktabs."""
     heads, rows = _full(variants, baseline)
     lines = [
         "% \\usepackage{booktabs}",
@@ -91,7 +91,7 @@ def latex(variants: Sequence[Variant], baseline: str | None = None) -> str:
 
 
 def short_name(controller: str) -> str:
-    """A controller's name without the file it comes from."""
+    """Name of a controller without its file."""
     return controller.rpartition(":")[2]
 
 
@@ -109,7 +109,7 @@ def _full(variants: Sequence[Variant], baseline: str | None) -> tuple[list[str],
 
 
 def _effect(variant: Variant) -> tuple[Interval, Column]:
-    """J relative to the baseline, or J itself where there is none."""
+    """J relative to the baseline, or J itself without one."""
     return variant.ratio.get("objective", variant.metrics["objective"]), _OBJECTIVE
 
 

@@ -1,4 +1,4 @@
-"""Signals over time behind a moving cursor, for the film."""
+"""Signal plots with a moving time cursor, for the video."""
 
 from collections.abc import Sequence
 
@@ -47,7 +47,7 @@ class Traces:
         self._frames = [axis.get_window_extent() for axis in axes]
 
     def at(self, tick: int) -> np.ndarray:
-        """The panels as an RGB image (height_px, width_px, 3), with a line at `tick`."""
+        """Return the panels as an RGB image (height_px, width_px, 3), with a line at `tick`."""
         image = self._image.copy()
         start, end = self.window
         for frame in self._frames:

@@ -1,4 +1,4 @@
-"""Which part of a run is worth showing."""
+"""Time window of a run around the road's features, for figures."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from scenarios.closed_loop import Run
 
 
 def event_window(run: Run, before_s: float = 1.2, after_s: float = 1.8) -> tuple[int, int]:
-    """First and last tick around the features of the road; the whole run of a road without features."""
+    """First and last tick around the features of the road; the whole run if there are none."""
     scenario = run.case.scenario
     total = len(run.signals["time_s"])
     if not scenario.road.features:

@@ -1,1 +1,1 @@
-"""Every number foreride rests on, held against something that is not foreride: `foreride validation`."""
+"""Validation against independent references, run by `foreride validation`."""

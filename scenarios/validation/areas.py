@@ -1,4 +1,4 @@
-"""All checks by area, and running them."""
+"""Registry of the validation checks by area, and their execution."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ def count() -> int:
 
 
 def run_all() -> Iterator[tuple[str, Check]]:
-    """Area and row of one check after another; a check that raises fails with infinite deviation."""
+    """Yield area and result of each check; a check that raises fails with infinite deviation."""
     for area, checks in AREAS.items():
         for check in checks:
             try:

@@ -1,4 +1,4 @@
-"""One row of the validation table, and how to compare arrays for it."""
+"""Validation check: one row of the table, and the comparison of arrays for it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Check:
-    """What was compared with what, by how much they differ, and how much is allowed.
+    """Result of a comparison: subject, reference, deviation and permitted deviation.
 
     deviation and bound are >= 0 and in `unit`; "" is a ratio. A deviation that is not a number fails.
     """
@@ -27,9 +27,9 @@ class Check:
 
 
 Checks = tuple[Callable[[], Check], ...]
-"""The checks of one area: functions without arguments, each making one row."""
+"""Checks of one area: functions without arguments, each returning one row."""
 
 
 def relative(found: ArrayLike, expected: ArrayLike) -> float:
-    """Largest |found / expected - 1| over all elements."""
+    """Maximum of |found / expected - 1| over all elements."""
     return float(np.max(np.abs(np.asarray(found, float) / np.asarray(expected, float) - 1)))

@@ -1,4 +1,4 @@
-"""Validation of the weightings and measures of ISO 2631-1."""
+"""Validation of the frequency weightings and vibration measures of ISO 2631-1."""
 
 from functools import partial
 
@@ -36,7 +36,7 @@ def _table_of_iso_2631(weighting: str) -> Check:
     known = np.isfinite(printed)
     found = frequency_weighting(weighting, np.array(NOMINAL_HZ)[known])
     table = "4" if weighting in ("Wc", "We", "Wj") else "3"
-    # The table prints three figures, and some bands lie a little off the standard's own formula.
+    # The table has three significant figures, and some bands deviate from the standard's own formula.
     return Check(
         f"{weighting} at nominal third octaves, 0.5-80 Hz",
         f"ISO 2631-1:1997 table {table}",
@@ -126,7 +126,7 @@ def _fading_memory() -> Check:
 
 
 def _random() -> Check:
-    """White noise: the variance behind the filter is the integral of its power density times |W|^2."""
+    """White noise: the variance after the filter is the integral of its power density times |W|^2."""
     acc = np.random.default_rng(0).normal(size=(20, 120_000))
     found = np.sqrt(np.mean(weight(acc, RATE_HZ)[:, 5000:] ** 2))
     freqs = np.linspace(0, RATE_HZ / 2, 200_001)
@@ -146,7 +146,7 @@ def _wk() -> tuple[list[complex], list[complex], float]:
 
 
 def _second_implementation() -> Check:
-    """The annex's continuous filter, written as one state space, simulated by scipy on a smooth pulse."""
+    """Annex A's continuous filter as one state space, simulated by SciPy for a smooth pulse."""
     time = np.arange(0, 3, 1 / RATE_HZ)
     pulse = np.exp(-(((time - 1) / 0.03) ** 2))
     shifted = np.exp(-(((time + 0.182 / RATE_HZ - 1) / 0.03) ** 2))  # the filter's known advance
@@ -156,7 +156,7 @@ def _second_implementation() -> Check:
 
 
 def _phase() -> Check:
-    """Phase against the formula after the one advance of 0.182 samples that all frequencies share."""
+    """Phase against the formula after the constant advance of 0.182 samples common to all frequencies."""
     impulse = np.zeros(40_000)
     impulse[0] = 1.0
     freqs = np.fft.rfftfreq(len(impulse), 1 / RATE_HZ)

@@ -1,4 +1,4 @@
-"""Published tables of human vibration, as facts to compare with.
+"""Published reference tables for human vibration (ISO 8041-1, ISO 2631-1).
 
 ISO 8041-1:2017 annex B (weighting factors) and tables 6, 8, 9 (indications for saw-tooth bursts), as
 published in the conformance data of phonometry (github.com/jmrplens/phonometry, tests/reference_data and
@@ -34,7 +34,7 @@ ISO_2631_1: dict[str, tuple[float, ...]] = {
         1001, 991, 972, 931, 843,
     ),
 }  # fmt: skip
-"""Factors x 1000 at NOMINAL_HZ; nan where nothing reliable is printed."""
+"""Factors x 1000 at NOMINAL_HZ; NaN where no reliable value is printed."""
 
 ISO_8041: dict[str, tuple[int, tuple[float, ...]]] = {
     "Wb": (-10, (

@@ -1,4 +1,4 @@
-"""Validation of what persons feel in a moving car, of road holding and of damper work."""
+"""Validation of occupant acceleration, road holding and damper work."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,7 +11,7 @@ RATE_HZ = 1000.0
 
 
 def _transport() -> Check:
-    """A point of a body that starts to turn: its path by the exponential map against a + alpha x r."""
+    """Point of a body that starts to rotate: its path by the exponential map against a + alpha x r."""
     step_s, arm, spin = 1e-3, np.array([0.8, 0.4, -0.27]), np.array([0.7, -1.3, 0.4])
     moved = Rotation.from_rotvec(spin * step_s**2 / 2).apply(arm) - arm
     found = acceleration_at((0.8, 0.4, -0.27), np.zeros((3, 1)), spin[:, None])[:, 0]
@@ -43,7 +43,7 @@ def _factor(weighting: str, band: int) -> float:
 
 
 def _wheel_and_damper() -> Check:
-    """A linear damper and a tyre under a sine."""
+    """Linear damper and tyre under sinusoidal motion."""
     wave = np.sin(2 * np.pi * 3 * np.arange(0, 10, 1 / RATE_HZ))
     power = holding.damper_power(-1500 * 0.4 * wave, 0.4 * wave)
     found = (

@@ -1,4 +1,4 @@
-"""Validation of the road: ISO 8608 roughness, tyre envelope, IRI."""
+"""Validation of the road: ISO 8608 roughness, tyre enveloping, IRI."""
 
 from functools import cache
 from itertools import pairwise
@@ -44,7 +44,7 @@ WORLD_BANK_46 = {
 
 
 def line_through_psd(roughness: Roughness) -> tuple[float, float]:
-    """G_d(n0) (m³) and waviness of a realisation: Welch's PSD in thirds of an octave, fitted over BAND."""
+    """G_d(n0) (m³) and waviness of a realisation: Welch's PSD in third octaves, fitted over BAND."""
     z = rough_surface(roughness, LENGTH_M).heights[4]
     n, psd = welch(z, 1 / STEP_M, nperseg=round(200 / STEP_M), detrend="linear")
     bands = [(n >= low) & (n < high) for low, high in pairwise(np.geomspace(*BAND, 25))]

@@ -1,4 +1,4 @@
-"""Validation of the vehicle: statics, frequency responses, transients, energy, dampers."""
+"""Validation of the vehicle models: statics, frequency responses, transients, energy, dampers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -28,18 +28,18 @@ TICKS = 1200
 
 @dataclass(frozen=True)
 class Haversine:
-    """A smooth bump of one period of 1 - cos."""
+    """Haversine bump: one period of 1 - cos."""
 
     height_m: float
     length_m: float
     start_m: float = 2.0
 
     def height(self, x: Array) -> Array:
-        """Height at x."""
+        """Height at x, m."""
         return self.height_m / 2 * (1.0 - np.cos(2 * np.pi * self._inside(x)))
 
     def slope(self, x: Array) -> Array:
-        """Its derivative."""
+        """Derivative of the height at x."""
         return self.height_m * np.pi / self.length_m * np.sin(2 * np.pi * self._inside(x))
 
     def _inside(self, x: Array) -> Array:
@@ -51,7 +51,7 @@ GENTLE = Haversine(0.02, 2.0)
 
 
 def drive(car: Car, bump: Haversine, damping: float, x_m: float = 0.0) -> VehicleState:
-    """The plant over the same bump on both sides."""
+    """Simulate the plant over the same bump on both sides."""
     plant = Plant(car)
     plant.reset([bump] * car.wheels, x_m, SPEED_M_S)
     plant.step(np.full(car.wheels, damping), TICKS)
@@ -59,7 +59,7 @@ def drive(car: Car, bump: Haversine, damping: float, x_m: float = 0.0) -> Vehicl
 
 
 def integrate(car: Car, bump: Haversine, damping: float, method: str = "RK45") -> VehicleState:
-    """The equations over the exact road by scipy's adaptive integrators."""
+    """Integrate the equations over the exact road by SciPy's adaptive integrators."""
     command, time = np.full(car.wheels, damping), np.arange(TICKS + 1) / RATE_HZ
     profiles, asked = [bump] * car.wheels, command.tolist()
 
@@ -86,7 +86,7 @@ def summary(signals: VehicleState) -> Array:
 
 
 def _one_tick(car: Car) -> tuple[Array, Array]:
-    """State and input matrices of a tick at passive damping, from the engine's answers to small pushes."""
+    """State and input matrices of a tick at passive damping, by finite differences of the engine."""
     engine, wheels = Native(car), car.wheels
     moving = 2 * (len(car.body_inertia) + wheels)
     rest = np.zeros(engine.size)
@@ -110,7 +110,7 @@ def _one_tick(car: Car) -> tuple[Array, Array]:
 
 
 def _frequency_response(name: str) -> Check:
-    """A tick's matrices against python-control's exact discretisation of the twin, at a held tyre force."""
+    """Matrices of a tick against python-control's exact discretisation of the twin, at a held tyre force."""
     car = load_vehicle(name)
     twin = linear_twin(car)
     per_newton = twin.B[:, : car.wheels] / [corner.tyre_n_m for corner in car.corners]
@@ -138,7 +138,7 @@ def _bump(name: str) -> Check:
 
 
 def _uneven() -> Check:
-    """Cubic springs and a rebound stop closer than the jounce stop."""
+    """Cubic springs, and a rebound stop closer than the jounce stop."""
     car = replace(load_vehicle("quarter"), spring_n_m3=1.5e6, rebound_gap_m=0.05)
     deviation = relative(summary(drive(car, HARSH, 300.0)), summary(integrate(car, HARSH, 300.0)))
     return Check("progressive spring, uneven stops, bump", "scipy solve_ivp, rtol 1e-8", deviation, 5e-3)
@@ -152,7 +152,7 @@ def _damper(part: Damper) -> Check:
 
 
 def _energy(name: str) -> Check:
-    """Work of the road = gain of energy + heat of dampers and tyres."""
+    """Work of the road = stored energy + heat of dampers and tyres."""
     car = load_vehicle(name)
     signals = drive(car, GENTLE, 1500.0)
     state = equations.motion(car, signals.x)
@@ -173,7 +173,7 @@ def _energy(name: str) -> Check:
 
 
 def _static_deflection() -> Check:
-    """Pitch under steady braking: springs and tyres in series carry m·a·h."""
+    """Pitch under steady braking: springs and tyres in series balance the moment m·a·h."""
     car = load_vehicle("half")
     plant = Plant(car)
     flat = Haversine(0.0, 1.0)
@@ -195,7 +195,7 @@ def _halves() -> Check:
 
 
 def _quarters() -> Check:
-    """With pitch inertia m·a·b each axle carries its own mass."""
+    """Half car with pitch inertia m·a·b, whose axles are decoupled, against two quarter cars."""
     mass, front, rear = 800.0, 1.25, 1.45
     car = replace(load_vehicle("half"), pitch_inertia_kg_m2=mass * front * rear)
     both, deviation = drive(car, HARSH, 1500.0), 0.0
@@ -208,7 +208,7 @@ def _quarters() -> Check:
 
 
 def _fleet() -> Check:
-    """Unlike cars stepped together on two threads against each of them in the plant."""
+    """Different cars stepped together on two threads, each against the plant."""
     cars = [replace(load_vehicle("half"), body_mass_kg=600.0 + 5.0 * i) for i in range(64)]
     commands, deviation = np.full((64, 2), 1500.0), 0.0
     states = Fleet(cars, threads=2).drive([HARSH] * 2, 0.0, SPEED_M_S, commands, TICKS)
