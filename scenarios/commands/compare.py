@@ -29,9 +29,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
     add_frames_option(command)
-    told = (
-        "also compute the bound of any controller (or take it from the cache), and show `captured`"
-    )
+    told = "also compute the bound of any controller (or take it from the cache), and show `captured`"
     command.add_argument("--bound", action="store_true", help=told)
     add_table_options(command)
     command.set_defaults(execute=execute)

@@ -56,9 +56,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "--braking", type=float, metavar="M_S2", help="deceleration before each obstacle of a course, m/s²"
     )
-    command.add_argument(
-        "--grade", type=float, help="change of grade before each obstacle of a course (m/m)"
-    )
+    command.add_argument("--grade", type=float, help="change of grade before each obstacle of a course (m/m)")
     command.add_argument("--events", type=int, help="obstacles per course (default 100)")
     command.add_argument("--perception", choices=("boxes", "camera"), default="camera")
     command.add_argument(
