@@ -1,11 +1,11 @@
-"""Ways from a box to a distance, side by side on the same boxes, by range.
+"""Accuracy of distance estimation methods from the same boxes, by range.
 
 `python benchmarks/bench_distance.py [--runs 40] [--roughness none|A|B|C] [--braking 3.0] [--json FILE]`
 
 A half car with passive dampers drives at 30 to 60 km/h toward a bump; boxes have 1 px noise, 15 % are
-missed; the mounting pitch is known to 0.2 degrees, its height to 1 cm; the car's sensors have their usual
-noise. The ways: cross-ratio of three marks (Nienaber et al., IEEE SSCI 2015), which is the flat road under a
-car at rest; the flat road with pitch and heave as the car's sensors tell them; the fit of all boxes.
+missed; the mounting pitch is known to 0.2 degrees, its height to 1 cm; the car's sensors have their default
+noise. Methods: cross-ratio of three marks (Nienaber et al., IEEE SSCI 2015), i.e. a flat road under a car at
+rest; flat road with pitch and heave estimated from the car's sensors; fit of all boxes.
 """
 
 import argparse
@@ -43,7 +43,7 @@ _BRAKING_M = 15.0
 
 
 def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[float]]:
-    """One drive: a row for each box with its true distance from the camera and the error of each way (m)."""
+    """Errors of one drive: a row per box with its true distance from the camera and each method's error (m)."""
     rng = np.random.default_rng(seed)
     speed = (30, 40, 50, 60)[seed % 4] / 3.6
     bump = HalfSineBump(BUMP_M, 0.08, 0.40)
@@ -84,7 +84,7 @@ def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[f
 
 
 def _motion(speed: float, braking_m_s2: float) -> float | SpeedProfile:
-    """Constant, or braking steadily over the last 15 m before the centre of gravity reaches the bump."""
+    """Constant speed, or steady braking over the last 15 m before the centre of gravity reaches the bump."""
     if not braking_m_s2:
         return speed
     slower = max(speed**2 - 2 * braking_m_s2 * _BRAKING_M, 4.0) ** 0.5
@@ -95,7 +95,7 @@ def _motion(speed: float, braking_m_s2: float) -> float | SpeedProfile:
 
 
 def table(rows: np.ndarray) -> list[dict]:
-    """Bias and standard deviation of each way for bins of distance from the camera."""
+    """Bias and standard deviation of each method for bins of distance from the camera."""
     found = []
     for near, far in pairwise(BINS_M):
         inside = rows[(rows[:, 0] >= near) & (rows[:, 0] < far), 1:]
@@ -110,7 +110,7 @@ def table(rows: np.ndarray) -> list[dict]:
 
 
 def main() -> None:
-    """Drive and print one line a bin."""
+    """Run all drives and print one line per bin."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--runs", type=int, default=40)
     parser.add_argument("--roughness", default="B", choices=["none", "A", "B", "C"])

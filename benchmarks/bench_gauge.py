@@ -1,10 +1,11 @@
-"""What a frame costs the estimator with boxes alone, with parallax of one camera, and with a stereo pair.
+"""Run time of the estimator per frame: boxes alone, parallax of one camera, stereo pair.
 
 `python benchmarks/bench_gauge.py [--drives 3] [--json FILE]`
 
-A car on rails comes up to each object at 36 km/h, 20 frames a second, rendered 640 x 384, true boxes. The
-three estimators take every frame in turn, so that what else the machine does falls on all alike. Heights are
-measured only where an object is in reach (9 m), so medians are given for such frames and for all.
+A car without vertical motion approaches each object at 36 km/h, 20 frames per second, rendered 640 x 384,
+true boxes. The three estimators process every frame in turn, so that other load on the machine affects them
+equally. Heights are measured only while an object is in range (9 m), so medians are given for such frames and
+for all.
 """
 
 import argparse
@@ -45,7 +46,7 @@ WAYS = {
 
 
 def approach(name: str, seed: int) -> list[dict[str, float]]:
-    """Cost of each frame (s) by way, and the distance (m) of the object from the camera."""
+    """Run time of each frame (s) by method, and the distance (m) of the object from the camera."""
     camera, mount = Camera(), CameraMount()
     scene = Scene(Road(70.0, (OBJECTS[name],)), Appearance(), seed)
     estimators = {

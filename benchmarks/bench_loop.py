@@ -1,6 +1,6 @@
-"""How fast the closed loop runs, as a multiple of real time: `python -m benchmarks.bench_loop`.
+"""Closed-loop simulation speed, as a multiple of real time: `python -m benchmarks.bench_loop`.
 
-Each drive is repeated and its median reported; the first, which compiles, is left out.
+Each drive is repeated and the median reported; the first one, which compiles, is left out.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def measure(vehicle: str, controller: str, perception: str, rate_hz: int, repeat
 
 
 def main() -> None:
-    """Measure, print a table, and write JSON where asked."""
+    """Measure, print a table, and write JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--json", type=Path)

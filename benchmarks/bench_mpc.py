@@ -27,7 +27,7 @@ SPEED_M_S = 10.0
 
 
 def situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, RoadPreview]]:
-    """A car shaken at random before a wavy road."""
+    """Random states of a car before a wavy road, with previews."""
     rng = np.random.default_rng(seed)
     grid, rest = distance_grid(0.5, 10.0), rest_state(vehicle)
     ones, zero = np.ones((vehicle.wheels, len(grid))), np.zeros(vehicle.wheels)
@@ -40,7 +40,7 @@ def situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, 
 
 
 class Timed:
-    """Something that is called, and how long each call took, s of processor time."""
+    """Callable wrapper that records the processor time of each call, s."""
 
     def __init__(self, inner: Any):
         self._inner, self.times = inner, array("d")
@@ -72,14 +72,14 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
         ("both", both),
         ("step", step.times),
     ):
-        ms = 1e3 * np.array(times)[count // 10 :]  # the first ones warm up
+        ms = 1e3 * np.array(times)[count // 10 :]  # the first ones are warm-up
         row |= {f"{name}_median_ms": float(np.median(ms)), f"{name}_p99_ms": float(np.percentile(ms, 99))}
     return row
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=500, help="steps a row (default 500)")
+    parser.add_argument("--count", type=int, default=500, help="steps per row (default 500)")
     parser.add_argument("--json", type=Path, help="also write the rows to this file")
     arguments = parser.parse_args()
     rows = [measure(car, period, arguments.count) for car, period in CASES]

@@ -1,8 +1,8 @@
-"""Real-time factor of the plant by car, ticks per call and damper, and of many cars at once.
+"""Real-time factor of the plant by car, ticks per call and damper, and of a fleet.
 
-`python -m benchmarks.bench_plant`. Times are the process's own (CPU) times, so that other work on the machine
-does not count; with two threads those of both add up: that row tells what threading costs, and the wall clock
-what it brings.
+`python -m benchmarks.bench_plant`. Times are CPU times of the process, so that other load on the machine does
+not count; with two threads those of both add up: that row shows the cost of threading, the wall clock its
+gain.
 """
 
 import time
@@ -22,7 +22,7 @@ TICKS = 10_000
 
 
 def ticks_per_second(car: Car, block: int, ask_state: bool) -> float:
-    """Best of three passes over the same road, passive dampers, `block` ticks a call."""
+    """Best of three passes over the same road, passive dampers, `block` ticks per call."""
     features = tuple(HalfSineBump(x, 0.08, 0.4) for x in np.arange(10.0, 150.0, 20.0))
     profile = wheel_profile(Road(length_m=180.0, features=features), 0.75)
     plant, command = Plant(car), np.array([corner.damping_passive_ns_m for corner in car.corners])
@@ -39,7 +39,7 @@ def ticks_per_second(car: Car, block: int, ask_state: bool) -> float:
 
 
 def fleet_ticks_per_second(car: Car, cars: int, threads: int, ticks: int = 500) -> tuple[float, float]:
-    """Ticks of all cars together, by CPU time and by the wall clock."""
+    """Ticks of all cars together, per second of CPU and of wall-clock time."""
     profile = wheel_profile(Road(length_m=30.0, features=(HalfSineBump(2.0, 0.08, 0.4),)), 0.75)
     fleet = Fleet([car] * cars, threads)
     command = np.tile([corner.damping_passive_ns_m for corner in car.corners], (cars, 1))

@@ -1,10 +1,10 @@
-"""Near-edge error of the estimator on a simulated half car, and what a frame costs.
+"""Near-edge error of the estimator on a simulated half car, and its run time per frame.
 
 `python benchmarks/bench_preview.py [--runs 40] [--roughness none|A|B|C] [--json FILE]`
 
 A half car with passive dampers drives at 30 to 60 km/h toward one object; boxes have 1 px noise, 15 % are
 missed, they come at 20 Hz and 50 ms late; the mounting pitch is known to 0.2 degrees, its height to 1 cm;
-the car's sensors have their usual noise. The near edge's error is taken with the front wheel 2.5 m before it.
+the car's sensors have their default noise. The near-edge error is taken with the front wheel 2.5 m before it.
 """
 
 import argparse
@@ -46,7 +46,7 @@ OBJECTS: dict[str, Feature] = {
 
 
 class Outcome(NamedTuple):
-    """One approach: error and its claimed sigma (m), what it was taken for, cost of each frame (s)."""
+    """Result of one approach: error and stated sigma (m), estimated kind and size, frame run times (s)."""
 
     error_m: float
     sigma_m: float
@@ -65,7 +65,7 @@ def approach(
     before_m: float = 2.5,
     latency_ticks: int = 50,
 ) -> Outcome | None:
-    """Drive toward `feature` and return what the estimator knew `before_m` short of it; None if nothing."""
+    """Drive toward `feature`; return the estimate `before_m` before it, or None if there is none."""
     rng = np.random.default_rng(seed)
     errors = errors or BoxErrors()
     speed = (30, 40, 50, 60)[seed % 4] / 3.6
@@ -107,7 +107,7 @@ def approach(
 
 
 def summary(outcomes: list[Outcome | None]) -> dict[str, Any]:
-    """Return statistics over approaches: metres, milliseconds, and how often it was not tracked."""
+    """Return statistics over approaches: metres, milliseconds, and the number of misses."""
     known = [outcome for outcome in outcomes if outcome is not None]
     error = np.array([outcome.error_m for outcome in known])
     sigma = np.array([outcome.sigma_m for outcome in known])

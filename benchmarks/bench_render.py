@@ -1,4 +1,4 @@
-"""CPU time of the renderer by look, and of an image of the data set: `python -m benchmarks.bench_render`."""
+"""CPU time of the renderer by appearance, and per data set image: `python -m benchmarks.bench_render`."""
 
 import argparse
 import json
@@ -49,10 +49,10 @@ def milliseconds(work: Callable[[], object], repeats: int) -> float:
 
 
 def measure(name: str, look: Appearance, repeats: int) -> dict[str, object]:
-    """Set up a scene, paint 50 m of its map, photograph it: median ms of each."""
+    """Median times (ms) to set up a scene, paint 50 m of its map, and render an image."""
     road, camera, mount = Road(ROAD_M, FEATURES, Roughness("B", 1)), Camera(), CameraMount()
     scene = Scene(road, look, 0)
-    scene.render(camera, pose_of(mount, ROAD_M, 0.0, 0.0))  # compiles, and fills the map
+    scene.render(camera, pose_of(mount, ROAD_M, 0.0, 0.0))  # compiles and fills the map
     positions = iter(np.linspace(1.0, 25.0, repeats))
     map_m = ROAD_M + BEYOND_END_M
     return {
@@ -66,7 +66,7 @@ def measure(name: str, look: Appearance, repeats: int) -> dict[str, object]:
 
 
 def data_set_image_ms(roads: int = 3) -> float:
-    """Median over roads of the CPU time of an image of the data set, its share of the road's map included."""
+    """Median over roads of the CPU time per data set image, including its share of the road's map."""
     times = []
     with TemporaryDirectory() as folder:
         for road in range(roads + 1):

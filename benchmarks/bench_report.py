@@ -1,7 +1,7 @@
 """Size and loading time of a run's HTML report in headless Chromium: `python -m benchmarks.bench_report`.
 
-A drive of at least 10 s with the camera is made unless a report is given. "Ready" is when replay and charts
-stand, by the browser's own clock from the start of navigation; each time with an empty profile.
+A drive of at least 10 s with the camera is simulated unless a report is given. "Ready" is when replay and
+charts are complete, by the browser's own clock from the start of navigation; each time with an empty profile.
 """
 
 import argparse
@@ -25,11 +25,11 @@ _FLAGS = (
     "--disable-background-networking", "--disable-component-update",
 )  # fmt: skip
 LONG = ("speed_kmh=30", "road.length_m=90")
-"""So that the drive takes over 10 s."""
+"""Overrides for a drive of over 10 s."""
 
 
 def write_report(path: Path) -> float:
-    """Report of a passive and a seeing drive, images included; returns the seconds driven."""
+    """Write the report of a passive and a camera drive, with images; return the simulated seconds."""
     scenario = load("hump_flat_30", LONG)
     cases = Case(scenario, "passive", "none", 0), Case(scenario, "mpc_preview", "camera", 0)
     runs = tuple(simulate(case, keep_images=True) for case in cases)
@@ -38,7 +38,7 @@ def write_report(path: Path) -> float:
 
 
 def ready_ms(chromium: str, report: Path, width: int) -> int:
-    """When the report was ready, ms after navigation began. Raises RuntimeError when it never was."""
+    """Time from navigation until the report is ready, ms. Raises RuntimeError if it never is."""
     with tempfile.TemporaryDirectory() as profile:
         command = [chromium, *_FLAGS, f"--user-data-dir={profile}", f"--window-size={width},900"]
         dumped = subprocess.run(
@@ -51,7 +51,7 @@ def ready_ms(chromium: str, report: Path, width: int) -> int:
 
 
 def main() -> None:
-    """Measure, print, and write JSON where asked."""
+    """Measure, print, and write JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("report", type=Path, nargs="?", help="default: one of a drive of over 10 s")
     parser.add_argument("--repeats", type=int, default=5)

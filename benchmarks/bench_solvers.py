@@ -1,10 +1,11 @@
-"""The controllers' quadratic program by several solvers: `python -m benchmarks.bench_solvers [--json FILE]`.
+"""Solver comparison on the controllers' programs: `python -m benchmarks.bench_solvers [--json FILE]`.
 
-The programs are those of a car shaken at random before a wavy road, condensed as `controller.condense` does
-it; every solver gets the same, cold. Its error is the furthest that an entry of its answer would still move
-on its own, kN·s/m, which is zero at the optimum. A solver fails where it says so, raises, crashes, or errs by
-more than TOLERANCE. IPOPT solves the same programs as nonlinear ones. Each solver runs in a process of its
-own; times are processor times, so that others on the machine do not count.
+The programs are those of a car in random states before a wavy road, condensed as in `controller.condense`;
+every solver gets the same ones, without warm start. The error is the largest distance by which a single entry
+of the solution could still move to reduce the cost, kN·s/m; it is zero at the optimum. A solver fails if it
+reports failure, raises, crashes, or exceeds TOLERANCE. IPOPT solves the same programs as nonlinear ones. Each
+solver runs in a process of its own; times are processor times, so that other load on the machine does not
+count.
 """
 
 import argparse
@@ -41,7 +42,7 @@ CONIC: dict[str, dict[str, Any]] = {
 
 
 class Program(NamedTuple):
-    """½ xᵀHx + gᵀx with low <= x <= high."""
+    """Box-constrained quadratic program: ½ xᵀHx + gᵀx with low <= x <= high."""
 
     hessian: np.ndarray
     gradient: np.ndarray
@@ -50,11 +51,11 @@ class Program(NamedTuple):
 
 
 Solve = Callable[[Program], tuple[np.ndarray, str | None]]
-"""Returns the answer and what is wrong with it, None for nothing."""
+"""Returns the solution and the failure, None for success."""
 
 
 def programs(car: str, period_s: float, count: int) -> list[Program]:
-    """What the controller of a shaken car has to solve, step after step."""
+    """Quadratic programs of consecutive steps of the controller."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))
     found = []
@@ -70,12 +71,12 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
 
 
 def ours(program: Program) -> tuple[np.ndarray, str | None]:
-    """The shipped way."""
+    """foreride's own solver call."""
     return solve_box(program.hessian, program.gradient, program.low, program.high)
 
 
 def conic(name: str, size: int) -> Solve:
-    """A CasADi `conic` plug-in without general constraints."""
+    """CasADi `conic` plug-in without general constraints."""
     shape = {"h": casadi.Sparsity.dense(size, size), "a": casadi.Sparsity(0, size)}
     solver = casadi.conic("solver", name, shape, QUIET | CONIC[name])
 
@@ -89,9 +90,9 @@ def conic(name: str, size: int) -> Solve:
 
 
 def hpipm(size: int) -> Solve:
-    """HPIPM through CasADi, which takes problems of optimal control only.
+    """HPIPM through CasADi, which accepts optimal control problems only.
 
-    Here all commands are one stage, and after it comes a state that none moves: without any it crashes.
+    All commands form one stage, followed by a state that none of them affects: without a state it crashes.
     """
     block = casadi.diagcat(casadi.Sparsity.dense(size, size), casadi.Sparsity.dense(1, 1))
     shape = {"h": block, "a": casadi.Sparsity.dense(1, size + 1)}
@@ -112,7 +113,7 @@ def hpipm(size: int) -> Solve:
 
 
 def ipopt(size: int) -> Solve:
-    """An interior-point method for nonlinear programs."""
+    """Interior-point method for nonlinear programs."""
     x, h, g = casadi.MX.sym("x", size), casadi.MX.sym("h", size, size), casadi.MX.sym("g", size)
     cost = 0.5 * casadi.bilin(h, x, x) + casadi.dot(g, x)
     options: dict[str, Any] = QUIET | {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8}}
@@ -129,13 +130,13 @@ def ipopt(size: int) -> Solve:
 
 
 def error(x: np.ndarray, program: Program) -> float:
-    """The furthest that an entry would still move on its own."""
+    """Largest distance by which an entry could still move on its own to reduce the cost."""
     wished = x - (program.hessian @ x + program.gradient) / np.diag(program.hessian)
     return float(np.abs(np.clip(wished, program.low, program.high) - x).max())
 
 
 def measure(name: str, given: list[Program]) -> dict:
-    """One row: median and 99th percentile in ms, largest error, failures with the first reason."""
+    """Row of one solver: median and 99th percentile in ms, largest error, failures with the first reason."""
     size = len(given[0].gradient)
     times, errors, failures = [], [], []
     own: dict[str, Callable[[int], Solve]] = {"ours": lambda size: ours, "hpipm": hpipm, "ipopt": ipopt}
@@ -159,22 +160,22 @@ def measure(name: str, given: list[Program]) -> dict:
 
 
 def apart(name: str, given: list[Program]) -> dict:
-    """`measure` in a process of its own, so that a crash is one solver's failure."""
+    """Run `measure` in a process of its own, so that a crash counts as one solver's failure."""
     method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
         try:
             return pool.submit(measure, name, given).result()
         except BrokenProcessPool:
             reason = "crashed"
-        except Exception as raised:  # plug-ins raise what they like
+        except Exception as raised:  # plug-ins raise any exception
             reason = f"{type(raised).__name__}: {raised}".splitlines()[0][:80]
     return {"solver": name, "failures": len(given), "of": len(given), "reason": reason}
 
 
 def main() -> None:
-    """Measure, print a table, and write JSON where asked."""
+    """Measure, print a table, and write JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=200, help="programs a car (default 200)")
+    parser.add_argument("--count", type=int, default=200, help="programs per car (default 200)")
     parser.add_argument("--json", type=Path, help="also write the rows to this file")
     arguments = parser.parse_args()
     rows = []

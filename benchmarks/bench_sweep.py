@@ -1,8 +1,8 @@
-"""Drives a second of a sweep on one and on two local workers: `python -m benchmarks.bench_sweep [STUDY]`.
+"""Sweep throughput on one and on two local workers: `python -m benchmarks.bench_sweep [STUDY]`.
 
-Beside them, in the same run, what the machine itself gives to two processes that only compute: two threads of
-one core, or a busy machine, hold any sweep below that. Minutes for 10 000 drives are an extrapolation from
-the drives measured.
+For reference, the same run measures how much two compute-bound processes gain on this machine: two threads of
+one core, or a busy machine, limit any sweep to that. Minutes for 10 000 drives are extrapolated from the
+drives measured.
 """
 
 import argparse
@@ -26,7 +26,7 @@ WARM = 8
 
 
 def sweep(samples: Sequence[Sample], workers: int) -> dict[str, float]:
-    """Drives a second by the wall clock and CPU seconds a drive on the workers, their start left out."""
+    """Drives per second of wall-clock time and CPU seconds per drive on the workers, without start-up."""
     with tempfile.TemporaryDirectory() as folder, cluster(None, workers) as client:
         results = Results(Path(folder))
         run(client, samples[: WARM * workers], results)
@@ -48,7 +48,7 @@ def _cpu_s(client: Client) -> float:
 
 
 def compute(seconds: float) -> float:
-    """Turns a second of a loop that touches little memory, over about so many seconds."""
+    """Iterations per second of a loop that uses little memory, measured over about `seconds`."""
     turns, started = 0, time.perf_counter()
     while time.perf_counter() - started < seconds:
         np.sin(_ANGLES).sum()
@@ -61,14 +61,14 @@ _ANGLES = np.linspace(0.0, 1.0, 2000)
 
 
 def bare(processes: int, seconds: float = 8.0) -> float:
-    """Turns a second of so many processes together."""
+    """Iterations per second of `processes` processes together."""
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
         pool.map(compute, [0.2] * processes, chunksize=1)
         return sum(pool.map(compute, [seconds] * processes, chunksize=1))
 
 
 def main() -> None:
-    """Measure, print, and write JSON where asked."""
+    """Measure, print, and write JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("study", type=Path, nargs="?", default=STUDY)
     parser.add_argument("--drives", type=int, default=200, help="to measure, from the study's beginning")

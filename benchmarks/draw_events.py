@@ -1,7 +1,7 @@
-"""Draw the events for tuning controllers and for judging them: `python -m benchmarks.draw_events`.
+"""Generation of the event sets for tuning and for reporting: `python -m benchmarks.draw_events`.
 
-Both sets come from the same ranges with different seeds, so that no event is in both. Within a kind, sizes
-and speeds are a Latin hypercube: they cover their ranges evenly, and nobody chose them.
+Both sets are drawn from the same ranges with different seeds, so that no event is in both. Within a kind,
+sizes and speeds form a Latin hypercube: they cover their ranges evenly and involve no manual choice.
 """
 
 from pathlib import Path
@@ -52,7 +52,7 @@ def main() -> None:
 def features(
     counts: dict[str, int], rng: np.random.Generator, approach_m: float, after_s: float
 ) -> list[dict[str, Any]]:
-    """One event a feature: a flat road with it, `approach_m` ahead; the drive goes on for `after_s`."""
+    """One event per feature: a flat road with it, `approach_m` ahead; the drive continues for `after_s`."""
     events = []
     for kind, count in counts.items():
         for index, sizes in enumerate(sample(kind, count, rng)):
@@ -85,7 +85,7 @@ def roughs(
 
 
 def mixed(name: str, iso_class: str, rng: np.random.Generator) -> dict[str, Any]:
-    """A rough road with a bump, a pothole and a hump."""
+    """Rough road with a bump, a pothole and a hump."""
     placed, start = [], 32.0
     for kind in ("half_sine_bump", "pothole", "watts_hump"):
         sizes = sample(kind, 1, rng)[0]
@@ -120,7 +120,7 @@ def sample(kind: str, count: int, rng: np.random.Generator) -> list[dict[str, fl
 
 
 def place(kind: str, sizes: dict[str, float], start_m: float, rng: np.random.Generator) -> dict[str, Any]:
-    """A feature for a scenario file; potholes lie on the right track."""
+    """Feature entry for a scenario file; potholes lie on the right track."""
     feature = {"kind": kind, "start_m": start_m, **sizes}
     if kind == "pothole":
         return feature | {"y_m": -0.75, "seed": int(rng.integers(1000))}
@@ -128,7 +128,7 @@ def place(kind: str, sizes: dict[str, float], start_m: float, rng: np.random.Gen
 
 
 def title(feature: dict[str, Any], speed_kmh: float) -> str:
-    """What the event is, for tables and films."""
+    """Title of an event, for tables and videos."""
     size = 100 * feature.get("height_m", feature.get("depth_m", 0.0))
     name = feature["kind"].replace("_", " ").replace("half sine ", "").capitalize()
     return f"{name} {size:.0f} cm x {feature['length_m']:.2f} m, {speed_kmh:.0f} km/h"

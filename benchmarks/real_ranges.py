@@ -1,11 +1,12 @@
-"""A contact sheet of photographs with the ranges that flat-road geometry gives to the boxes on them.
+"""Contact sheet of photographs with flat-road distances of the boxes on them.
 
 `python -m benchmarks.real_ranges --data DIR [--count 12] [--height-m 1.3] [--focal 0.8] [--horizon 0.28]
 --out FILE.png`, DIR with `images/` and `labels/` (YOLO).
 
-Nobody knows how these cameras sat. Assumed, and printed on the sheet: the camera's height over the road,
-its focal length in image widths, and where the horizon lies in image heights (below 0: over the image). Lines
-across the road mark 5, 10 and 20 m; a range can be judged by lane widths and vehicles near it, no more.
+The mounting of these cameras is unknown. Assumed, and printed on the sheet: the camera's height above the
+road, its focal length in image widths, and the row of the horizon in image heights (below 0: above the
+image). Lines across the road mark 5, 10 and 20 m; a distance can only be judged by lane widths and vehicles
+near it.
 """
 
 import argparse
@@ -29,13 +30,13 @@ MARKS_M = (5.0, 10.0, 20.0)
 
 
 def ranges(camera: Camera, horizon_row: float, height_m: float, rows: np.ndarray) -> np.ndarray:
-    """Distance along the road (m) of image rows, nan above the horizon, which tells the pitch."""
+    """Distance along the road (m) of image rows, NaN above the horizon, which determines the pitch."""
     pitch = -depression(camera, horizon_row)
     return distance_of(height_m, depression(camera, rows) + pitch)
 
 
 def tile(image: np.ndarray, boxes: np.ndarray, height_m: float, focal: float, horizon: float) -> np.ndarray:
-    """The photograph with its boxes (n, 4) xyxy px, their ranges and the marks."""
+    """Photograph with its boxes (n, 4) xyxy px, their distances and the marks."""
     height, width = image.shape[:2]
     camera = Camera(width, height, focal * width)
     row = horizon * height
@@ -57,7 +58,7 @@ def tile(image: np.ndarray, boxes: np.ndarray, height_m: float, focal: float, ho
 
 @command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description="ranges on photographs")
+    parser = argparse.ArgumentParser(description="distances on photographs")
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--count", type=int, default=12)
     parser.add_argument("--height-m", type=float, default=1.3)

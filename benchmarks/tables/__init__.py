@@ -1,1 +1,1 @@
-"""Tables of results over the reporting set, each by one command."""
+"""Result tables over the reporting set, one command each."""

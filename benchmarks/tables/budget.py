@@ -1,15 +1,15 @@
-"""The comfort budget: what each source of error costs of the gain that a perfect preview has.
+"""Comfort budget: cost of each error source relative to the gain of a perfect preview.
 
 `python -m benchmarks.tables.budget [--events SCENARIO ...] [--vehicle half] [--seeds 0,1,2] [--json FILE]`
 
 The whole chain (rendered image, detector, estimator, observer, latency, solver in its real-time setting) is
-driven with `mpc_preview`; then one source at a time is replaced by the truth. The gain of reference is that
-of `mpc_preview` with the true road ahead and the true state over `mpc_reactive` as it would drive.
+simulated with `mpc_preview`; then one source at a time is replaced by the truth. The reference gain is that
+of `mpc_preview` with the true road ahead and the true state over `mpc_reactive` with its default settings.
 
     cost of a source = (J of the whole chain - J with this source true) / (J reactive - J all true)
 
-so 0.05 means: without this error 5 % of the possible gain would be kept in addition. Costs need not add up to
-what the whole chain loses, because errors hide one another; `rest` is the difference. J is relative to
+so 0.05 means: without this error, an additional 5 % of the possible gain would be kept. Costs need not add up
+to the loss of the whole chain, because errors mask one another; `rest` is the difference. J is relative to
 passive.
 
 JSON: {"schema": 1, "manifest": {...}, "vehicle": "half", "seeds": [0, ...], "events": ["hump_flat_30", ...],
@@ -21,8 +21,8 @@ JSON: {"schema": 1, "manifest": {...}, "vehicle": "half", "seeds": [0, ...], "ev
                                "objective": J with it true, "cost": share of the gain}, ...]}, ...]}
 
 Every J is the mean over the seeds. In the row "mean" each J is the mean over the events, and kept, rest and
-cost are ratios of these means, no means of the events' shares. Where all true gains nothing over reactive,
-shares of the gain have no meaning, and kept, rest and cost are null.
+cost are ratios of these means, not means of the events' ratios. If "all true" gains nothing over reactive,
+ratios to the gain are undefined, and kept, rest and cost are null.
 """
 
 from collections.abc import Sequence
@@ -50,12 +50,12 @@ SOURCES: dict[str, tuple[str, str, list[str]]] = {
     "observer": ("the true state of the car", "camera", ["observer=truth"]),
     "solver": ("a plan of 0.5 s, each period of it planned", "camera", LONG_PLAN),
 }
-"""Each source: by what it is replaced, the perception that does it, the fields that are set."""
+"""Error sources: description of the replacement, perception, and overridden fields."""
 EVENTS = ["hump_flat_30", "pothole_60x8_40", "bump_8x40_30"]
 
 
 def table(done: dict[str, np.ndarray], events: list[str]) -> list[dict]:
-    """One row an event and one of their means; `done`: J over passive of each line, (seeds, events)."""
+    """One row per event and one of their means; `done`: J over passive of each line, (seeds, events)."""
     mean = {name: values.mean(axis=0) for name, values in done.items()}
     rows = [
         _row(event, {name: float(values[k]) for name, values in mean.items()})

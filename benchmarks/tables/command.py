@@ -1,4 +1,4 @@
-"""What the commands of all tables share."""
+"""Common parts of the table commands: exit codes and parsing of list options."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from files.numbers import is_whole
 
 
 def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:
-    """A `main` that gives 0, or 2 after bad input, which it tells in one line."""
+    """Wrap a `main` to return 0, or 2 after invalid input, which is reported in one line."""
 
     @wraps(run)
     def main(arguments: Sequence[str] | None = None) -> int:
@@ -24,7 +24,7 @@ def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]
 
 
 def words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
-    """The words of an option, comma between. Raises InputError for one that is not allowed."""
+    """Split a comma-separated option into words. Raises InputError for one that is not allowed."""
     asked = text.split(",")
     for word in asked:
         if word not in allowed:
@@ -33,7 +33,7 @@ def words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
 
 
 def whole_numbers(option: str, text: str) -> list[int]:
-    """Whole numbers from 0 on, comma between. Raises InputError."""
+    """Split a comma-separated option into integers >= 0. Raises InputError."""
     asked = text.split(",")
     for word in asked:
         if not is_whole(word):

@@ -1,8 +1,8 @@
-"""What a wrong preview costs: `mpc_preview` with an oracle that errs, against `mpc_reactive`.
+"""Cost of preview errors: `mpc_preview` with an erroneous oracle against `mpc_reactive`.
 
-`python -m benchmarks.tables.degraded`, on the reporting set. The oracle tells the size of its errors as a
-perception would that knows its own quality: a position sigma as large as the bias, a height sigma as large as
-the error of height.
+`python -m benchmarks.tables.degraded`, on the reporting set. The oracle states the size of its errors, like a
+perception with consistent uncertainty: a position sigma equal to the bias, a height sigma equal to the height
+error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,12 +12,12 @@ from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, s
 from scenarios.sets import load_all
 
 SIGMA_M = 0.05
-"""Position sigma told where the position is not what errs."""
+"""Stated position sigma for errors other than position, m."""
 LIMIT, LIMIT_FALSE = 1.02, 1.05
 
 
 def errors() -> dict[str, Mapping[str, float]]:
-    """Each line's errors of the oracle."""
+    """Oracle errors of each line."""
     lines: dict[str, Mapping[str, float]] = {"true": {}}
     for bias in (0.1, -0.1, 0.2, -0.2, 0.5, -0.5):
         lines[f"bias {bias:+g} m"] = {"bias_m": bias, "position_sigma_m": abs(bias)}
@@ -32,8 +32,8 @@ def errors() -> dict[str, Mapping[str, float]]:
 
 @command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = shared_options("mpc_preview with a preview that errs", seeds="0")
-    parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
+    parser = shared_options("mpc_preview with preview errors", seeds="0")
+    parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
     variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]

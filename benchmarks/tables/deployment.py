@@ -2,9 +2,9 @@
 
 `python -m benchmarks.tables.deployment --data DIR --calibrate DIR [--json FILE]`
 
-DIR holds images/ and labels/; INT8 is calibrated on other images than it is judged by. All rows read the
-same images, and are timed in turn (see `detector.bench`). Losses are in points of mAP50 against
-the first row; times are relative to the first row, too. Needs the extra training.
+DIR holds images/ and labels/; INT8 is calibrated on other images than those of the evaluation. All rows read
+the same images, and are timed in turn (see `detector.bench`). Losses are in points of mAP50 against the first
+row; times are relative to the first row, too. Needs the extra training.
 """
 
 import argparse
@@ -30,7 +30,7 @@ PRECISIONS = ("fp32", "fp16", "int8")
 
 
 def accuracy(files: dict[Case, Path], data: Path, every: int) -> dict[Case, dict]:
-    """Metrics of each row on each `every`-th image of a folder."""
+    """Metrics of each row on every `every`-th image of a folder."""
     detectors = {c: Detector(f, c.threads, LEAST_CONFIDENCE, backend=c.backend) for c, f in files.items()}
     results: dict[Case, list] = {case: [] for case in files}
     with Progress(len(image_paths(data))) as progress:
@@ -44,7 +44,7 @@ def accuracy(files: dict[Case, Path], data: Path, every: int) -> dict[Case, dict
 
 
 def check(args: argparse.Namespace) -> None:
-    """Raises InputError for counts below 1, and where no image would be judged."""
+    """Raise InputError for counts below 1, or if no image would be evaluated."""
     for name in ("threads", "runs", "every"):
         if getattr(args, name) < 1:
             raise InputError(f"--{name} must be >= 1, got {getattr(args, name)}")
@@ -56,7 +56,7 @@ def check(args: argparse.Namespace) -> None:
 
 
 def table(args: argparse.Namespace) -> list[dict]:
-    """A row for each backend and precision. Raises InputError."""
+    """One row per backend and precision. Raises InputError."""
     check(args)
     for backend in args.backends.split(","):
         require(backend)
@@ -83,14 +83,14 @@ def table(args: argparse.Namespace) -> list[dict]:
 
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(description=__doc__)
-    p.add_argument("--data", type=Path, required=True, help="labelled folder to judge by")
+    p.add_argument("--data", type=Path, required=True, help="labelled folder for the evaluation")
     p.add_argument("--calibrate", type=Path, required=True, help="folder with images/ for the ranges of INT8")
     p.add_argument("--weights", type=Path, default=WEIGHTS.with_suffix(".pt"), help="of `detector train`")
     usable = [name for name in installed() if name in ("cpu", "openvino", "openvino-bf16")]
     p.add_argument(
         "--backends", default=",".join(usable), help=f"of {', '.join(BACKENDS)} (default %(default)s)"
     )
-    p.add_argument("--every", type=int, default=1, help="judge by each so manyth image")
+    p.add_argument("--every", type=int, default=1, help="evaluate every Nth image")
     p.add_argument("--size", default="640x384")
     p.add_argument("--threads", type=int, default=1)
     p.add_argument("--runs", type=int, default=30)

@@ -1,11 +1,11 @@
-"""Table 4 of arXiv 2508.01339: SBP-YOLO beside other detectors, trained on the same images.
+"""Table 4 of arXiv 2508.01339: SBP-YOLO and other detectors, trained on the same images.
 
 `python -m benchmarks.tables.detectors --data DIR --out FOLDER --passes 60000 [--rows a,b] [--json FILE]`
 
-DIR holds train/ and val/. Every row starts from random weights and is trained for the same image passes at
-the same size; all are judged by the same code on DIR/val. Ours and D-FINE-N see the same batches; the rows of
-the package ultralytics, which the user has to install, use its own augmentation. A broken run can be started
-again.
+DIR holds train/ and val/. Every row starts from random weights and is trained for the same number of images
+at the same size; all are evaluated by the same code on DIR/val. Our models and D-FINE-N see the same batches;
+the rows of the package ultralytics, which the user has to install, use its own augmentation. An interrupted
+run can be restarted.
 """
 
 import argparse
@@ -39,7 +39,7 @@ ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)
 
 
 class Trained(NamedTuple):
-    """A detector after training: learned numbers, image passes seen, and the function that detects."""
+    """Trained detector: number of parameters, training images seen, and the detection function."""
 
     parameters: int
     passes: int
@@ -62,7 +62,7 @@ def trained(name: str, stage: Stage, args: argparse.Namespace) -> Trained:
 
 
 def check(names: Sequence[str], stage: Stage, args: argparse.Namespace) -> None:
-    """Raises InputError for what would stop a row after those before it have been trained for hours."""
+    """Raise InputError for anything that would stop a later row after hours of training."""
     for name in names:
         if name in with_ultralytics.YOLOS:
             with_ultralytics.package(name)
@@ -72,7 +72,7 @@ def check(names: Sequence[str], stage: Stage, args: argparse.Namespace) -> None:
 
 
 def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
-    """A function from an image to detections by one of our networks."""
+    """Detection function of one of our networks."""
     deployed = Deployed(model)
 
     def detect(image: NDArray[np.uint8]) -> Detections:
@@ -98,7 +98,7 @@ def judged(
 
 
 def table(args: argparse.Namespace) -> list[dict]:
-    """Train, judge and print every row asked for. Raises InputError."""
+    """Train, evaluate and print every row requested. Raises InputError."""
     names = words("--rows", args.rows, ROWS)
     (stage,) = parse_stages(f"{args.size}:{args.passes}")
     check(names, stage, args)

@@ -1,6 +1,6 @@
 """D-FINE-N (Peng et al., arXiv 2410.13842) by the package transformers (Apache-2.0), trained from scratch.
 
-Needs the extra rivals. It sees the very batches that our models see: same images, views and order.
+Needs the extra rivals. It sees the same batches as our models: same images, views and order.
 """
 
 from collections.abc import Callable
@@ -21,14 +21,14 @@ from detector.schedule import Stage, rate_factor
 from files.errors import InputError
 
 RATE, WEIGHT_DECAY, CLIP, WARM_UP = 4e-4, 1e-4, 0.1, 2000
-"""Of the authors' configuration for the size N; the rate is half of theirs, as a batch is 16, not 128."""
+"""From the authors' configuration for size N; the rate is half of theirs, as a batch is 16, not 128."""
 LEAST_PIXELS = 61440
-"""Its 300 queries are chosen from as many points at strides 16 and 32."""
+"""Minimum number of pixels: its 300 queries are selected from the points at strides 16 and 32."""
 KEPT = ("model", "average", "optimiser", "passes")
 
 
 def check(stage: Stage) -> None:
-    """Raises InputError where the images are too small, or transformers is not installed."""
+    """Raise InputError if the images are too small or transformers is not installed."""
     if stage.width * stage.height < LEAST_PIXELS:
         raise InputError(
             f"row d-fine-n: needs images of {LEAST_PIXELS} pixels or more, got {stage.width}x{stage.height}"
@@ -42,7 +42,7 @@ def check(stage: Stage) -> None:
 
 
 def build() -> nn.Module:
-    """The network with random weights."""
+    """Build the network with random weights."""
     from transformers import DFineConfig, DFineForObjectDetection, HGNetV2Config
 
     backbone = HGNetV2Config(  # type: ignore[call-arg]
@@ -78,9 +78,9 @@ def build() -> nn.Module:
 
 
 def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple[nn.Module, int]:
-    """Train to the end of the stage, going on from `out`/checkpoint.pt.
+    """Train to the end of the stage, continuing from `out`/checkpoint.pt.
 
-    Gives the averaged model and the image passes it has seen. Raises InputError.
+    Returns the averaged model and the number of training images it has seen. Raises InputError.
     """
     check(stage)
     torch.manual_seed(seed)
@@ -98,7 +98,7 @@ def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple
     out.mkdir(parents=True, exist_ok=True)
     with Progress(stage.passes, passes) as progress:
         for number, made in enumerate(batches(samples, (stage,), batch, passes, seed, workers=1), 1):
-            torch.manual_seed(seed + made.passes)  # for the noise it learns to remove: the same after a break
+            torch.manual_seed(seed + made.passes)  # denoising noise, reproducible after an interruption
             for group in optimiser.param_groups:
                 group["lr"] = RATE * rate_factor((stage,), made.passes, WARM_UP)
             loss = model(pixel_values=made.images.float() / 255, labels=targets(made)).loss
@@ -116,7 +116,7 @@ def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple
 
 
 def targets(batch: Batch) -> list[dict[str, Tensor]]:
-    """Per image classes, and boxes as fractions, centre and size, of the objects large enough to ask for."""
+    """Targets per image: classes, and boxes (centre, size) as fractions, of sufficiently large objects."""
     count, _, height, width = batch.images.shape
     asked = batch.truths.where(batch.truths.classes >= 0)
     scale = torch.tensor([width, height, width, height])
@@ -127,7 +127,7 @@ def targets(batch: Batch) -> list[dict[str, Tensor]]:
 
 
 def detector(model: nn.Module) -> Callable[[NDArray[np.uint8]], Detections]:
-    """A function from an image to detections; the network needs no suppression."""
+    """Detection function; the network needs no non-maximum suppression."""
 
     def detect(image: NDArray[np.uint8]) -> Detections:
         height, width = image.shape[:2]

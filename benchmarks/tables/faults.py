@@ -1,8 +1,8 @@
-"""What the supervisor makes of each fault: `mpc_preview` against `mpc_reactive` with the same fault.
+"""Effect of each fault under the supervisor: `mpc_preview` against `mpc_reactive` with the same fault.
 
 `python -m benchmarks.tables.faults`, on the reporting set. Each fault lasts WINDOW_S, from AHEAD_S before the
-front axle meets the first obstacle; on roads without one, from the same time after the start. The solver's
-faults are put into the solver itself, all others into the scenario.
+front axle meets the first obstacle; on roads without one, from the same time after the start. Solver faults
+are injected into the solver itself, all others through the scenario.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -28,7 +28,7 @@ LIMIT = 1.02
 CHANNELS = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
 
 Answer = Callable[[Any], tuple]
-"""What a broken solver makes of its answer (x, value, status, info)."""
+"""Maps the solver's result (x, value, status, info) to that of a faulty solver."""
 
 SOLVER: dict[str, Answer] = {
     "solver fails": lambda found: (found[0], found[1], -4, found[3]),
@@ -37,7 +37,7 @@ SOLVER: dict[str, Answer] = {
 
 
 def faults(start: float) -> dict[str, Fault]:
-    """The scenario's faults by name, from `start` on, s."""
+    """Scenario faults by name, from `start` on, s."""
     lines: dict[str, Fault] = {
         f"{channel} {mode}": SensorFault(channel, mode, start, WINDOW_S)  # type: ignore[arg-type]
         for channel in CHANNELS
@@ -52,7 +52,7 @@ def faults(start: float) -> dict[str, Fault]:
 
 
 def start_s(scenario: Scenario) -> float:
-    """When the fault begins."""
+    """Start time of the fault."""
     features = scenario.road.features
     reach_m = features[0].start_m - max(scenario.vehicle.parameters.axle_x_m) if features else 0.0
     return max(0.0, (reach_m - scenario.start_m) / scenario.speed_m_s - AHEAD_S)
@@ -60,9 +60,9 @@ def start_s(scenario: Scenario) -> float:
 
 @contextmanager
 def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
-    """While it is open, the solver gives broken answers in the scenario's window.
+    """Context in which the solver returns faulty results during the scenario's window.
 
-    A step may ask the solver more than once, so the window is told by the time of the step.
+    A step may call the solver more than once, so the window refers to the time of the step.
     """
     rate_hz, begin, now_s = scenario.control.rate_hz, start_s(scenario), 0.0
     sound, ask = daqp.solve, PredictiveController.step
@@ -94,7 +94,7 @@ def variants(name: str, scenarios: list[Scenario]) -> list[Variant]:
 @command
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = shared_options("mpc_preview and its supervisor under faults", seeds="0")
-    parser.add_argument("--lines", help="names of the lines wanted, separated by commas (default all)")
+    parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     known = [*faults(0.0), *SOLVER]

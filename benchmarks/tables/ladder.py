@@ -1,9 +1,10 @@
-"""Tables 1 and 3 of arXiv 2508.01339 on a folder of images: the ladder of models, and distillation; and NWD.
+"""Tables 1 and 3 of arXiv 2508.01339 on a folder of images: model ablation, distillation; and NWD.
 
 `python -m benchmarks.tables.ladder --table 1|3|nwd --data DIR --out FOLDER --passes 60000 [--json FILE]`
 
-Every row is trained for the same passes, at the same size, on the same images, with the same seed, and then
-validated on DIR/val; finished rows are read from their run folders, so a broken run can be started again.
+Every row is trained for the same number of images, at the same size, on the same images, with the same seed,
+and then validated on DIR/val; finished rows are read from their run folders, so an interrupted run can be
+restarted.
 """
 
 import argparse
@@ -33,7 +34,7 @@ DISTILLATION = {
     "+cwd": ["--model", "sbp-yolo", "--distil-logits", "0"],
     "+bckd+cwd": ["--model", "sbp-yolo"],
 }
-NWD = {  # the two constants of eq. 9 and 10: share of CIoU alpha, and C in strides
+NWD = {  # the two constants of eq. 9 and 10: weight of CIoU alpha, and C in strides
     "ciou": ["--model", "sbp-yolo"],
     "alpha 0.75": ["--model", "sbp-yolo", "--nwd-alpha", "0.75"],
     "alpha 0.5": ["--model", "sbp-yolo", "--nwd-alpha", "0.5"],
@@ -47,7 +48,7 @@ TABLES = {"1": LADDER, "3": DISTILLATION, "nwd": NWD}
 
 
 def row(name: str, options: list[str], stage: Stage, args: argparse.Namespace) -> dict:
-    """Train one row, unless its run folder is complete, and give its numbers. Raises InputError."""
+    """Train one row, unless its run folder is complete, and return its numbers. Raises InputError."""
     run, taught = args.out / name, name.startswith("+") and args.table == "3"
     teacher = ["--teacher", args.out / "teacher" / "weights.pt"] if taught else []
     train_ours(run, stage, args, *options, *teacher)

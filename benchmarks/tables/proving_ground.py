@@ -1,12 +1,12 @@
-"""The two proving-ground bumps of Theunissen et al., what passive cars do on them and what control changes.
+"""Proving-ground bumps of Theunissen et al.: ride of passive cars and the effect of control.
 
 `python -m benchmarks.tables.proving_ground [--vehicles half,suv] [--seed 0] [--json FILE]`
 
 J. Theunissen et al., Regionless explicit model predictive control of active suspension systems with preview,
-IEEE Trans. Industrial Electronics 67(6), 2020, judge ride by heave and pitch acceleration below 4 Hz, the
-primary ride. That is told here beside the Wk-weighted RMS of the seats: RMS over the whole drive of what lies
-below 4 Hz, by Parseval's theorem. Each car also drives with slow-active actuators beside its dampers, because
-the car of the paper has hydraulic actuators.
+IEEE Trans. Industrial Electronics 67(6), 2020, evaluate ride by heave and pitch acceleration below 4 Hz, the
+primary ride. It is given here beside the Wk-weighted RMS at the seats: RMS over the whole drive of the
+content below 4 Hz, by Parseval's theorem. Each car is also simulated with slow-active actuators in parallel
+with its dampers, because the car of the paper has hydraulic actuators.
 """
 
 import argparse
@@ -32,7 +32,7 @@ ACTIVE = ("vehicle.parameters.actuator={kind: slow_active}",)
 
 
 class Ride(NamedTuple):
-    """One drive: Wk RMS and peak at the seats, heave (m/s²) and pitch (rad/s²) RMS below 4 Hz."""
+    """Result of one drive: Wk RMS and peak at the seats, heave (m/s²) and pitch (rad/s²) RMS below 4 Hz."""
 
     vehicle: str
     actuator: bool
@@ -45,7 +45,7 @@ class Ride(NamedTuple):
 
 
 def primary_ride(acceleration: NDArray[np.float64]) -> float:
-    """RMS of what lies below 4 Hz of an acceleration at every tick."""
+    """RMS below 4 Hz of an acceleration sampled at every tick."""
     spectrum = np.fft.rfft(acceleration) / len(acceleration)
     below = np.fft.rfftfreq(len(acceleration), 1.0 / TICKS_PER_SECOND) < PRIMARY_RIDE_HZ
     power = 2.0 * np.abs(spectrum[below]) ** 2
@@ -54,7 +54,7 @@ def primary_ride(acceleration: NDArray[np.float64]) -> float:
 
 
 def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: str, seed: int) -> Ride:
-    """Drive one car over one bump."""
+    """Simulate one car over one bump."""
     scenario = load(bump, [f"vehicle.model={vehicle}", *(ACTIVE if actuator else ())])
     run = simulate(Case(scenario, controller, perception, seed))
     heave, pitch = (primary_ride(run.signals[name]) for name in ("cg_acc", "pitch_acc"))
@@ -64,7 +64,7 @@ def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: 
 
 @command
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Drive, print the table, and write JSON where asked."""
+    """Simulate, print the table, and write JSON if requested."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--vehicles", default="half,suv")
     parser.add_argument("--seed", type=int, default=0)

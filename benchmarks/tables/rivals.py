@@ -1,8 +1,8 @@
-"""Every controller on the reporting set, and what the MPCs gain over the best of the tuned reactive laws.
+"""All controllers on the reporting set, and the gain of the MPCs over the best tuned reactive law.
 
-`python -m benchmarks.tables.rivals` drives all of them; `--controllers` fewer. Gains are means over the
-events of 1 − (value / value of the best law), the law whose J relative to passive is least on these very
-events.
+`python -m benchmarks.tables.rivals` runs all of them; `--controllers` fewer. Gains are means over the events
+of 1 − (value / value of the best law), where the best law is the one with the smallest J relative to passive
+on these very events.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Runs over a set of events, and means over it."""
+"""Simulation of table lines over a set of events, and means over it."""
 
 import argparse
 import json
@@ -19,13 +19,13 @@ from scenarios.schema import Scenario
 from scenarios.statistics import Interval, Row, intervals
 
 Key = tuple[str, str, str, int]
-"""Names of variant, vehicle and scenario, and the seed."""
+"""Key of a row: names of variant, vehicle and scenario, and the seed."""
 
 
 class Variant(NamedTuple):
-    """A line of a table: a controller on scenarios that may differ from those of the other lines.
+    """Line of a table: a controller on scenarios that may differ from those of the other lines.
 
-    around: what is done to the program while one of them is driven.
+    around: context manager within which each of its drives is simulated.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Variant(NamedTuple):
 
 
 def shared_options(description: str, seeds: str) -> argparse.ArgumentParser:
-    """The options that all tables share."""
+    """Parser with the options common to all tables."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument(
         "--events", nargs="+", default=["reporting"], help="scenarios or sets (default reporting)"
@@ -45,7 +45,7 @@ def shared_options(description: str, seeds: str) -> argparse.ArgumentParser:
     parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
-    told = "take rows from what --json wrote of pieces of this table, and drive only what they lack"
+    told = "reuse rows of --json files of parts of this table, and simulate only missing ones"
     parser.add_argument("--read", nargs="+", type=Path, default=[], metavar="FILE", help=told)
     return parser
 
@@ -53,9 +53,9 @@ def shared_options(description: str, seeds: str) -> argparse.ArgumentParser:
 def run_all(
     variants: Sequence[Variant], seeds: Sequence[int], pieces: Sequence[Path] = ()
 ) -> dict[str, list[list[Row]]]:
-    """One row for each variant, seed and event, in this order of nesting; those of `pieces` not anew.
+    """Return one row per variant, seed and event, nested in this order; those in `pieces` are reused.
 
-    Raises InputError for a piece that cannot be read, or that was driven with other settings.
+    Raises InputError for a piece that cannot be read, or was computed with other settings.
     """
     known = read_pieces(pieces)
     for variant in variants:
@@ -81,18 +81,18 @@ def run_all(
 
 
 def key(variant: Variant, scenario: Scenario, seed: int) -> Key:
-    """What names a row among all of its table."""
+    """Key of a row within its table."""
     return variant.name, scenario.vehicle.model, scenario.name, seed
 
 
 def settings(variant: Variant, scenario: Scenario) -> dict[str, str]:
-    """What a row of that name was driven with; the hash is over all fields of the scenario."""
+    """Settings of a row, for comparison; the hash covers all fields of the scenario."""
     seen = {"controller": variant.controller, "perception": variant.perception}
     return seen | {"scenario_hash": scenario_hash(scenario)}
 
 
 def read_pieces(paths: Sequence[Path]) -> dict[Key, tuple[Path, Row]]:
-    """The rows that `write` has put into files, and the file of each. Raises InputError."""
+    """Read the rows that `write` put into files, with the file of each. Raises InputError."""
     known = {}
     for path in paths:
         try:
@@ -116,7 +116,7 @@ def _check_same(path: Path, there: Row, asked: dict[str, str]) -> None:
 
 
 def metric(rows: list[list[Row]], name: str) -> np.ndarray:
-    """One metric of each run, (seeds, events)."""
+    """Values of one metric, (seeds, events)."""
     return np.array([[one["metrics"][name] for one in of_seed] for of_seed in rows])
 
 
@@ -126,14 +126,14 @@ def mean_over_events(values: np.ndarray) -> Interval:
 
 
 def shown(interval: Interval, style: str = ".3f") -> str:
-    """`mean [low, high]`, or the mean alone where the seeds are too few."""
+    """Format `mean [low, high]`, or the mean alone if there are too few seeds."""
     if interval.low is None or interval.high is None:
         return format(interval.mean, style)
     return f"{interval.mean:{style}} [{interval.low:{style}}, {interval.high:{style}}]"
 
 
 def write(path: Path | None, done: dict[str, list[list[Row]]]) -> None:
-    """Write every row under its variant's name, if a file is wanted."""
+    """Write every row under its variant's name, if a path is given."""
     if path is not None:
         rows = {name: [one for of_seed in runs for one in of_seed] for name, runs in done.items()}
         write_text(path, to_json({"schema": 1, "manifest": environment(), "variants": rows}) + "\n")

@@ -1,4 +1,4 @@
-"""Rows that are trained: each in a folder of its own, once, and gone on with only as it was begun."""
+"""Training of table rows: one folder each, resumed only with unchanged settings."""
 
 import argparse
 import json
@@ -11,13 +11,13 @@ from files.errors import InputError
 
 
 def settings_of(stage: Stage, args: argparse.Namespace) -> dict:
-    """What all rows of a table share, and must not change while they are trained."""
+    """Settings common to all rows of a table, which must not change during training."""
     size = f"{stage.width}x{stage.height}"
     return {"size": size, "passes": stage.passes, "batch": args.batch, "seed": args.seed}
 
 
 def check_begun(out: Path, asked: dict) -> None:
-    """Raises InputError where a row's folder holds a training with other settings."""
+    """Raise InputError if a row's folder holds a training with other settings."""
     if not out.exists() or not any(out.iterdir()):
         return
     found = _begun(out)
@@ -29,7 +29,7 @@ def check_begun(out: Path, asked: dict) -> None:
 
 
 def _begun(out: Path) -> dict:
-    """What a row is trained with: from config.json of `detector train`, or from row.json of all others."""
+    """Settings of a row: from config.json of `detector train`, or from row.json of all others."""
     path = out / "config.json" if (out / "config.json").exists() else out / "row.json"
     try:
         told = json.loads(path.read_text(encoding="utf-8"))
@@ -47,7 +47,7 @@ def _begun(out: Path) -> dict:
 
 
 def begin(out: Path, asked: dict) -> None:
-    """Note what a row is trained with, unless it is noted. Raises InputError where that differs."""
+    """Record the settings of a row, unless recorded. Raises InputError if they differ."""
     check_begun(out, asked)
     write_text(out / "row.json", json.dumps(asked) + "\n")
 
@@ -55,7 +55,7 @@ def begin(out: Path, asked: dict) -> None:
 def train_ours(out: Path, stage: Stage, args: argparse.Namespace, *options: object) -> None:
     """Run `detector train` with the table's settings and a row's options, unless the folder is complete.
 
-    A training that was broken off goes on. Raises InputError.
+    An interrupted training is resumed. Raises InputError.
     """
     check_begun(out, settings_of(stage, args))
     if (out / "weights.pt").exists():

@@ -1,7 +1,7 @@
-"""The YOLO family by the package `ultralytics`, where the user has installed it.
+"""YOLO family by the package `ultralytics`, if the user has installed it.
 
 It is under the AGPL-3.0, so it is no dependency of this project, is never installed with it, and is imported
-only when one of its rows is asked for by name. Its own augmentation and schedule are used.
+only when one of its rows is requested by name. Its own augmentation and schedule are used.
 """
 
 import importlib
@@ -35,7 +35,7 @@ YOLOS = {
 
 
 def package(row: str) -> Any:
-    """The module. Raises InputError where it is not installed."""
+    """Import the package. Raises InputError if it is not installed."""
     try:
         return importlib.import_module("ultralytics")
     except ImportError:
@@ -46,9 +46,9 @@ def package(row: str) -> Any:
 
 
 def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple[Any, int]:
-    """Train a row on `data`/train, or go on where it was broken off; gives the model and its image passes.
+    """Train a row on `data`/train, or resume it; return the model and the number of training images.
 
-    Whole epochs are run, over a share of the images if need be.
+    Whole epochs are run, over a fraction of the images if necessary.
     """
     yolo, last = package(row).YOLO, out / "run" / "weights" / "last.pt"
     images = len(image_paths(data / "train"))
@@ -82,7 +82,7 @@ def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) 
 
 
 def _passes(done: Path) -> int:
-    """The image passes that a finished row has seen."""
+    """Number of training images of a finished row."""
     text = done.read_text(encoding="utf-8", errors="replace").strip()
     if not is_whole(text):
         raise InputError(f"{done}: must be a number of image passes, got {text!r}")
@@ -90,7 +90,7 @@ def _passes(done: Path) -> int:
 
 
 def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:
-    """A function from an image to detections."""
+    """Detection function."""
 
     def detect(image: NDArray[np.uint8]) -> Detections:
         size = image.shape[:2]
@@ -104,5 +104,5 @@ def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:
 
 
 def parameters(model: Any) -> int:
-    """Learned numbers."""
+    """Number of learnable parameters."""
     return sum(p.numel() for p in model.model.parameters())
