@@ -6,8 +6,6 @@ A label line is `class cx cy w h`, centre and size as fractions of the image. Be
 """
 
 import hashlib
-import json
-import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,9 +17,12 @@ from numpy.typing import NDArray
 
 from detector.detection import CLASS_NAMES
 from detector.imagefile import read_image
-from files.errors import InputError
+from files.errors import InputError, printable, shortened, shown
+from files.reading import read_bytes, read_text
+from files.strict_json import read_json_lines
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
+MOST_DISTANCE_M = 1e6
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ def image_paths(folder: Path) -> list[Path]:
 def read_labels(path: Path, classes: int = len(CLASS_NAMES)) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Classes (n,), below `classes`, and fractional boxes (n, 4) of a label file; no file means no object."""
     rows = []
-    for number, line in enumerate(_lines(path) if path.exists() else (), 1):
+    for number, line in enumerate(read_text(path).splitlines() if path.exists() else (), 1):
         if line.strip():
             rows.append(_label_row(line, f"{path}:{number}", classes))
     table = np.array(rows, np.float64).reshape(-1, 5)
@@ -61,24 +62,19 @@ def read_labels(path: Path, classes: int = len(CLASS_NAMES)) -> tuple[NDArray[np
     return table[:, 0].astype(np.int64), boxes.astype(np.float32)
 
 
-def _lines(path: Path) -> list[str]:
-    try:
-        return path.read_text(encoding="utf-8").splitlines()
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file (UTF-8)") from None
-
-
 def _label_row(line: str, where: str, classes: int) -> list[float]:
     try:
         row = [float(word) for word in line.split()]
     except ValueError:
         row = []
     if len(row) != 5 or not np.isfinite(row).all():
-        raise InputError(f"{where}: expected five numbers `class cx cy w h`, got {line.strip()!r}")
+        raise InputError(f"{where}: expected five numbers `class cx cy w h`, got {shown(line.strip())}")
     if row[0] not in range(classes):
         raise InputError(f"{where}: class must be 0..{classes - 1}, got {row[0]:g}")
     if min(row[1:]) < 0 or max(row[1:]) > 1 or min(row[3:]) <= 0:
-        raise InputError(f"{where}: cx cy w h must be fractions in 0..1 with w, h > 0, got {line.strip()!r}")
+        raise InputError(
+            f"{where}: cx cy w h must be fractions in 0..1 with w, h > 0, got {shown(line.strip())}"
+        )
     return row
 
 
@@ -121,17 +117,16 @@ def read_records(folder: Path) -> dict[str, dict] | None:
     if not path.exists():
         return None
     records = {}
-    for number, line in enumerate(_lines(path), 1):
+    for number, record in enumerate(read_json_lines(path), 1):
         try:
-            record = json.loads(line)
             objects, condition = list(record["objects"]), dict(record.get("condition", {}))
             for one in objects:
                 _check_object(one)
             records[str(record["image"])] = record | {"objects": objects, "condition": condition}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InputError(
-                f"{path}:{number}: expected image, condition, and objects with class, distance_m and "
-                f"in_ego_lane ({error})"
+                f"{path}:{number}: expected image, condition, and objects with class, distance_m "
+                f"and in_ego_lane ({shortened(printable(error), 100)})"
             ) from None
     return records
 
@@ -139,11 +134,11 @@ def read_records(folder: Path) -> dict[str, dict] | None:
 def _check_object(one: dict) -> None:
     cls, distance, lane = one["class"], one["distance_m"], one["in_ego_lane"]
     if type(cls) is not int:  # a bool is an int, too
-        raise ValueError(f"class must be a whole number, got {cls!r}")
-    if type(distance) not in (int, float) or not math.isfinite(distance):
-        raise ValueError(f"distance_m must be a finite number, got {distance!r}")
+        raise ValueError(f"class must be a whole number, got {shown(cls)}")
+    if type(distance) not in (int, float) or not abs(distance) <= MOST_DISTANCE_M:
+        raise ValueError(f"distance_m must be a number within ±{MOST_DISTANCE_M:g}, got {shown(distance)}")
     if type(lane) is not bool:
-        raise ValueError(f"in_ego_lane must be true or false, got {lane!r}")
+        raise ValueError(f"in_ego_lane must be true or false, got {shown(lane)}")
 
 
 def dataset_hash(folder: Path) -> str:
@@ -152,5 +147,5 @@ def dataset_hash(folder: Path) -> str:
     for path in image_paths(folder):
         digest.update(f"{path.name} {path.stat().st_size}\n".encode())
         label = folder / "labels" / f"{path.stem}.txt"
-        digest.update(label.read_bytes() if label.exists() else b"")
+        digest.update(read_bytes(label) if label.exists() else b"")
     return digest.hexdigest()[:16]

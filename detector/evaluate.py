@@ -33,6 +33,7 @@ from detector.report import report
 from detector.runtime import Detector
 from files.atomic import write_text
 from files.errors import InputError
+from files.images import read_pixels
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 
@@ -96,9 +97,7 @@ def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
     path = masks / f"{Path(sample.name).stem}.png"
     if not path.exists():
         return found
-    mask = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-    if mask is None:
-        raise InputError(f"{path}: cannot be decoded as a mask")
+    mask = read_pixels(path, cv2.IMREAD_GRAYSCALE)
     size = np.array(sample.image.shape[1::-1])
     centre = (found.boxes[:, :2] + found.boxes[:, 2:]) / 2 / size * mask.shape[1::-1]
     x, y = centre.astype(int).clip(0, np.array(mask.shape[1::-1]) - 1).T

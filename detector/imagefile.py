@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image
 
 from files.errors import InputError
+from files.images import IMAGE_LIMIT, decode
+from files.reading import read_bytes
 
 _UPRIGHT = 1
 
@@ -16,17 +18,12 @@ _UPRIGHT = 1
 def read_image(path: Path) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 RGB of a colour image with 8 bits per channel.
 
-    Raises InputError naming a file that is empty, no image, cut short, grey, of more than 8 bits, or turned
-    by its EXIF orientation, which programs that label images may or may not have followed.
+    Raises InputError naming a file that is empty, no image, over `images.MAX_PIXELS`, cut short, grey, of
+    more than 8 bits, or turned by its EXIF orientation, which programs that label images may or may not have
+    followed.
     """
-    data = path.read_bytes()
-    if not data:
-        raise InputError(f"{path}: empty file; must be an image")
-    if _is_cut_short(data):
-        raise InputError(f"{path}: the file is cut short; its end is missing")
-    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    if image is None:
-        raise InputError(f"{path}: cannot be decoded as an image")
+    data = read_bytes(path, IMAGE_LIMIT)
+    image = decode(data, path, cv2.IMREAD_UNCHANGED)
     if image.dtype != np.uint8:
         raise InputError(f"{path}: {image.dtype.itemsize * 8} bits per channel; must be 8")
     if image.ndim != 3 or _is_grey_png(data):
@@ -53,10 +50,3 @@ def exif_orientation(data: bytes) -> int:
 def _is_grey_png(data: bytes) -> bool:
     """Whether a PNG is grey, or grey with alpha, which OpenCV reads as colour (ISO 15948, 11.2.2)."""
     return data[:4] == b"\x89PNG" and data[25:26] in (b"\0", b"\4")
-
-
-def _is_cut_short(data: bytes) -> bool:
-    """Whether the end marker of a JPEG or PNG is missing: decoders fill the rest with grey in silence."""
-    if data[:2] == b"\xff\xd8":
-        return b"\xff\xd9" not in data[len(data) // 2 :]
-    return data[:4] == b"\x89PNG" and b"IEND" not in data[-64:]

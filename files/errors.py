@@ -8,7 +8,10 @@ SHOWN_LENGTH = 60
 
 
 class InputError(ValueError):
-    """Invalid input, reported in one line that names file, field, value and what is allowed."""
+    """Invalid input, reported in one printable line that names file, field, value and what is allowed."""
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(printable(message))
 
 
 class _Bounded(reprlib.Repr):

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError, printable, shown
+from files.errors import InputError, shown
 from files.reading import read_text, reading
 
 JSON_LIMIT = 64 << 20
@@ -39,12 +39,12 @@ def parse_json(text: str, source: str) -> Any:
             )
             _check(value, DEPTH)
         except InputError as error:
-            raise InputError(f"{printable(source)}: {error}") from None
+            raise InputError(f"{source}: {error}") from None
         except json.JSONDecodeError as error:
             place = f"line {error.lineno}, column {error.colno}"
-            raise InputError(f"{printable(source)}: is no JSON ({error.msg}, {place})") from None
+            raise InputError(f"{source}: is no JSON ({error.msg}, {place})") from None
         except UnicodeEncodeError:
-            raise InputError(f"{printable(source)}: holds half a surrogate pair, which is no text") from None
+            raise InputError(f"{source}: holds half a surrogate pair, which is no text") from None
     return value
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from files.errors import InputError
+from files.errors import InputError, shortened
 from preview.horizon import RoadPreview, distance_grid
 from road import csv_profile, opencrg
 from road.envelope import PATCH_M, STEP_M, WheelProfile
@@ -27,6 +27,7 @@ from road.measured import FORMATS, MeasuredSurface, surface
 Array = np.ndarray
 _QUALITY = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
 """Columns that tell how good the map is, and what holds where they are missing."""
+_MOST = {"height_sigma_m": 10.0, "position_sigma_m": 1000.0, "existence": 1.0}
 
 
 @dataclass(frozen=True)
@@ -48,10 +49,10 @@ class RoadMap:
             values = getattr(self, name)
             if values.shape != self.surface.x_m.shape:
                 raise InputError(f"{name} must have one value a station, got shape {values.shape}")
-            if not (values >= 0).all():
-                raise InputError(f"{name} must be >= 0, got {values.min():g}")
-        if not (self.existence <= 1).all():
-            raise InputError(f"existence must be <= 1, got {self.existence.max():g}")
+            most = _MOST[name]
+            if not ((values >= 0) & (values <= most)).all():
+                wrong = values[~((values >= 0) & (values <= most))][0]
+                raise InputError(f"{name} must lie in 0 ... {most:g}, got {wrong:g}")
 
 
 def read(path: Path | str) -> RoadMap:
@@ -60,23 +61,23 @@ def read(path: Path | str) -> RoadMap:
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"{path}: a map must end in {' or '.join(FORMATS)}")
     if path.suffix.lower() == ".crg":
-        if not path.is_file():
-            raise InputError(f"{path}: no such file")
         x, y, heights = opencrg.read(path)
         told = {}
     else:
         header, table = csv_profile.read_table(path)
         if twice := sorted({name for name in header if header.count(name) > 1}):
-            raise InputError(f"{path}: each column must be named once, got {', '.join(twice)} twice")
+            raise InputError(
+                f"{path}: each column must be named once, got {shortened(', '.join(twice))} twice"
+            )
         kept = [k for k, name in enumerate(header) if name not in _QUALITY]
         x, y, heights = csv_profile.profile_of(path, [header[k] for k in kept], table[:, kept])
         told = {name: table[:, header.index(name)] for name in _QUALITY if name in header}
     quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _QUALITY.items()}
+    found = surface(x, y, heights, str(path))
     try:
-        return RoadMap(surface(x, y, heights, str(path)), **quality, start_m=float(x[0]))
+        return RoadMap(found, **quality, start_m=float(x[0]))
     except InputError as error:
-        message = str(error)
-        raise InputError(message if message.startswith(str(path)) else f"{path}: {message}") from None
+        raise InputError(f"{path}: {error}") from None
 
 
 def wheel_tracks(

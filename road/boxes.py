@@ -9,7 +9,9 @@ import cv2
 import numpy as np
 
 from files.atomic import write_text
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.images import read_pixels
+from files.reading import read_text
 
 NAMES = ("speed_bump", "pothole")
 WIDTH_PX = 640  # reference width: box sizes are scaled to an image of this width
@@ -25,7 +27,7 @@ def box_statistics(folder: Path) -> dict:
     with an area under SMALL_PX squared. Raises InputError that names every image or label that cannot be
     read.
     """
-    paths = sorted(p for p in (folder / "images").glob("*") if p.suffix.lower() in _IMAGES)
+    paths = sorted(p for p in (folder / "images").glob("*") if p.suffix.lower() in _IMAGES and p.is_file())
     if not paths or not (folder / "labels").is_dir():
         raise InputError(f"{folder}: must hold images/ with at least one image, and labels/")
     sizes: list[list[tuple[float, float]]] = [[] for _ in NAMES]
@@ -65,19 +67,17 @@ def table(statistics: dict[str, dict]) -> str:
 
 def _boxes(path: Path) -> list[tuple[int, float, float]]:
     """Class, width and height (px at WIDTH_PX) of each label of an image."""
-    image = cv2.imread(str(path))
-    if image is None:
-        raise InputError(f"{path}: cannot be decoded as an image")
+    rows_px, columns_px = read_pixels(path, cv2.IMREAD_COLOR).shape[:2]
     label = path.parent.parent / "labels" / f"{path.stem}.txt"
     rows = []
-    for number, line in enumerate(label.read_text().splitlines() if label.exists() else (), 1):
+    for number, line in enumerate(read_text(label).splitlines() if label.exists() else (), 1):
         try:
             cls, _, _, width, height = (float(word) for word in line.split())
         except ValueError:
-            raise InputError(f"{label}:{number}: must be `class cx cy w h`, got {line!r}") from None
+            raise InputError(f"{label}:{number}: must be `class cx cy w h`, got {shown(line)}") from None
         if cls not in range(len(NAMES)) or not (0 < width <= 1 and 0 < height <= 1):
-            raise InputError(f"{label}:{number}: class must be 0 or 1, w and h in (0, 1], got {line!r}")
-        rows.append((int(cls), width * WIDTH_PX, height * image.shape[0] / image.shape[1] * WIDTH_PX))
+            raise InputError(f"{label}:{number}: class must be 0 or 1, w and h in (0, 1], got {shown(line)}")
+        rows.append((int(cls), width * WIDTH_PX, height * rows_px / columns_px * WIDTH_PX))
     return rows
 
 

@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
+from files.reading import read_bytes, reading
 from road import csv_profile, opencrg
 
-MAX_BYTES = 1_000_000_000
 MAX_POINTS = 50_000_000
 MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres
 MAX_LENGTH_M = 100_000.0
+MAX_PLACE_M = 1e7
+LEAST_STEP_M = 1e-6
+"""Nearest that two stations, or two lines, may lie: closer ones are a mistake of units."""
 FORMATS = (".csv", ".crg")
 
 
@@ -48,17 +51,14 @@ class MeasuredSurface(NamedTuple):
 def read_surface(path: Path | str) -> MeasuredSurface:
     """Surface from a .csv or .crg file, shifted to start at x = 0 with a mean height of 0.
 
-    Raises InputError, in one line, for a file that cannot be read or does not describe a surface.
+    Raises InputError, in one line, for a file that cannot be read or does not describe a surface, that is
+    larger than `csv_profile.CSV_LIMIT` or `opencrg.CRG_LIMIT`, or has more than MAX_POINTS heights.
     """
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"{path}: a road file must end in {' or '.join(FORMATS)}")
-    try:
+    with reading(path):
         status = path.stat()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    if status.st_size > MAX_BYTES:
-        raise InputError(f"{path}: has {status.st_size} bytes, allowed are {MAX_BYTES}")
     return _read(path, status.st_mtime_ns, status.st_size)
 
 
@@ -76,17 +76,17 @@ def surface(
     if heights.size > MAX_POINTS:
         raise InputError(f"{source}: has {heights.size} points, allowed are {MAX_POINTS}")
     for name, values in (("stations", x), ("lateral positions", y)):
-        if not np.all(np.isfinite(values)) or not np.all(np.diff(values) > 0):
-            raise InputError(f"{source}: {name} must be finite and ascend")
+        _check_places(values, f"{source}: {name}")
     missing = np.argwhere(~np.isfinite(heights))
     if len(missing):
         line, station = missing[0]
         raise InputError(f"{source}: no height at x = {x[station]:g} m, y = {y[line]:g} m")
     if x[-1] - x[0] > MAX_LENGTH_M:
         raise InputError(f"{source}: is {x[-1] - x[0]:g} m long, allowed are {MAX_LENGTH_M:g} m")
-    heights = heights - heights[:, 0].mean()
+    with np.errstate(over="ignore", invalid="ignore"):
+        heights = heights - heights[:, 0].mean()
     relief = float(np.abs(heights).max())
-    if relief > MAX_RELIEF_M:
+    if not relief <= MAX_RELIEF_M:
         raise InputError(
             f"{source}: heights depart from the start by {relief:g} m, allowed are {MAX_RELIEF_M:g} m; "
             "are they in metres, with the grade removed?"
@@ -95,12 +95,22 @@ def surface(
     return MeasuredSurface(x - x[0], y, heights)
 
 
+def _check_places(values: NDArray[np.float64], name: str) -> None:
+    if not np.all(np.abs(values) <= MAX_PLACE_M) or not np.all(np.diff(values) > 0):
+        raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m")
+    least = float(np.diff(values).min(initial=np.inf))
+    if least < LEAST_STEP_M:
+        raise InputError(f"{name} must lie at least {LEAST_STEP_M:g} m apart, got {least:g} m")
+
+
 @lru_cache(maxsize=4)
 def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
     """Surface of one file, cached until the file changes."""
-    read = csv_profile.read if path.suffix.lower() == ".csv" else opencrg.read
+    is_csv = path.suffix.lower() == ".csv"
+    data = read_bytes(path, csv_profile.CSV_LIMIT if is_csv else opencrg.CRG_LIMIT)
+    read = csv_profile.read if is_csv else opencrg.read
     found = surface(*read(path), str(path))
-    return found._replace(sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+    return found._replace(sha256=hashlib.sha256(data).hexdigest())
 
 
 def _cell(grid: NDArray[np.float64], at: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 from detector.detection import Detections
 from files import strict
 from files.errors import InputError
+from files.images import read_pixels
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
@@ -81,7 +82,7 @@ def _look(event: Event, folder: Path) -> Look:
     tick = round(event["exposed_s"] * TICKS_PER_SECOND)
     boxes = np.array(event["boxes"], np.float32).reshape(-1, 4)
     stored = folder / FRAMES / f"{tick:07d}.jpg"
-    image = cv2.imread(str(stored), cv2.IMREAD_COLOR) if stored.is_file() else None
+    image = read_pixels(stored, cv2.IMREAD_COLOR) if stored.exists() else None
     rgb = None if image is None else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
     return Look(tick, Detections(boxes, event["scores"], event["classes"]), rgb)
 

@@ -12,6 +12,7 @@ from rich.progress import track
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError, shown
+from files.images import read_pixels
 from files.numbers import is_whole
 from road.checkerboard import LEAST_VIEWS, Board, Calibration, Mounting, calibrate, find_corners, mounting
 from scenarios.commands.options import console
@@ -96,12 +97,7 @@ def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray]
 
 def _photo(path: Path) -> np.ndarray:
     """(H, W) grey image in sensor orientation; the file's own rotation would rotate the lens."""
-    data = np.frombuffer(path.read_bytes(), np.uint8)
-    flags = cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION
-    image = cv2.imdecode(data, flags) if len(data) else None
-    if image is None:
-        raise InputError(f"{path}: cannot be decoded as an image")
-    return np.asarray(image, np.uint8)
+    return np.asarray(read_pixels(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION), np.uint8)
 
 
 def _mount(path: Path, found: Calibration, board: Board, size: tuple[int, int]) -> Mounting:

@@ -92,7 +92,7 @@ def test_detections_beside_the_lane_are_not_counted(tmp_path: Path) -> None:
         cv2.imwrite(str(folder / "lane" / f"{i:03}.png"), mask)
     assert evaluate(folder, noisy, 0.25)["precision"] == 1
     (folder / "lane" / "001.png").write_bytes(b"junk")
-    with pytest.raises(InputError, match=r"001\.png: cannot be decoded as a mask"):
+    with pytest.raises(InputError, match=r"001\.png: cannot be decoded as an image"):
         evaluate(folder, oracle(folder), 0.25)
 
 

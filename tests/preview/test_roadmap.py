@@ -86,8 +86,8 @@ def test_a_header_alone_or_with_a_column_twice_is_refused(tmp_path: Path, header
 @pytest.mark.parametrize(
     ("header", "line", "told"),
     [
-        ("x_m,z_m,existence", "1,0,1.5", "existence must be <= 1"),
-        ("x_m,z_m,height_sigma_m", "1,0,-1", "height_sigma_m must be >= 0"),
+        ("x_m,z_m,existence", "1,0,1.5", "existence must lie in 0 ... 1"),
+        ("x_m,z_m,height_sigma_m", "1,0,-1", "height_sigma_m must lie in 0 ... 10"),
         ("x_m,z_m,speed", "1,0,1", "header must be"),
         ("x_m,z_m,existence", "1,0,nan", "existence must be a finite number"),
     ],

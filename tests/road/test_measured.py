@@ -1,4 +1,5 @@
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -77,7 +78,7 @@ def test_unreadable_files_are_told(tmp_path):
     with pytest.raises(InputError, match=r"road\.txt: a road file must end in \.csv or \.crg"):
         read_surface(written(tmp_path, GOOD, "road.txt"))
     (tmp_path / "binary.csv").write_bytes(b"x_m,z_m\n\xff\xfe")
-    with pytest.raises(InputError, match=r"binary\.csv: cannot be read"):
+    with pytest.raises(InputError, match=r"binary\.csv: is not UTF-8 text"):
         read_surface(tmp_path / "binary.csv")
 
 
@@ -137,3 +138,22 @@ def test_a_mutated_profile_gives_a_surface_or_one_line_of_refusal(tmp_path_facto
     path.write_text(text, encoding="utf-8", errors="surrogatepass")
     os.utime(path, ns=(1, hash(text) & 0xFFFFFFFFFFF))
     assert outcome(path).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x_m,z_m\n0,0\n1,1e300\n2,-1e300\n", "heights depart from the start by"),
+        ("x_m,z_m\n0,0\n1,1.7e308\n2,1.7e308\n", "heights depart from the start by"),
+        ("x_m,z_m\n0,0\n1e-300,0\n1,0\n", "stations must lie at least 1e-06 m apart, got 1e-300 m"),
+        ("x_m,z_m\n-1e308,0\n1e308,0\n", "stations must be finite and ascend, within"),
+        ("x_m,z_m\n0,0\n1_0,0\n", "must be a finite number, got '1_0'"),
+        ("x_m,z_m\n0,0\n1,inf\n", "must be a finite number, got 'inf'"),
+        ("x_m,z_m\n0,0\n1,²\n", "must be a finite number"),
+    ],
+)
+def test_absurd_numbers_are_refused_without_a_warning(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with warnings.catch_warnings(record=True) as told, pytest.raises(InputError, match=message):
+        read_surface(path)
+    assert not told

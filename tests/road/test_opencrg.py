@@ -141,3 +141,19 @@ def test_a_mutated_file_gives_a_surface_or_one_line_of_refusal(tmp_path_factory,
     path.write_bytes(mutated)
     os.utime(path, ns=(1, hash(mutated) & 0xFFFFFFFFFFF))
     assert outcome(path).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("D:long section 2,m\n", "D:long section 2,m\n" * 10_001, "at most 10000 long sections"),
+        ("$ROAD_CRG\n", "$ROAD_CRG_FILE\n/etc/hosts\n$\n$ROAD_CRG\n", "must hold its heights itself"),
+        ("_increment = 0.5", "_increment = 1e-300", r"bad\.crg: "),
+        ("_v_increment = 2.0", "_v_increment = 1e-12", r"bad\.crg: "),
+    ],
+)
+def test_headers_that_ask_for_too_much_are_refused(tmp_path, old, new, message):
+    good = hand_written(tmp_path / "good.crg", "LRFI").read_text()
+    (tmp_path / "bad.crg").write_text(good.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        read_surface(tmp_path / "bad.crg")
