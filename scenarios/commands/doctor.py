@@ -19,7 +19,7 @@ from road.camera import Camera, CameraMount, pose_of
 from road.features import HalfSineBump
 from road.profile import Road
 from road.render import Scene
-from scenarios.commands.options import add_output_options, console
+from scenarios.commands.options import add_output_options, console, verdict
 from scenarios.loading import load, names
 from scenarios.runfolder import to_json, versions
 from vehicle.parameters import load_vehicle
@@ -50,8 +50,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for check in CHECKS:
         finding = _try(check)
         findings.append(finding)
-        mark = "[green]ok[/]    " if finding.passed else "[red]FAILED[/]"
-        console.print(f"{mark} {finding.check}: {finding.detail}")
+        console.print(verdict(finding.passed), f"{finding.check}: {finding.detail}")
     passed = all(finding.passed for finding in findings)
     if arguments.json:
         document = {

@@ -16,6 +16,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.text import Text
 
 from controller.settings import ControllerSettings
 from files import strict, yaml12
@@ -32,12 +33,17 @@ _FILE_WIDTH = 140
 
 
 def _console() -> Console:
-    """Console of the terminal; for a file or a pipe, wide enough for every column."""
-    terminal = Console()
-    return terminal if terminal.is_terminal else Console(width=_FILE_WIDTH)
+    """Console of the terminal; for a file or a pipe, wide enough for every column. Text is no markup."""
+    terminal = Console(markup=False, emoji=False)
+    return terminal if terminal.is_terminal else Console(width=_FILE_WIDTH, markup=False, emoji=False)
 
 
 console = _console()
+
+
+def verdict(passed: bool) -> Text:
+    """Coloured result of a check."""
+    return Text("ok    ", "green") if passed else Text("FAILED", "red")
 
 
 def comma_list(text: str) -> list[str]:
@@ -164,7 +170,7 @@ def simulated(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) 
 def progress_bar() -> Progress:
     """Transient progress bar with the remaining time."""
     columns = (
-        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
+        TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     return Progress(*columns, console=console, transient=True)

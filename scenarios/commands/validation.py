@@ -8,7 +8,7 @@ from typing import Any
 from rich.progress import track
 
 from files.atomic import write_text
-from scenarios.commands.options import console
+from scenarios.commands.options import console, verdict
 from scenarios.runfolder import environment, to_json
 from scenarios.validation.areas import count, run_all
 from scenarios.validation.check import Check
@@ -32,9 +32,9 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run all checks; exit code 1 if one failed."""
     rows = list(track(run_all(), "checks", total=count(), console=console, transient=True))
     for area, check in rows:
-        mark = "[green]ok[/]    " if check.passed else "[red]FAILED[/]"
         measured = f"{_shown(check, check.deviation)} of {_shown(check, check.bound)}"
-        console.print(f"{mark} {area}: {check.name}: {measured} ({check.reference})", highlight=False)
+        told = f"{area}: {check.name}: {measured} ({check.reference})"
+        console.print(verdict(check.passed), told, highlight=False)
     failed = sum(not check.passed for _, check in rows)
     console.print(f"{len(rows) - failed} of {len(rows)} checks passed")
     if arguments.out:

@@ -1,12 +1,12 @@
 """Comfort budget section of the report: cost of each error source relative to the gain of preview."""
 
 import json
-from html import escape
 from pathlib import Path
 from typing import Any
 
 from files.errors import InputError
-from scenarios.report.sections import table
+from scenarios.report.markup import text
+from scenarios.report.sections import bar_of, table, with_small
 
 _NUMBERS = ("reactive", "whole", "all_true")
 
@@ -28,24 +28,24 @@ def error_budget_section(path: Path) -> str:
         f"{told}. J is relative to passive. A source's cost is the share of the possible gain that would be "
         "kept in addition if it were exact; costs need not add up, because errors hide one another."
     )
-    body = f'<div class="scroll">{"".join(events)}</div><p class="hint">{escape(note)}</p>'
+    body = f'<div class="scroll">{"".join(events)}</div><p class="hint">{text(note)}</p>'
     return f"<section><h2>Where the gain is lost</h2>{body}</section>"
 
 
 def _event(event: dict[str, Any]) -> str:
-    title = escape(str(event["event"]))
+    title = text(event["event"])
     reactive, whole, exact = (float(event[name]) for name in _NUMBERS)
 
     def share(value: float | None, digits: int) -> str:
         """As a percentage; a dash where there was nothing to gain, and so no share of it."""
         return "-" if value is None and reactive <= exact else f"{float(value):.{digits}%}"  # type: ignore[arg-type]
 
-    lines = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
+    lines: list[list[str]] = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
     costs = [float(source["cost"] or 0.0) for source in event["sources"]]
     most = max(map(abs, [*costs, 1e-9]))
     for cost, source in sorted(zip(costs, event["sources"], strict=True), key=lambda pair: -pair[0]):
-        bar = f'<span class="bar" style="width:{90 * max(cost, 0.0) / most:.0f}px"></span>'
-        name = f"{escape(str(source['source']))} exact <small>{escape(str(source['replaced_by']))}</small>"
+        bar = bar_of(max(cost, 0.0) / most)
+        name = with_small(f"{source['source']} exact ", str(source["replaced_by"]))
         lines.append([name, bar, share(source["cost"], 1), f"{float(source['objective']):.3f}", ""])
     lines += [
         ["not of a single source", "", share(event["rest"], 1), "", ""],

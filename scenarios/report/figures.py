@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from files.atomic import write_bytes
+from files.errors import printable
 from scenarios.closed_loop import Run
 from scenarios.report.window import event_window
 
@@ -31,9 +32,13 @@ def colour_of(controller: str, index: int) -> str:
 
 def label_of(run: Run) -> str:
     """Legend label of a run."""
-    return run.case.controller.rpartition(":")[2] + (
-        "" if run.case.perception == "none" else f" ({run.case.perception})"
-    )
+    name = printable(run.case.controller.rpartition(":")[2])
+    return name if run.case.perception == "none" else f"{name} ({run.case.perception})"
+
+
+def plain(text: str) -> str:
+    """Text escaped for Matplotlib, which takes dollar signs for formulas."""
+    return printable(text).replace("$", r"\$")
 
 
 def write_overview(path: Path, runs: Sequence[Run]) -> None:
@@ -71,10 +76,10 @@ def _event_column(axes: Sequence[Axes], runs: Sequence[Run]) -> None:
     time = runs[0].signals["time_s"][part]
     road.plot(time, runs[0].signals["road_height_0"][part] * 1e3, color="#555a60", lw=1.4)
     road.set_ylabel("road under\nfront wheel (mm)")
-    road.set_title(runs[0].case.scenario.title, fontsize=10)
+    road.set_title(plain(runs[0].case.scenario.title), fontsize=10)
     for index, run in enumerate(runs):
         colour, label = colour_of(run.case.controller, index), label_of(run)
-        acceleration.plot(time, run.signals["seat_acc_0"][part], color=colour, lw=1.3, label=label)
+        acceleration.plot(time, run.signals["seat_acc_0"][part], color=colour, lw=1.3, label=plain(label))
         damping.plot(time, run.signals["damping_0"][part] / 1e3, color=colour, lw=1.3)
     acceleration.set_ylabel("body acceleration\nat the front seat (m/s²)")
     damping.set_ylabel("front damping (kN·s/m)")
@@ -92,7 +97,7 @@ def _bars(axis: Axes, runs: Sequence[Run]) -> None:
         ratio = fmean(run.metrics["objective"] for run in members) / passive
         axis.barh(index, ratio, color=colour_of(members[0].case.controller, index))
         axis.text(ratio + 0.015, index, f"{ratio:.3f}", va="center", fontsize=9)
-    axis.set_yticks(np.arange(len(labels)), labels, fontsize=9)
+    axis.set_yticks(np.arange(len(labels)), [plain(label) for label in labels], fontsize=9)
     axis.invert_yaxis()
     axis.set_xlim(0, 1.2)
     axis.set_xlabel("objective J relative to passive (less is better)")

@@ -1,8 +1,6 @@
 """HTML report as one self-contained file."""
 
-import json
 from collections.abc import Sequence
-from html import escape
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.report.figures import label_of
 from scenarios.report.gather import Gathered
+from scenarios.report.markup import embedded, text
 from scenarios.report.replay import scene
 from scenarios.report.sections import budget_section, manifest_section, metrics_section, solver_section
 from scenarios.report.window import event_window
@@ -28,20 +27,20 @@ def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
     runs = first_seeds(gathered.runs)
     baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
     variants = summarise(gathered.rows, baseline)
-    pieces = {
-        "title": escape(_title(gathered)),
-        "subtitle": escape(_subtitle(gathered)),
+    pieces: dict[str, str] = {
+        "title": text(_title(gathered)),
+        "subtitle": text(_subtitle(gathered)),
         "banner": _banner(gathered.missing),
         "replay_hidden": "" if runs else "hidden",
         "sections": metrics_section(variants, baseline) + budget_section(variants) + budget,
         "tail": solver_section(gathered.runs) + manifest_section(gathered.runs) if runs else "",
-        "style": _text("vendor/uPlot.min.css") + _text("style.css"),
-        "data": json.dumps({"scenes": _scenes(runs, frames_from)}, allow_nan=False).replace("</", "<\\/"),
-        "uplot": _text("vendor/uPlot.iife.min.js"),
-        "script": "".join(_text(name) for name in _SCRIPTS),
+        "style": _file("vendor/uPlot.min.css") + _file("style.css"),
+        "data": embedded({"scenes": _scenes(runs, frames_from)}),
+        "uplot": _file("vendor/uPlot.iife.min.js"),
+        "script": "".join(_file(name) for name in _SCRIPTS),
     }
-    first, *rest = _text("page.html").split("{{")
-    filled = (pieces[name] + text for name, text in (part.split("}}", 1) for part in rest))
+    first, *rest = _file("page.html").split("{{")
+    filled = (pieces[name] + after for name, after in (part.split("}}", 1) for part in rest))
     return first + "".join(filled)
 
 
@@ -97,8 +96,8 @@ def _banner(missing: Sequence[str]) -> str:
     if not missing:
         return ""
     listed = "; ".join(missing[:3]) + (f"; and {len(missing) - 3} more" if len(missing) > 3 else "")
-    return f'<p class="banner" role="alert"><b>Partial result.</b> {escape(listed)}</p>'
+    return f'<p class="banner" role="alert"><b>Partial result.</b> {text(listed)}</p>'
 
 
-def _text(name: str) -> str:
+def _file(name: str) -> str:
     return (_PAGE / name).read_text(encoding="utf-8")

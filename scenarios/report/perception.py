@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from scenarios.course.judge import USE_M
-from scenarios.report.figures import save
+from scenarios.report.figures import plain, save
 
 
 def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
@@ -31,7 +31,7 @@ def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
             capsize=2.5,
             color="#1c6ebe",
         )
-        axis.set_title(f"{row['name']} ({row['events']} events)", fontsize=10)
+        axis.set_title(plain(f"{row['name']} ({row['events']} events)"), fontsize=10)
         axis.set_ylim(-1.5, 1.5)
         axis.set_xlabel("distance of the front wheel (m)")
         axis.set_ylabel("believed - true near edge (m)")

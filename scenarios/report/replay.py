@@ -11,6 +11,7 @@ from scipy.signal import welch
 
 from comfort import frequency_weighting
 from detector.detection import CLASS_NAMES
+from files.errors import printable
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.report.figures import label_of
@@ -33,9 +34,9 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
     height = first.road.height(x, np.full_like(x, runs[0].track_y_m))
     side = [i for i, y in enumerate(car.wheel_y_m) if y == runs[0].track_y_m]
     return {
-        "name": first.name,
-        "title": first.title,
-        "vehicle": first.vehicle.model,
+        "name": printable(first.name),
+        "title": printable(first.title),
+        "vehicle": printable(first.vehicle.model),
         "seed": runs[0].case.seed,
         "road": {"step": ROAD_STEP_M, "z": packed(height)},
         "axles": [car.axle_x_m[i] for i in (side[0], side[-1])][: len(side)],

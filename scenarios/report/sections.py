@@ -7,6 +7,7 @@ from itertools import groupby
 
 from scenarios.closed_loop import Run
 from scenarios.report.figures import label_of
+from scenarios.report.markup import Html, text
 from scenarios.report.table import COLUMNS, Column, short_name
 from scenarios.runfolder import manifest, to_json
 from scenarios.statistics import Interval, Variant
@@ -26,18 +27,18 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
     for (scenario, vehicle), group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
         members = list(group)
         captured = any(v.captured for v in members)
-        effect = f"J / {escape(baseline)}" if baseline else "J"
-        heads = ["controller", "preview", "", effect, *(["captured"] if captured else [])]
-        heads += [f"{c.name}<br>{c.unit}" for c in COLUMNS] + ["fallbacks", "seeds"]
+        effect = f"J / {baseline}" if baseline else "J"
+        heads: list[str] = ["controller", "preview", "", effect, *(["captured"] if captured else [])]
+        heads += [_two_lines(c.name, c.unit) for c in COLUMNS] + ["fallbacks", "seeds"]
         most = max(_effect(v).mean for v in members) or 1.0
         rows = []
         for v in members:
-            bar = f'<span class="bar" style="width:{90 * _effect(v).mean / most:.0f}px"></span>'
-            row = [escape(short_name(v.controller)), escape(v.perception), bar, _cell(_effect(v), ".3f")]
+            bar = bar_of(_effect(v).mean / most)
+            row: list[str] = [short_name(v.controller), v.perception, bar, _cell(_effect(v), ".3f")]
             row += [_cell(v.captured, ".1%")] if captured else []
             row += [_metric(v, c) for c in COLUMNS]
             rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
-        tables.append(f"<h2>{escape(scenario)} · {escape(vehicle)}</h2>{table(heads, rows, left=2)}")
+        tables.append(f"<h2>{text(scenario)} · {text(vehicle)}</h2>{table(heads, rows, left=2)}")
     told = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
     return f'<section><div class="scroll">{"".join(tables)}</div><p class="hint">{told}</p></section>'
 
@@ -53,7 +54,7 @@ def budget_section(variants: Sequence[Variant]) -> str:
         for perception, told in _LADDER.items():
             if (objective := found.get(("mpc_preview", perception))) is not None:
                 share = f"{(reactive - objective) / (reactive - best):.0%}" if reactive > best else "–"
-                rows.append([escape(f"{scenario} · {vehicle}"), told, f"{objective:.4f}", share])
+                rows.append([f"{scenario} · {vehicle}", told, f"{objective:.4f}", share])
     if len(rows) < 2:
         return ""
     shown = table(
@@ -72,21 +73,20 @@ def solver_section(runs: Sequence[Run]) -> str:
         )
         rows.append(
             [
-                escape(run.case.scenario.name),
-                escape(label_of(run)),
+                run.case.scenario.name,
+                label_of(run),
                 str(run.case.seed),
-                str(run.solver.get("solves", "–"))
-                + (f"<small>bound: {escape(bound)}</small>" if bound else ""),
-                str(run.solver.get("fallbacks", "–"))
-                + (f"<small>{escape(reasons)}</small>" if reasons else ""),
+                with_small(run.solver.get("solves", "–"), f"bound: {bound}" if bound else ""),
+                with_small(run.solver.get("fallbacks", "–"), reasons),
                 *(_number(run.timing.get(name)) for name in ("median_ms", "max_ms")),
                 str(run.perception_stats.get("frames", "–")),
                 str(run.perception_stats.get("boxes", "–")),
                 *(_number(run.timing.get(name)) for name in ("look_median_ms", "real_time_factor")),
             ]
         )
-    heads = ["drive", "run", "seed", "solves", "fallbacks", "step median<br>ms", "step longest<br>ms"]
-    heads += ["exposures", "boxes", "look median<br>ms", "× real time"]
+    heads = ["drive", "run", "seed", "solves", "fallbacks", _two_lines("step median", "ms")]
+    heads += [_two_lines("step longest", "ms"), "exposures", "boxes"]
+    heads += [_two_lines("look median", "ms"), "× real time"]
     shown = table(heads, rows, 2)
     return f'<section><h2>Solver, fallbacks, perception</h2><div class="scroll">{shown}</div></section>'
 
@@ -96,8 +96,8 @@ def manifest_section(runs: Sequence[Run]) -> str:
     parts = []
     for run in runs:
         name = f"{run.case.scenario.name} · {label_of(run)} · seed {run.case.seed}"
-        text = to_json(json.loads(to_json(manifest(run))))
-        parts.append(f"<details><summary>{escape(name)}</summary><pre>{escape(text)}</pre></details>")
+        whole = to_json(json.loads(to_json(manifest(run))))
+        parts.append(f"<details><summary>{text(name)}</summary><pre>{escape(whole)}</pre></details>")
     return f"<section><h2>Manifests</h2>{''.join(parts)}</section>"
 
 
@@ -112,22 +112,36 @@ def _metric(variant: Variant, column: Column) -> str:
 def _cell(value: Interval | None, style: str, factor: float = 1.0) -> str:
     if value is None:
         return "–"
-    text = format(value.mean * factor, style)
+    mean = format(value.mean * factor, style)
     if value.low is None or value.high is None or value.low == value.high:
-        return text
-    return f"{text}<small>{format(value.low * factor, style)} … {format(value.high * factor, style)}</small>"
+        return mean
+    return with_small(mean, f"{format(value.low * factor, style)} … {format(value.high * factor, style)}")
 
 
 def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
 
 
+def with_small(value: object, note: str) -> Html:
+    """Table cell with an optional note in small type."""
+    return Html(text(value) + (f"<small>{text(note)}</small>" if note else ""))
+
+
+def bar_of(share: float) -> Html:
+    """Horizontal bar of a table, relative to the longest one."""
+    return Html(f'<span class="bar" style="width:{90 * share:.0f}px"></span>')
+
+
+def _two_lines(first: str, second: str) -> Html:
+    return Html(f"{text(first)}<br>{text(second)}")
+
+
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
-    """HTML table of cells that are already HTML, with the first `left` columns left-aligned."""
+    """HTML table of cells, escaped unless they are `Html`, with the first `left` columns left-aligned."""
 
     def line(cells: Sequence[str], tag: str) -> str:
         return "".join(
-            f"<{tag}{' class=left' if index < left else ''}>{cell}</{tag}>"
+            f"<{tag}{' class=left' if index < left else ''}>{text(cell)}</{tag}>"
             for index, cell in enumerate(cells)
         )
 

@@ -7,6 +7,7 @@ from itertools import groupby
 from rich import box
 from rich.table import Table
 
+from files.errors import printable
 from scenarios.statistics import Interval, Variant
 
 
@@ -71,7 +72,7 @@ def markdown(variants: Sequence[Variant], baseline: str | None = None) -> str:
     """Comparison as a Markdown table (GitHub's pipes), every number with its interval."""
     heads, rows = _full(variants, baseline)
     align = ["---"] * len(_HEADS) + ["---:"] * (len(heads) - len(_HEADS))
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, align, *rows))
+    return "".join(f"| {' | '.join(map(_markdown_cell, cells))} |\n" for cells in (heads, align, *rows))
 
 
 def latex(variants: Sequence[Variant], baseline: str | None = None) -> str:
@@ -130,8 +131,16 @@ def _percent(value: Interval | None) -> str:
     return "-" if value is None else f"{100 * value.mean:.1f} %"
 
 
-_TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "²": "$^2$", "^": r"\^{}"}
+def _markdown_cell(cell: str) -> str:
+    return printable(cell).replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;")
+
+
+_TEX = {"\\": r"\textbackslash{}", "²": "$^2$", "^": r"\^{}", "~": r"\textasciitilde{}"} | {
+    letter: f"\\{letter}" for letter in "_%&#${}"
+}
 
 
 def _tex_row(cells: Sequence[str]) -> str:
-    return " & ".join("".join(_TEX.get(letter, letter) for letter in cell) for cell in cells) + r" \\"
+    return (
+        " & ".join("".join(_TEX.get(letter, letter) for letter in printable(cell)) for cell in cells) + r" \\"
+    )

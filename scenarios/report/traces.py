@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
+from scenarios.report.figures import plain
 from scenarios.report.window import event_window
 
 Labelled = tuple[str, Run, tuple[int, int, int]]
@@ -34,7 +35,10 @@ class Traces:
             for label, run, colour in runs:
                 rgb = tuple(channel / 255 for channel in colour)
                 axis.plot(
-                    run.signals["time_s"][part], run.signals[signal][part] * factor, color=rgb, label=label
+                    run.signals["time_s"][part],
+                    run.signals[signal][part] * factor,
+                    color=rgb,
+                    label=plain(label),
                 )
             axis.set_title(title, fontsize=10)
             axis.set_xlabel("time (s)", fontsize=9)

@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import cv2
@@ -16,6 +15,7 @@ from scenarios.readback import read
 from scenarios.report.budget import error_budget_section
 from scenarios.report.frames import with_frames
 from scenarios.report.replay import packed, spectra
+from tests.scenarios.browser import CHROMIUM, told_by
 
 SHORT = """
 title: A short <drive> over a hump
@@ -26,11 +26,7 @@ road:
     - {kind: flat_top_hump, start_m: 11, length_m: 3.6, height_m: 0.09, ramp_m: 0.6}
 vehicle: {model: half}
 """
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-PROBE = """<script>
-const errors = []; addEventListener("error", (event) => errors.push(event.message));
-</script>"""
-KEYS = """<script>
+KEYS = """
 const press = (key, shiftKey) => document.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey }));
 const clock = () => document.getElementById("clock").textContent;
 const inks = (id) => {
@@ -47,7 +43,7 @@ told.spectrum = document.querySelectorAll("#spectrum .uplot").length;
 told.sideways = document.documentElement.scrollWidth - document.documentElement.clientWidth;
 told.errors = errors;
 document.title = "TOLD" + JSON.stringify(told) + "END";
-</script>"""
+"""
 
 
 @pytest.fixture(scope="module")
@@ -276,19 +272,7 @@ def test_numbers_are_packed_as_little_endian_float32() -> None:
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
 @pytest.mark.parametrize("width", [1280, 500])
 def test_it_lives_in_a_browser_and_obeys_the_keyboard(compared: Path, tmp_path: Path, width: int) -> None:
-    page = (compared / "report.html").read_text()
-    probed = tmp_path / "probed.html"
-    probed.write_text(page.replace("<body>", "<body>" + PROBE).replace("</body>", KEYS + "</body>"))
-    flags = [
-        "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-        "--disable-background-networking", "--disable-component-update", "--disable-sync",
-        f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={width},900", "--virtual-time-budget=3000",
-    ]  # fmt: skip
-    command = [str(CHROMIUM), *flags, "--dump-dom", probed.as_uri()]
-    dom = subprocess.run(command, capture_output=True, text=True, timeout=300).stdout
-    found = re.search(r"TOLD(.*?)END", dom)
-    assert found, dom[-2000:]
-    told = json.loads(found[1].replace("&quot;", '"').replace("&amp;", "&"))
+    told = json.loads(told_by((compared / "report.html").read_text(), KEYS, tmp_path, width))
     assert told["errors"] == []
     assert told["home"] == "0.00 s"
     assert told["stepped"] == "0.29 s"
