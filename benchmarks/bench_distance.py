@@ -43,7 +43,7 @@ _BRAKING_M = 15.0
 
 
 def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[float]]:
-    """Errors of one drive: a row per box with its true distance from the camera and each method's error (m)."""
+    """Errors of one drive: a row per box with its true distance from the camera and all errors (m)."""
     rng = np.random.default_rng(seed)
     speed = (30, 40, 50, 60)[seed % 4] / 3.6
     bump = HalfSineBump(BUMP_M, 0.08, 0.40)

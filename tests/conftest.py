@@ -1,4 +1,4 @@
-"""Shared by all tests: hypothesis judges results, not how long a busy machine took for them."""
+"""Common test configuration: hypothesis without deadlines, which a busy machine would miss."""
 
 from hypothesis import settings
 

@@ -1,4 +1,4 @@
-"""Shares of the comfort budget, counted by hand."""
+"""Tests of the comfort budget: cost shares against hand calculation."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from benchmarks.tables.budget import SOURCES, table
 
 
 def driven(**lines: list[list[float]]) -> dict[str, np.ndarray]:
-    """J of each line, (seeds, events); every source true as the whole chain unless told."""
+    """J of each line, (seeds, events); every source costs nothing unless given."""
     done = {name: np.array(lines["whole"]) for name in SOURCES}
     return done | {name: np.array(values) for name, values in lines.items()}
 

@@ -1,4 +1,4 @@
-"""The table of precisions on a handful of pictures, without judging the times."""
+"""Tests of the precision table on a few images, without checking run times."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Other detectors on our images: the adapters, with a made-up ultralytics and with transformers."""
+"""Tests of the adapters to other detectors, with a stub of ultralytics and with transformers."""
 
 import json
 import os
@@ -38,7 +38,7 @@ def words(data: Path, rows: str) -> list[str]:
 
 
 def omniscient(data: Path, calls: list) -> ModuleType:
-    """An ultralytics whose models know the labels of the images in val/, and count how they are trained."""
+    """Stub of ultralytics whose models return the labels of the images in val/ and count their trainings."""
     known = {}
     for path in sorted((data / "val" / "images").iterdir()):
         classes, boxes = read_labels(data / "val" / "labels" / f"{path.stem}.txt")
@@ -75,7 +75,7 @@ def test_a_row_of_ultralytics_is_trained_once_and_judged_as_all(
     for _ in range(2):
         assert main([*words(data, "yolov8n"), "--json", str(out)]) == 0
     (row,) = json.loads(out.read_text())
-    assert row["map50"] == row["map50_95"] == 1.0  # boxes went the whole way without a pixel of error
+    assert row["map50"] == row["map50_95"] == 1.0  # boxes pass unchanged through the whole chain
     assert (row["passes"], row["parameters"], row["images"]) == (12, 8, 3)
     ((source, options),) = calls
     assert source == "yolov8n.yaml"

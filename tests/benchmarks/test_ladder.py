@@ -1,4 +1,4 @@
-"""Rows that are trained: once, gone on with as they were begun, refused with other settings."""
+"""Tests of trained table rows: trained once, resumed with equal settings, refused with other settings."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""What counts as primary ride."""
+"""Tests of the primary-ride measure."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Ranges on photographs: a sheet of all that fit on it, and what is said of bad labels and options."""
+"""Tests of the contact sheet of distances, and of its messages for bad labels and options."""
 
 from pathlib import Path
 

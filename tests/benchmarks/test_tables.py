@@ -1,4 +1,4 @@
-"""The tables of benchmarks: pieces are joined, and a broken solver is broken when it should be."""
+"""Tests of the table commands: merging of partial results, and fault injection into the solver."""
 
 import json
 from collections.abc import Callable
@@ -67,7 +67,7 @@ def test_a_solver_asked_twice_a_step_is_broken_for_the_whole_window(tmp_path: Pa
 
 
 def piece_of(variant: Variant, scenario: Scenario, seed: int, path: Path, **other: str) -> dict:
-    """A row that was never driven, in a file of such rows."""
+    """File of rows that were never simulated."""
     row = {"vehicle": "quarter", "scenario": scenario.name, "seed": seed, "metrics": {"objective": -1.0}}
     row |= settings(variant, scenario) | other
     path.write_text(json.dumps({"variants": {variant.name: [row]}}))

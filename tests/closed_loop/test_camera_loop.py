@@ -1,4 +1,4 @@
-"""From pixels to dampers: the loop with a rendered camera and the shipped detector."""
+"""Closed-loop tests with rendered camera images and the shipped detector."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Under every fault the watched MPC does at least as well as the law that it falls back on, within 2 %."""
+"""Closed-loop tests: under every fault the supervised MPC is at most 2 % worse than its fallback law."""
 
 from functools import cache
 

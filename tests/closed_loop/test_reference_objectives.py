@@ -43,7 +43,7 @@ def drive(
     shift_m: float = 0.0,
     start_m: float = START_M,
 ) -> VehicleState:
-    """Drive over the event with the true profile in view, or one that comes `shift_m` too early."""
+    """Simulate the event with the true preview, or one that comes `shift_m` too early."""
     feature, speed_kmh = EVENTS[event]
     speed = speed_kmh / 3.6
     length = feature.end_m + AFTER_S * speed
@@ -96,7 +96,7 @@ def relative_objective(
     [("bump_8x40_30", 0.640, 0.650), ("hump_flat_30", 0.171, 0.213), ("pothole_60x8_40", 0.606, 0.727)],
 )
 def test_quarter_car_reaches_the_reference(event: str, preview: float, reactive: float) -> None:
-    """The reactive one depends on where between two samples the edge lies, so that it is averaged over it."""
+    """The reactive result depends on the edge's position between two samples, hence the average over it."""
     starts = START_M + np.array([0.0, 0.025, 0.05, 0.075])
     seeing, feeling = (
         [relative_objective(event, f"mpc_{kind}", start_m=float(start)) for start in starts]
@@ -127,7 +127,7 @@ def test_front_wheels_alone_bring_part_of_the_preview(event: str, wheelbase: flo
 
 @pytest.mark.parametrize("event", EVENTS)
 def test_a_known_delay_costs_little(event: str) -> None:
-    """5 ms from asking to acting, which the controller knows and plans for."""
+    """A delay of 5 ms from sampling to actuation, which the controller compensates."""
     late = relative_objective(event, "mpc_preview", timing=Timing(0.01, 0.005))
     assert late < 1.05 * relative_objective(event, "mpc_preview")
 

@@ -1,4 +1,4 @@
-"""A second drive over the same road starts with what the first one learned."""
+"""Closed-loop test of the memory: a second drive on the same road starts with the first one's estimates."""
 
 import hashlib
 from dataclasses import replace
@@ -18,7 +18,7 @@ def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tm
     assert first.memory is not None
     (place,) = first.memory.objects
     assert place.kind == "bump"
-    assert abs(place.x_m - 50.0) < 0.5  # less what the odometer drifted
+    assert abs(place.x_m - 50.0) < 0.5  # without the odometer's drift
 
     path = tmp_path / "memory.yaml"
     write(path, first.memory)

@@ -1,4 +1,4 @@
-"""A slow-active actuator beside the damper: where seeing ahead decides."""
+"""Closed-loop tests of slow-active actuators in parallel with the dampers, for which preview is essential."""
 
 import pytest
 
@@ -10,7 +10,7 @@ CAR = "vehicle={model: quarter, parameters: {actuator: {kind: slow_active}}}"
 
 
 def drive(event: str, controller: str) -> Run:
-    """A piece of the road about the obstacle, with exact states."""
+    """Simulate a stretch of road around the obstacle, with exact states."""
     case = load(event, [CAR, "observer=truth", "start_m=35"])
     return simulate(Case(case, controller, "oracle" if controller == "mpc_preview" else "none", 0))
 

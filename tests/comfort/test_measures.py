@@ -34,7 +34,7 @@ def sine(freq: float, amplitude: float, duration_s: float = 20.0, rate: float = 
 @pytest.mark.parametrize("cycles", CYCLES)
 @pytest.mark.parametrize("name", list(BURST_INDICATIONS))
 def test_sawtooth_bursts_give_the_indications_of_iso_8041(name, cycles):
-    """Table 8 prints three figures with 10 % tolerance; at 1 kHz the ramps' edges are 1 ms wide."""
+    """Table 8 has three figures with 10 % tolerance; at 1 kHz the ramps' edges are 1 ms wide."""
     weighted = weight(sawtooth_bursts(cycles, RATE), RATE, name)
     found = [measure(weighted, RATE, None) for measure in (weighted_rms, vdv, mtvv)]
     found.append(mtvv(weighted, RATE, None, averaging="exponential"))

@@ -11,7 +11,7 @@ TIME = np.arange(N) / RATE
 
 
 def signals(**changes):
-    """A half car: a 4 Hz sine at both seats, rattle and tyre load sines of known RMS."""
+    """Half-car signals: a 4 Hz sine at both seats, rattle and tyre load sines of known RMS."""
     wave = np.sin(2 * np.pi * 4 * TIME)
     base = {
         "seat_acc": np.stack([2 * wave, 1 * wave]),

@@ -68,7 +68,7 @@ def test_pitch_about_the_seat_is_felt_as_rotation_at_the_back_and_at_the_feet():
     step=st.floats(1e-4, 1e-3),
 )
 def test_transport_is_the_second_derivative_of_a_rigid_rotation(position, angular, step):
-    """A body that starts to turn from rest: the point's path by the exponential map, differentiated."""
+    """A body that starts to rotate from rest: path of a point by the exponential map, differentiated."""
     from scipy.spatial.transform import Rotation
 
     spin, arm = np.array(angular), np.array(position)

@@ -35,7 +35,7 @@ def test_factor_at_the_reference_frequency(name, factor):
 
 
 def response(name, rate, duration_s):
-    """Frequencies and complex response of the digital filter."""
+    """Frequencies and complex frequency response of the digital filter."""
     impulse = np.zeros(round(duration_s * rate))
     impulse[0] = 1.0
     return np.fft.rfftfreq(len(impulse), 1 / rate), np.fft.rfft(weight(impulse, rate, name))

@@ -1,4 +1,4 @@
-"""Situations that several tests share."""
+"""Common fixtures of the controller tests: estimates and previews."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ def estimate(
     contact: bool = True,
     speed_m_s: float = 10.0,
 ) -> Estimate:
-    """An estimate; without `x` of a car at rest."""
+    """Estimate with state `x`; by default of a car at rest."""
     ones = np.ones(vehicle.wheels)
     return Estimate(
         time_s=0.0,
@@ -31,7 +31,7 @@ def estimate(
 def step_preview(
     edge_m: float, height_m: float, wheels: int = 1, sigma_m: float = 0.0, existence: float = 1.0
 ) -> RoadPreview:
-    """A ramp of 0.1 m up to `height_m` that starts `edge_m` ahead and stays."""
+    """Preview of a ramp of 0.1 m up to `height_m`, which starts `edge_m` ahead."""
     distance = distance_grid(0.5, 5.0)
     rise = height_m * np.clip((distance - edge_m) / 0.1, 0.0, 1.0)
     row = np.ones((wheels, 1))

@@ -1,4 +1,4 @@
-"""The shift between previewed and felt road, on roads whose shift is known."""
+"""Tests of the preview alignment on roads with known longitudinal error."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ SPEED = 10.0
 
 
 def drive_up_to(position_m: float, edge_m: float, height_m: float, contact: bool = True) -> Alignment:
-    """Felt every 5 ms: a ramp of 0.1 m up to `height_m` that starts at `edge_m`."""
+    """Estimates every 5 ms on a ramp of 0.1 m up to `height_m` that starts at `edge_m`."""
     alignment = Alignment(0)
     for time in np.arange(0.0, position_m / SPEED + 1e-9, 0.005):
         road = height_m * np.clip((SPEED * time - edge_m) / 0.1, 0.0, 1.0)
@@ -30,14 +30,14 @@ def seen_from(position_m: float, edge_m: float, sigma_m: float = 0.1) -> RoadPre
 
 @pytest.mark.parametrize("error_m", [-0.15, -0.05, 0.0, 0.1, 0.2])
 def test_a_felt_edge_tells_the_error_of_the_preview(error_m: float) -> None:
-    """Edge at 5 m, previewed `error_m` too far; 0.2 m past it the shift is known to 2 cm and beyond doubt."""
+    """Edge at 5 m, previewed `error_m` too far; 0.2 m past it the shift is known to 2 cm."""
     shift = drive_up_to(5.2, 5.0, 0.08).shift(seen_from(5.2, 5.0 + error_m))
     assert shift.earlier_m == pytest.approx(error_m, abs=0.02)
     assert shift.doubt < 0.3
 
 
 def test_a_missing_edge_moves_it_ahead() -> None:
-    """0.1 m past where the edge should be nothing was felt: it must be later than that."""
+    """0.1 m past the expected edge nothing was measured: it must come later."""
     shift = drive_up_to(5.1, 9.0, 0.08).shift(seen_from(5.1, 5.0))
     assert -0.3 < shift.earlier_m < -0.08
 
@@ -55,7 +55,7 @@ def test_in_the_air_nothing_is_learned() -> None:
 
 
 def test_a_flat_felt_and_flat_seen_road_leaves_the_prior() -> None:
-    """A feature within reach but not reached yet: little is learned, and no shift is claimed."""
+    """A feature within reach but not yet reached gives little information and no shift."""
     shift = drive_up_to(4.55, 9.0, 0.08).shift(seen_from(4.55, 5.0, sigma_m=0.05))
     assert isinstance(shift, Shift)
     assert shift.earlier_m == pytest.approx(0.0, abs=0.01)

@@ -1,4 +1,4 @@
-"""Shared corrections: the best ones among those that are equal within each group."""
+"""Tests of move blocking: optimal corrections among those that are equal within each block."""
 
 import numpy as np
 from scipy.optimize import LinearConstraint, minimize

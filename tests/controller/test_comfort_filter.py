@@ -9,7 +9,7 @@ from vehicle.parameters import load_vehicle
 
 @pytest.mark.parametrize("name", ["quarter", "half"])
 def test_follows_the_filter_for_a_known_motion(name: str) -> None:
-    """A seat that swings at 3 Hz: the states agree with lsim on the exact acceleration."""
+    """Seat oscillating at 3 Hz: the states agree with lsim on the exact acceleration."""
     vehicle = load_vehicle(name)
     times, omega = 0.01 * np.arange(200), 2 * np.pi * 3
     follower = ComfortFilter(vehicle, 0.01)

@@ -1,4 +1,4 @@
-"""The condensed quadratic program against finite differences and against a sparse formulation."""
+"""Tests of the condensed quadratic program against finite differences and a sparse formulation."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ def terminal(model: PredictionModel) -> TerminalCost:
 
 
 def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A moving car, an uneven plan and a bumpy road ahead."""
+    """State of a moving car, an uneven plan and a bumpy road ahead."""
     rng = np.random.default_rng(seed)
     rest = rest_state(model.vehicle)
     scale = np.where(rest > 0, 300.0, 0.02) * np.where(np.arange(len(rest)) % 2, 10.0, 1.0)
@@ -55,7 +55,7 @@ def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.nda
 def rollout(
     model: PredictionModel, terminal: TerminalCost, state: np.ndarray, plan: np.ndarray, road: np.ndarray
 ) -> np.ndarray:
-    """All residuals, one interval after the other, without the condenser."""
+    """Residuals of all intervals, without the condenser."""
     parts = [np.sqrt(input_weights(model)) * (plan.ravel() - nominal(model))]
     for k, (u, h) in enumerate(zip(plan[GRID.interval], GRID.step_s, strict=True)):
         residuals, *_ = model.slopes(state, u, road[:, k], road[:, k + 1], h)
@@ -74,7 +74,7 @@ def input_weights(model: PredictionModel) -> np.ndarray:
 
 
 def nominal(model: PredictionModel) -> np.ndarray:
-    """1 kN·s/m for dampers, no force for actuators."""
+    """Nominal command: 1 kN·s/m for dampers, no force for actuators."""
     wheels = model.vehicle.wheels
     return np.tile(np.arange(input_size(model.vehicle)) < wheels, INTERVALS).astype(float)
 
@@ -106,7 +106,7 @@ def test_hessian_is_symmetric_and_positive_definite(model: PredictionModel, term
 
 
 def test_correction_agrees_with_a_sparse_program(model: PredictionModel, terminal: TerminalCost) -> None:
-    """States kept as variables and tied by equalities, solved by another solver: the same correction."""
+    """Uncondensed program with the states as variables, by another solver: the same correction."""
     state, plan, road = situation(model)
     low, high = (limit - plan for limit in plan_limits(model.vehicle))
     condensed = condense(model, terminal)(state, plan, road)
@@ -128,7 +128,7 @@ def sparse_correction(
     scale = np.ones(model.n_x)
     first = damping_rows(model.vehicle).start
     scale[first : len(rest_state(model.vehicle))] = (
-        KILO  # keeps the sparse program as well conditioned as ours
+        KILO  # conditions the sparse program as well as the condensed one
     )
     dx = opti.variable(model.n_x, STEPS + 1)
     du = opti.variable(plan.shape[1], INTERVALS)

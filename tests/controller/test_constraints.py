@@ -1,4 +1,4 @@
-"""The constraints that bind are named."""
+"""Tests of the names of active constraints."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ ACTIVE = replace(QUARTER, actuator=SlowActive())
 
 
 def named(x: dict[int, float], edge_m: float = 5.0, height_m: float = 0.0) -> tuple[str, ...]:
-    """What binds on a car at rest but for these entries of its state."""
+    """Active constraints of a car at rest except for these entries of its state."""
     state = rest_state(QUARTER)
     state[list(x)] = list(x.values())
     controller = PredictiveController(QUARTER)
@@ -39,7 +39,7 @@ def test_a_wheel_in_the_air_is_told() -> None:
 
 
 def test_dampers_at_their_ends_are_told() -> None:
-    """The wheel thrown up under a still body: soft. Body and wheel parting: hard."""
+    """Wheel thrown up under a still body: soft. Body and wheel parting: hard."""
     assert "least damping" in named({3: 1.0})
     assert "greatest damping" in named({1: -0.6, 0: -0.03})
 

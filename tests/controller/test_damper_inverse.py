@@ -1,4 +1,4 @@
-"""Settings that stand for coefficients, against forces and energies integrated here."""
+"""Tests of equivalent damping settings against forces and energies integrated here."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def force(corner: Corner, setting: float, rate: float) -> float:
 
 
 class Asks:
-    """Asks for the same coefficient always."""
+    """Controller that always requests the same coefficient."""
 
     def __init__(self, damping_ns_m: float) -> None:
         self.damping_ns_m = damping_ns_m

@@ -1,4 +1,4 @@
-"""Rate and power of actuator forces, against forces integrated one by one."""
+"""Tests of actuator rate and power limits against step-by-step integration of the forces."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ INTERVALS = len(GRID.intervals_s)
 
 
 def states(force_kn: tuple[float, float], wheel_rate: float = 0.0) -> np.ndarray:
-    """A car that keeps these forces, and whose wheels keep this rate, over the whole plan."""
+    """States of a car with these forces and these wheel velocities over the whole plan."""
     x = rest_state(HALF)
     x[[5, 7]] = wheel_rate
     x[-2:] = 1e3 * np.array(force_kn)
@@ -58,7 +58,7 @@ def test_a_rate_beyond_what_the_lag_allows_needs_no_rows() -> None:
 
 @pytest.mark.parametrize("wheel_rate", [-0.5, 0.5])
 def test_the_power_is_that_of_the_actual_force_on_the_moving_strut(wheel_rate: float) -> None:
-    """A wheel that falls extends the strut; a force that pushes then delivers power."""
+    """A falling wheel extends the strut; a pushing force then delivers power."""
     limits = ForceLimits(HALF, GRID, ForceSettings(power_w=400.0))
     rows = limits.rows(plan(np.zeros((INTERVALS, 2))), states((0.0, 0.0), wheel_rate))
     change = np.random.default_rng(2).uniform(-3, 3, (INTERVALS, 2))
@@ -71,7 +71,7 @@ def test_the_power_is_that_of_the_actual_force_on_the_moving_strut(wheel_rate: f
 
 @pytest.mark.parametrize("rate_n_s", [5000.0, 1e6])
 def test_some_plan_is_always_allowed(rate_n_s: float) -> None:
-    """Whatever acts now and however the struts move: forces that fall as fast as they may."""
+    """For any present force and strut motion, forces that fall as fast as allowed are feasible."""
     limits = ForceLimits(HALF, GRID, ForceSettings(rate_n_s=rate_n_s, power_w=50.0))
     rng = np.random.default_rng(3)
     for _ in range(50):

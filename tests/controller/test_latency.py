@@ -20,7 +20,7 @@ def test_without_delay_nothing_is_on_its_way() -> None:
 
 
 def test_a_delay_of_two_and_a_half_periods_passes_three_commands() -> None:
-    """Asked every 10 ms with 25 ms delay: at t = 0 the command of −30 ms acts, then those after it."""
+    """Period 10 ms, delay 25 ms: at t = 0 the command of −30 ms acts, then the later ones."""
     pipeline = Pipeline(Timing(0.01, 0.025), command(1.5))
     assert told(pipeline) == [(0.0, 0.005, 1.5), (0.005, 0.01, 1.5), (0.015, 0.01, 1.5)]
     for value in (1.0, 2.0, 3.0, 4.0):

@@ -1,4 +1,4 @@
-"""The reactive laws: values that can be worked out by hand."""
+"""Tests of the reactive laws against hand calculation."""
 
 import numpy as np
 import pytest
@@ -45,11 +45,11 @@ def test_fixed_damping_goes_by_axle() -> None:
 @pytest.mark.parametrize(
     ("body", "wheel", "sky", "ground", "expected"),
     [
-        (0.4, -0.2, 2000.0, 0.0, 2000.0 * 0.4 / 0.6),  # the force of the skyhook can be had
-        (0.4, 0.6, 2000.0, 0.0, 300.0),  # the damper would push the wrong way: least
-        (0.4, 0.39, 2000.0, 0.0, 4500.0),  # asks for more than there is: most
+        (0.4, -0.2, 2000.0, 0.0, 2000.0 * 0.4 / 0.6),  # the skyhook force is dissipative
+        (0.4, 0.6, 2000.0, 0.0, 300.0),  # not dissipative: minimum
+        (0.4, 0.39, 2000.0, 0.0, 4500.0),  # exceeds the range: maximum
         (0.0, -0.5, 2000.0, 1000.0, 1000.0),  # groundhook alone: c·(v_s − v_u) = −ground·v_u
-        (0.1, -0.5, 3000.0, 1000.0, (300.0 + 500.0) / 0.6),  # both add up
+        (0.1, -0.5, 3000.0, 1000.0, (300.0 + 500.0) / 0.6),  # both contribute
         (0.2, 0.2, 2000.0, 0.0, 300.0),  # nothing to damp
     ],
 )
@@ -59,7 +59,7 @@ def test_skyhook_by_hand(body: float, wheel: float, sky: float, ground: float, e
 
 
 def test_skyhook_of_a_pitching_body_acts_by_corner() -> None:
-    """Nose going down: front corner sinks with 1.25·ω, rear rises with 1.45·ω; both wheels still."""
+    """Nose going down: front corner sinks at 1.25·ω, rear one rises at 1.45·ω; both wheels at rest."""
     x = np.zeros(10)
     x[3] = 0.3
     x[8:] = 1500.0
@@ -100,25 +100,25 @@ def test_two_state_laws_by_hand(law: Law, body: float, wheel: float, rattle: flo
 @pytest.mark.parametrize(
     ("body", "wheel", "expected"),
     [
-        (0.4, -0.2, 2000.0 * (0.75 * 0.4 + 0.25 * 0.2) / 0.6),  # both hooks can be had
-        (0.4, 0.2, 2000.0 * 0.75 * 0.4 / 0.2),  # the wheel's would push: the body's alone
-        (-0.1, -0.5, 2000.0 * 0.25 * 0.5 / 0.4),  # the body's would push: the wheel's alone
+        (0.4, -0.2, 2000.0 * (0.75 * 0.4 + 0.25 * 0.2) / 0.6),  # both parts are dissipative
+        (0.4, 0.2, 2000.0 * 0.75 * 0.4 / 0.2),  # wheel part not dissipative: body part alone
+        (-0.1, -0.5, 2000.0 * 0.25 * 0.5 / 0.4),  # body part not dissipative: wheel part alone
         (0.1, 0.5, 2000.0 * 0.25 * 0.5 / 0.4),
     ],
 )
 def test_hybrid_by_hand(body: float, wheel: float, expected: float) -> None:
-    """Gates are separate, so that one hook never takes from the other as in a single gate on their sum."""
+    """Separate gates: one part never reduces the other, unlike with a single gate on the sum."""
     law = Hybrid(QUARTER, HybridSettings(gain_ns_m=2000.0, alpha=0.75, floor_ns_m=300.0, smoothing_m_s=1e-4))
     assert law.step(estimate(QUARTER, quarter(body, wheel)), None) == pytest.approx([expected], rel=1e-4)
 
 
 @pytest.mark.parametrize("frequency_hz", [0.5, 5.0])
 def test_sh_add_is_skyhook_below_its_crossover_and_add_above(frequency_hz: float) -> None:
-    """Body swinging at one frequency, wheel held, through a whole period; crossover at 1.8 Hz."""
+    """Body oscillating at one frequency, wheel held, over a whole period; crossover at 1.8 Hz."""
     crossing, swing = sh_add(QUARTER, ShAddSettings(crossover_hz=1.8)), 2 * np.pi * frequency_hz
     pure = TwoState(QUARTER, law=skyhook2 if frequency_hz < 1.8 else add)
     for phase in np.linspace(0.1, 2 * np.pi, 40):
-        # The spring alone would swing at its own frequency; rattle space is set for the one wanted.
+        # The travel is set so that spring and body oscillate at the required frequency.
         acceleration = -0.01 * swing**2 * np.sin(phase)
         x = quarter(0.01 * swing * np.cos(phase), 0.0)
         x[0] = -(acceleration * QUARTER.sprung_mass_kg + x[4] * x[1]) / QUARTER.spring_n_m

@@ -1,4 +1,4 @@
-"""The regulator against what optimality demands, and what is left of it once the damper clips."""
+"""Tests of the regulator against optimality conditions, and of the clipped damping."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicl
 
 
 def cost(car: QuarterCar, gain: np.ndarray, settings: LqrSettings) -> float:
-    """J on a road with a slope of white noise, from the quarter car's equations written out here."""
+    """J on a road with white-noise slope, from the quarter-car equations written out here."""
     m, w, k, t, c = (
         car.sprung_mass_kg,
         car.unsprung_mass_kg,
@@ -55,7 +55,7 @@ def test_no_other_gain_costs_less(settings: LqrSettings) -> None:
 
 
 def test_the_half_cars_regulator_is_stable_and_mirrors_with_the_car() -> None:
-    """A car that is the same back to front has gains that are the same back to front, pitch with its sign."""
+    """A fore–aft symmetric car has symmetric gains, with opposite sign for pitch."""
     car = replace(HALF, front_axle_m=1.3, rear_axle_m=1.3, seat_x_m=(0.5, -0.5))
     gain = regulator(car, LqrSettings())
     turned = gain[::-1][:, [0, 1, 2, 3, 6, 7, 4, 5, 10, 11, 8, 9]] * np.array([1, 1, -1, -1, *[1] * 8])
@@ -63,7 +63,7 @@ def test_the_half_cars_regulator_is_stable_and_mirrors_with_the_car() -> None:
 
 
 def test_the_full_cars_regulator_is_the_same_on_both_sides() -> None:
-    """Left and right exchanged: the wheels in pairs, roll and its rate with their sign."""
+    """Left and right exchanged: the wheels in pairs, opposite sign for roll and its rate."""
     car = replace(FULL, seat_x_m=(-0.5, -0.5), seat_y_m=(0.4, -0.4))
     gain = regulator(car, LqrSettings())
     sides = np.array([1, 0, 3, 2])

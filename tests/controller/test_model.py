@@ -1,4 +1,4 @@
-"""The prediction model against an independent integration of the equations and of the comfort filter."""
+"""Tests of the prediction model against independent integration of equations and comfort filter."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from vehicle.parameters import Car, load_vehicle
 
 
 def strike(vehicle: Car) -> np.ndarray:
-    """A state just after an edge: wheels rising fast, body still."""
+    """State just after an edge: wheels rising fast, body at rest."""
     x = equations.rest_state(vehicle)
     body = len(vehicle.body_inertia)
     x[2 * body + 1 : 2 * (body + vehicle.wheels) : 2] = 1.5
@@ -24,7 +24,7 @@ def strike(vehicle: Car) -> np.ndarray:
 @pytest.mark.parametrize("name", ["quarter", "half"])
 @pytest.mark.parametrize("jounce_m", [0.0, 0.09])
 def test_step_agrees_with_an_adaptive_integrator(name: str, jounce_m: float) -> None:
-    """Also on the bump stop, which is stiff; heights are straight lines in between."""
+    """Including the stiff bump stop; road heights are linear in between."""
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle)
     x = strike(vehicle)
@@ -57,7 +57,7 @@ def test_two_half_steps_make_a_whole_one(name: str) -> None:
 
 
 def test_comfort_states_follow_the_second_order_filter() -> None:
-    """Rolling out the model gives the weighted acceleration that lsim gives for the body's acceleration."""
+    """Model rollout gives the weighted acceleration of lsim for the same body acceleration."""
     vehicle = load_vehicle("quarter")
     model = prediction_model(vehicle)
     state = np.concatenate([strike(vehicle), [0.0, 0.0]])

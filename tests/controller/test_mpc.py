@@ -1,4 +1,4 @@
-"""The predictive controller: its limits, its fallbacks, and the moment for which it plans."""
+"""Tests of the predictive controller: limits, fallbacks and delay compensation."""
 
 from dataclasses import replace
 from unittest import mock
@@ -102,7 +102,7 @@ def test_a_failed_solve_is_told_and_the_last_plan_goes_on(monkeypatch: pytest.Mo
 
 
 def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
-    """Told the state 20 ms early, it decides what it would decide without delay at the later state."""
+    """Given the state 20 ms early, it issues the command of the delay-free controller at the later state."""
     timing = Timing(0.01, 0.02)
     late = PredictiveController(QUARTER, timing=timing, sight="none")
     model = late._model
@@ -119,7 +119,7 @@ def planned_from(controller: PredictiveController, x: np.ndarray) -> np.ndarray:
 
 
 def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
-    """One period of delay: what acts meanwhile decides the state that the next plan starts from."""
+    """With one period of delay the substituted command determines the next plan's initial state."""
     timing = Timing(0.01, 0.01)
     soft, hard = (PredictiveController(QUARTER, timing=timing, sight="none") for _ in range(2))
     for controller, acting in ((soft, 300.0), (hard, 4500.0)):
@@ -130,7 +130,7 @@ def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
 
 
 def test_of_several_roads_it_predicts_on_the_likeliest() -> None:
-    """An edge within the delay that is surely not there changes nothing; one that may be is half believed."""
+    """An edge within the delay with zero probability changes nothing; an uncertain one counts in part."""
     settings, timing = MpcSettings(road=RoadSettings(uncertainty="scenarios")), Timing(0.01, 0.02)
 
     def planned(height_m: float, existence: float) -> np.ndarray:
@@ -150,7 +150,7 @@ def test_of_several_roads_it_predicts_on_the_likeliest() -> None:
 
 
 def test_an_entry_of_the_plan_at_its_limit_still_acts() -> None:
-    """Also where adding corrections has rounded it: beyond the damper's range its derivative would vanish."""
+    """Even after rounding: beyond the damper's range its derivative would vanish."""
     model = PredictiveController(QUARTER)._model
     state = np.concatenate([moving(), np.zeros(2)])
     for limit in plan_limits(QUARTER):

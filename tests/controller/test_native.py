@@ -1,4 +1,4 @@
-"""Compiled kernels against CasADi's own evaluation."""
+"""Tests of compiled functions against CasADi's own evaluation."""
 
 import casadi
 import numpy as np

@@ -1,4 +1,4 @@
-"""The observer against the simulator's truth, from ideal and from noisy sensors."""
+"""Tests of the observer against the simulated state, with ideal and with noisy sensors."""
 
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from vehicle.sensors import NO_NOISE, SensorNoise, Sensors
 
 
 class Errors(NamedTuple):
-    """RMS of what the controllers live on, over all wheels and the second half of the drive."""
+    """RMS errors of the controllers' main inputs, over all wheels and the second half of the drive."""
 
     tyre_deflection_m: float
     rattle_m: float
@@ -32,7 +32,7 @@ ROUGH = Road(90.0, (HalfSineBump(60.0, 0.05, 0.4),), Roughness("B", 3))
 
 
 def drive(vehicle: Car, road: Road, noise: SensorNoise, rate_hz: int) -> list[tuple[Estimate, Estimate]]:
-    """(estimate, truth) at each reading, 10 m/s, damping changing at random every 10 ms."""
+    """(estimate, truth) at each reading, 10 m/s, damping varying at random every 10 ms."""
     plant = Plant(vehicle)
     profile = wheel_profile(road, -0.75)
     plant.reset([profile] * vehicle.wheels, 2.0, 10.0)
@@ -77,7 +77,7 @@ def test_ideal_sensors_at_the_plants_rate_give_nearly_the_truth(name: str) -> No
 @pytest.mark.parametrize("name", ["quarter", "half"])
 @pytest.mark.parametrize("rate_hz", [100, 500])
 def test_noisy_sensors_at_the_controllers_rate_stay_useful(name: str, rate_hz: int) -> None:
-    """One reading a period: tyre within 1.5 mm, velocities within some centimetres a second."""
+    """One reading per period: tyre deflection within 1.5 mm, velocities within a few cm/s."""
     vehicle = load_vehicle(name)
     found = errors(vehicle, drive(vehicle, ROUGH, SensorNoise(), rate_hz))
     assert found.tyre_deflection_m < 1.5e-3
@@ -88,7 +88,7 @@ def test_noisy_sensors_at_the_controllers_rate_stay_useful(name: str, rate_hz: i
 
 
 def test_the_shape_of_a_bump_is_felt_by_the_wheel() -> None:
-    """Height over the road before the bump, from noisy sensors, within a centimetre of the truth."""
+    """Height above the road before the bump, from noisy sensors, within a centimetre."""
     road = Road(70.0, (HalfSineBump(50.0, 0.03, 0.6),))
     pairs = drive(load_vehicle("quarter"), road, SensorNoise(), 500)
     over = [p for p in pairs if 49.5 < 2.0 + 10.0 * p[1].time_s < 50.8]

@@ -1,4 +1,4 @@
-"""Own code that fails while it acts is a fault of its answer; code that does not load is one line."""
+"""Tests of user controllers: run-time failures are faults of the answer, load failures give one line."""
 
 import sys
 from pathlib import Path

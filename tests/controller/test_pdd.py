@@ -1,4 +1,4 @@
-"""Power-driven damping: the power that it prevents."""
+"""Tests of power-driven damper control."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def command(travel_m: float, rate_m_s: float) -> float:
 
 
 def power(damping: float, travel_m: float, rate_m_s: float) -> float:
-    """Taken up by spring and damper, W."""
+    """Power absorbed by spring and damper, W."""
     return CAR.spring_n_m * travel_m * rate_m_s + damping * rate_m_s**2
 
 

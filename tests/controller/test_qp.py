@@ -44,7 +44,7 @@ def test_crossed_bounds_are_told_as_infeasible() -> None:
 
 
 def test_where_the_search_begins_does_not_change_the_answer() -> None:
-    """Problems moved so that the start lies on bounds, right or wrong ones: the same point in the end."""
+    """Problems shifted so that the start lies on right or wrong bounds: the same solution."""
     rng = np.random.default_rng(4)
     for _ in range(20):
         root = rng.normal(size=(12, 12))

@@ -64,7 +64,7 @@ def test_every_name_builds_a_working_controller(name: str, car: str) -> None:
 
 
 def test_a_damper_with_inner_states_is_known_without_them() -> None:
-    """As in the closed loop, where controllers are given the car that they can predict."""
+    """As in the closed loop, where controllers get the control model of the car."""
     vehicle = replace(load_vehicle("quarter"), damper=MrBoucWenDamper())
     known = prediction_car(vehicle)
     for name in ("passive", "skyhook", "mpc_reactive"):

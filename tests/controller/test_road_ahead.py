@@ -48,7 +48,7 @@ def test_what_is_felt_beyond_the_preview_shifts_it() -> None:
 
 
 def test_a_foreseen_edge_between_two_looks_is_no_surprise() -> None:
-    """10 ms before and at 0.1 m past the edge of a ramp of 8 m/s: all of it was in the preview."""
+    """10 ms before and at 0.1 m past the edge of a ramp of 8 m/s, fully previewed."""
     road = ahead()
     road.look(estimate(CAR, road=0.0), step_preview(0.05, 0.08))
     later = replace(estimate(CAR, road=0.04, road_velocity=4.0), time_s=0.01)
@@ -110,7 +110,7 @@ def test_a_blend_believes_half_of_a_feature_where_it_is_told_to() -> None:
 
 
 def test_scenarios_stand_for_the_distribution_of_position_and_existence() -> None:
-    """Weights of a probability, and of the features' places mean and variance as told."""
+    """The weights sum to one; the features' positions have the stated mean and variance."""
     settings, distance = RoadSettings("scenarios"), np.linspace(0.0, 5.0, 2001)
     road = ahead(settings)
     road.look(estimate(CAR), step_preview(2.0, 0.08, sigma_m=0.2, existence=0.7))

@@ -1,4 +1,4 @@
-"""Who acts under which fault, and that the change is without a jump."""
+"""Tests of the fallback supervisor: selection under each fault and bumpless transfer."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ MOVING = estimate(CAR, np.array([0.01, 0.3, -0.01, -0.4, 1500.0]))
 
 
 class Told:
-    """Answers as told, and remembers what it was told."""
+    """Controller stub with prescribed answers, which records its inputs."""
 
     def __init__(self, answer: float) -> None:
         self.answer, self.problem = answer, None
@@ -104,7 +104,7 @@ def test_a_preview_that_cannot_be_believed_is_taken_away(spoilt: RoadPreview, na
 
 
 def test_changes_are_bumpless() -> None:
-    """From 4000 to the reactive law and back: the step fades by 1/e each transfer time."""
+    """From 4000 to the reactive law and back: the step decays by 1/e per transfer time."""
     settings = replace(AT_ONCE, supervisor=SupervisorSettings(transfer_s=0.005))
     supervised, faulty = watched(Told(4000.0), settings), replace(MOVING, faults=("late answer",))
     target = float(reactive()[0])

@@ -10,7 +10,7 @@ from vehicle.parameters import load_vehicle
 
 @pytest.mark.parametrize("name", ["quarter", "half"])
 def test_it_is_the_cost_of_coming_to_rest(name: str) -> None:
-    """From a small disturbance with passive dampers the summed cost over six seconds is the terminal cost."""
+    """Cost over six seconds with passive dampers after a small disturbance equals the terminal cost."""
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle)
     cost = terminal_cost(model, 0.005)

@@ -16,7 +16,7 @@ TIMES = 0.005 * np.arange(121)  # up to 6 m
 
 
 def road(x: float) -> float:
-    """A bump of 5 cm between 5 and 5.5 m, felt by the front axle that starts at 0."""
+    """Road with a bump of 5 cm between 5 and 5.5 m; the front axle starts at 0."""
     return 0.05 * float(np.sin(np.pi * np.clip((x - 5.0) / 0.5, 0.0, 1.0)))
 
 
@@ -46,7 +46,7 @@ def test_the_front_sees_nothing() -> None:
 
 
 def test_while_the_front_flies_the_road_is_bridged_and_under_its_tyre() -> None:
-    """In the air from 5.1 to 5.4 m over the bump: a straight line between the contacts, below the tyre."""
+    """Off the ground from 5.1 to 5.4 m over the bump: straight line between the contacts, below the tyre."""
     eyes = WheelbasePreview(HALF)
     for time in TIMES:
         x = SPEED * float(time)

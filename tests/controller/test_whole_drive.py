@@ -1,4 +1,4 @@
-"""The objective of a whole drive against the plant and the ride metrics, its gradient against differences."""
+"""Tests of the whole-drive objective against plant and ride metrics, and of its gradient."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ CARS = {
 
 
 class Bump:
-    """A smooth bump of 8 cm over 0.6 m."""
+    """Smooth bump of 8 cm over 0.6 m."""
 
     def height(self, x: np.ndarray) -> np.ndarray:
         place = np.clip((np.asarray(x) - 3.0) / 0.6, 0.0, 1.0)

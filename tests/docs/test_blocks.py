@@ -1,8 +1,8 @@
-"""Every code block of the documentation runs.
+"""Tests that every code block of the documentation runs.
 
 On one page, in order, in one empty folder: `yaml` and `python` blocks whose first line is `# name.ext` become
 that file; `python` blocks run one after another in one namespace; lines of `bash` blocks run. Lines of `sh`
-blocks, which take long or need more than this machine, are parsed by the command's own parser; their `make`
+blocks, which take long or need special hardware, are only parsed by the command's own parser; their `make`
 targets exist.
 """
 
@@ -24,7 +24,7 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# (\w+\.(?:py|yaml))\n")
 READERS = {"scenarios": lambda name: study.read(Path(name)), "kind": load_vehicle}
-"""What reads a yaml block that has this key at its top, where it is no scenario."""
+"""Reader of a yaml block with this key at its top level, if it is no scenario."""
 KNOWN = {"yaml", "python", "bash", "sh", "text"}
 
 

@@ -1,4 +1,4 @@
-"""The documentation builds without a warning, and its reference pages say what the code says."""
+"""Tests that the documentation builds without warnings and its reference pages match the code."""
 
 import subprocess
 import sys

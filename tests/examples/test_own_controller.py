@@ -1,4 +1,4 @@
-"""The example controller runs as its docstring says, and is worth showing."""
+"""Tests of the example controller."""
 
 import json
 from pathlib import Path

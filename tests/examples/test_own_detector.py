@@ -1,4 +1,4 @@
-"""A network in the layout of a YOLO export becomes a detector of foreride, and drives."""
+"""Tests of a network in the layout of a YOLO export as foreride's detector, also in a drive."""
 
 import runpy
 import sys
@@ -18,7 +18,7 @@ SCORES = np.array([[0.1, 0.9], [0.6, 0.2]], np.float32)  # pothole, speed bump
 
 
 def yolo_export(path: Path, size: tuple[int | str, int | str]) -> None:
-    """A network that sees the same two things in every image that is not black: (1, 6, 2)."""
+    """Network that detects the same two objects in every image that is not black: (1, 6, 2)."""
     fixed = numpy_helper.from_array(np.concatenate([BOXES, SCORES], axis=1).T[None].copy(), "fixed")
     nodes = [
         helper.make_node("ReduceMax", ["images"], ["brightest"], keepdims=0),

@@ -1,4 +1,4 @@
-"""The example map takes the place of a perception."""
+"""Tests of the example map as a perception."""
 
 import json
 from pathlib import Path

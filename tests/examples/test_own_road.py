@@ -1,4 +1,4 @@
-"""The example road from a CSV file tells its facts and is driven over."""
+"""Tests of the example road from a CSV file: its facts and a drive."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The example car is the one that drives."""
+"""Tests of the example car."""
 
 import json
 from pathlib import Path

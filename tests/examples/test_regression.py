@@ -1,4 +1,4 @@
-"""The example of a ride test passes as a user would run it."""
+"""Tests of the example regression test, run as by a user."""
 
 import shutil
 import subprocess

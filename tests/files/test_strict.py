@@ -195,7 +195,7 @@ trees = st.recursive(
 
 
 def refusal(act: Callable[[], Any]) -> str:
-    """The message of the InputError that `act` raises, or nothing if it raises none."""
+    """Message of the InputError raised by `act`, or None."""
     try:
         act()
     except InputError as error:

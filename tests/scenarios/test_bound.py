@@ -1,4 +1,4 @@
-"""The bound of a short drive: better than what it started from, kept, and never believed when damaged."""
+"""Tests of the bound of a short drive: better than its starts, cached, and rejected when damaged."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The command line: results, exit codes, and one line for each mistake."""
+"""Tests of the command line: results, exit codes and one-line messages."""
 
 import json
 from pathlib import Path
@@ -112,7 +112,7 @@ def test_corrupt_weights_are_refused_before_anything_is_written(
 
 
 def test_settings_from_a_file_arrive_as_they_were_written(short: str, tmp_path: Path) -> None:
-    """None stays none, small numbers stay numbers, and what a block leaves out stays as it is."""
+    """None stays None, small numbers stay numbers, and omitted fields stay unchanged."""
     given = {"passive": {"damping_ns_m": None}, "mpc": {"road": {"blend_m": 0.3}}, "user": {"gain": 1e-5}}
     file = tmp_path / "mine.yaml"
     file.write_text(json.dumps(given))

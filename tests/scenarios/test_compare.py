@@ -1,4 +1,4 @@
-"""`foreride compare`: the same numbers in every form, whatever the number of worker processes."""
+"""Tests of `foreride compare`: equal numbers in every format, for any number of worker processes."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""Fallbacks of a controller are counted and logged; a failed solver never stops a drive."""
+"""Tests of fallbacks in the loop: counted and logged; a failed solver never stops a drive."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Faults of a drive: applied when and where they are told."""
+"""Tests of fault injection: time, place and kind."""
 
 import numpy as np
 import pytest

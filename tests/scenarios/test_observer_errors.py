@@ -1,4 +1,4 @@
-"""The observer's error of a drive: nothing for the truth, and each error where it belongs."""
+"""Tests of the observer errors of a drive: none for exact states, and each error in its own entry."""
 
 from dataclasses import replace
 
@@ -75,7 +75,7 @@ def test_each_run_tells_it_in_its_manifest_and_row() -> None:
 
 
 def test_dampers_that_never_change_ask_no_observer() -> None:
-    """And go as they go under a controller that is asked each time."""
+    """The drive equals that with an observer."""
     case = Case(load("bump_8x40_30", [*SHORT, "control.delay_s=0.012"]), "passive", "none", 0)
     run, car = simulate(case), case.scenario.vehicle.parameters
     assert run.observer == {}

@@ -1,4 +1,4 @@
-"""The oracle: true by default, and wrong exactly as told."""
+"""Tests of the oracle: exact by default, with prescribed errors otherwise."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -31,7 +31,7 @@ def seen(errors: OracleErrors, x_m: float = 26.0, road: Road = ROAD) -> RoadPrev
 
 
 def crest(preview: RoadPreview) -> float:
-    """Distance of the middle of what is over 3 cm ahead of the front wheel, m."""
+    """Distance of the middle of the stretch higher than 3 cm from the front wheel, m."""
     return float(preview.distance_m[preview.height_m[0] > 0.03].mean())
 
 

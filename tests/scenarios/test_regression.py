@@ -1,4 +1,4 @@
-"""Baselines: what counts as worse, what is told, and what is refused."""
+"""Tests of the regression check: verdicts, messages and rejected baselines."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Sets of events: what is shipped, and how a set is read."""
+"""Tests of scenario sets: the shipped ones, and their reading."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Means, intervals and paired effects against textbook values and hand-made rows."""
+"""Tests of means, confidence intervals and paired effects against textbook values and synthetic rows."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def row(controller: str, seed: int, objective: float, perception: str = "none", 
 
 
 def rows() -> list[dict]:
-    """The passive car differs much from seed to seed; the others follow it at 0.8 and 0.5 of it, nearly."""
+    """Rows in which the passive car varies strongly with the seed; the others are about 0.8 and 0.5 of it."""
     found = []
     for seed, passive in enumerate((1.0, 2.0, 4.0, 3.0)):
         found.append(row("passive", seed, passive))
@@ -39,7 +39,7 @@ def test_few_values_have_no_interval_and_equal_ones_a_point() -> None:
 
 
 def test_effects_are_paired_by_seed() -> None:
-    """The spread between seeds, which both cars share, does not widen the interval of the effect."""
+    """The variation between seeds, common to both cars, does not widen the interval of the effect."""
     preview = summarise(rows(), "passive")[1]
     own, effect = preview.metrics["objective"], preview.ratio["objective"]
     assert effect.mean == pytest.approx(np.mean([0.80, 0.81, 0.82, 0.83]))

@@ -1,4 +1,4 @@
-"""Study files: the right drives, spread as the sampling says, and one line for each mistake."""
+"""Tests of study files: the drives, their distribution, and one-line messages."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What the estimator is told exactly is exact; the rest is its own."""
+"""Tests of ground-truth substitution: substituted values are exact, the others unchanged."""
 
 import numpy as np
 import pytest

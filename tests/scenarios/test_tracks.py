@@ -1,4 +1,4 @@
-"""The road under each wheel."""
+"""Tests of the wheel profiles."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The search for settings: on a bowl whose bottom is known, and on a road."""
+"""Tests of the tuning: on a quadratic function with known minimum, and on a road."""
 
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ THERE = {"hard_ns_m": 4500.0, "soft_ns_m": 300.0}
 
 
 class Bowl:
-    """Stands in for a judge: least at hard 2000, soft 500; the settings there before score `before`."""
+    """Stub of the objective: minimum at hard 2000, soft 500; the previous settings score `before`."""
 
     def __init__(self, before: float) -> None:
         self.before, self.asked = before, 0
@@ -61,7 +61,7 @@ def test_the_climb_begins_where_the_settings_before_were_if_nothing_seen_is_bett
 
 
 def test_settings_outside_the_span_are_no_place_of_the_search() -> None:
-    """Their good score must not draw the climb to the end of the span, where it was not measured."""
+    """Their good score must not draw the local search to the end of the range."""
     spans = {"hard_ns_m": Span(1000.0, 1900.0), "soft_ns_m": Span(300.0, 1000.0)}
     bowl: Any = Bowl(before=0.51)
     found = tune(bowl, "add", spans, {"hard_ns_m": 2200.0, "soft_ns_m": 500.0}, evaluations=40, seed=1)

@@ -1,4 +1,4 @@
-"""The validation command: rows, verdicts, exit code; and that all of it passes."""
+"""Tests of the validation command: rows, verdicts, exit code; and that all checks pass."""
 
 import json
 import math

@@ -7,7 +7,7 @@ from scenarios.loading import load
 
 
 def drive(vehicle: str, controller: str, *overrides: str) -> Run:
-    """A short piece of the road with the narrow bump."""
+    """Simulate a short stretch of road with the narrow bump."""
     fields = [f"vehicle={vehicle}", "start_m=34", "road.length_m=48", *overrides]
     return simulate(Case(load("bump_8x40_30", fields), controller, "none", 0))
 

@@ -44,7 +44,7 @@ def test_a_setting_outside_its_range_is_told() -> None:
 
 @pytest.mark.parametrize("actuator", [SlowActive(1000.0, 0.1), FullyActive(1000.0, 0.005)])
 def test_lifting_the_body_takes_the_work_of_the_strut(actuator: SlowActive | FullyActive) -> None:
-    """What an actuator did until all is at rest is in the spring, or has become heat."""
+    """The work of the actuator until rest is stored in the spring or dissipated."""
     car = replace(QUARTER, actuator=actuator)
     record = drive(car, [1500.0, 5000.0], 4000, FLAT)
     assert record.actuator_force[0, -1] == pytest.approx(1000.0)

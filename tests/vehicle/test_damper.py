@@ -49,7 +49,7 @@ def test_tanh_damper_by_hand_at_one_ampere() -> None:
 
 
 def test_bouc_wen_yields_at_the_bound_of_its_equation() -> None:
-    """Pulled steadily, z goes to sqrt(A / (beta + gamma)) and the slip to what c1 lets through."""
+    """Under steady extension z tends to sqrt(A / (beta + gamma)) and c1 limits the slip rate."""
     part, inner = MrBoucWenDamper(), [0.0, 0.0]
     for tick in range(200):
         inner = part.advance(0.5, 0.3 * tick * 1e-3, 0.3, inner, 1e-3)
@@ -114,7 +114,7 @@ def test_a_prediction_car_knows_the_states_but_the_inner_ones() -> None:
 
 
 class Step:
-    """A road that is 5 cm higher from 1 m on, by a ramp of 0.2 m."""
+    """Road that rises by 5 cm at 1 m, by a ramp of 0.2 m."""
 
     def height(self, x: Any) -> Any:
         return 0.05 * np.clip((x - 1.0) / 0.2, 0.0, 1.0)

@@ -12,7 +12,7 @@ CARS: list[Car] = [QUARTER, HALF, FULL]
 
 
 def random_inputs(car: Car, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """A state with struts into their stops and tyres off the ground, a command, a road."""
+    """State with bump-stop contact and tyres off the ground, a command, a road."""
     rng = np.random.default_rng(seed)
     x = rng.normal(0.0, 0.1, equations.state_size(car))
     x[-car.wheels :] = rng.uniform(300, 4500, car.wheels)

@@ -31,7 +31,7 @@ def test_natural_frequencies_of_a_car_on_rigid_tyres() -> None:
 
 
 def test_roll_frequency_with_anti_roll_bars_on_rigid_tyres() -> None:
-    """Springs at half the track b resist with 4 k b², bars with k (2 b)² each axle: w² = sum / I."""
+    """Springs at half the track b resist with 4 k b², bars with k (2 b)² per axle: w² = sum / I."""
     car = replace(FULL, tyre_n_m=(1e12, 1e12))
     stiffness = 4 * 21e3 * 0.75**2 + (16e3 + 8e3) * 1.5**2
     expected = np.sqrt(stiffness / 540) / (2 * np.pi)
@@ -39,7 +39,7 @@ def test_roll_frequency_with_anti_roll_bars_on_rigid_tyres() -> None:
 
 
 def test_damped_poles_of_the_quarter_car() -> None:
-    """The characteristic polynomial of the two-mass model, term by term."""
+    """Characteristic polynomial of the two-mass model, term by term."""
     m_s, m_u, k_s, k_t, c, c_t = 400.0, 42.0, 21e3, 195e3, 1500.0, 100.0
     body, wheel = [m_s, c, k_s], [m_u, c + c_t, k_s + k_t]
     polynomial = np.polysub(np.polymul(body, wheel), np.polymul([c, k_s], [c, k_s]))

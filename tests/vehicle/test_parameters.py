@@ -83,7 +83,7 @@ def test_errors_of_a_file_name_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["compact_car", "suv", "van", "heavy_van"])
 def test_shipped_cars_ride_like_cars(name: str) -> None:
-    """Body over 1 Hz in heave, pitch and roll, wheels 10-15 Hz (Wong, Theory of Ground Vehicles, ch. 7)."""
+    """Body modes over 1 Hz, wheel hop 10-15 Hz (Wong, Theory of Ground Vehicles, ch. 7)."""
     frequencies = natural_frequencies_hz(load_vehicle(name))
     assert (frequencies[:2] > 1.0).all()
     assert (frequencies[:2] < 1.7).all()
@@ -93,7 +93,7 @@ def test_shipped_cars_ride_like_cars(name: str) -> None:
 
 
 def test_the_laden_van_is_the_van_and_its_load() -> None:
-    """Weight and its moment are those of van and load; stops are nearer by what the springs give."""
+    """Weight and moment are the sum of van and load; stops are nearer by the static compression."""
     van, laden = load_vehicle("van"), load_vehicle("heavy_van")
     more = [b.body_load_n - a.body_load_n for a, b in zip(van.corners, laden.corners, strict=True)]
     assert 2 * (more[0] + more[2]) == pytest.approx(600 * GRAVITY_M_S2)

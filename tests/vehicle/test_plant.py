@@ -37,7 +37,7 @@ class Haversine:
 
 @dataclass(frozen=True)
 class Ledge:
-    """A plateau of height_m that ends at end_m; the car that starts on it drops at the first tick."""
+    """Plateau of height_m that ends at end_m; a car that starts on it drops at the first tick."""
 
     height_m: float
     end_m: float
@@ -80,7 +80,7 @@ def test_starts_at_rest_on_a_raised_road(car: Car) -> None:
 
 
 def with_everything(car: Car) -> Car:
-    """Progressive springs, uneven stops and actuators."""
+    """Car with progressive springs, unequal stops and actuators."""
     if isinstance(car, QuarterCar):
         return replace(car, spring_n_m3=2e6, rebound_gap_m=0.05, actuator=SlowActive())
     return replace(car, spring_n_m3=(2e6, 1e6), rebound_gap_m=(0.05, 0.06), actuator=SlowActive())
@@ -112,7 +112,7 @@ def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
 
 
 def reference(car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float) -> VehicleState:
-    """The equations over the exact road, integrated adaptively."""
+    """Equations over the exact road, integrated adaptively."""
     command = np.full(car.wheels, damping)
 
     def slope(t: float, x: np.ndarray) -> np.ndarray:
@@ -127,7 +127,7 @@ def reference(car: Car, profiles: list[Profile], speed: float, ticks: int, dampi
 
 
 def summary(signals: VehicleState) -> np.ndarray:
-    """Numbers a comparison of controllers would look at."""
+    """Statistics that a comparison of controllers would use."""
     load = signals.tyre_force / signals.static_tyre_force - 1.0
     values = (
         np.sqrt(np.mean(signals.body_acc**2)),
@@ -176,7 +176,7 @@ def test_a_car_in_the_air_falls_with_gravity() -> None:
 
 
 def energy(car: Car, signals: VehicleState) -> np.ndarray:
-    """Kinetic energy plus the potentials of springs, stops, tyres and weight, with the road at zero."""
+    """Kinetic energy plus the potential energy of springs, stops, tyres and weight, with the road at zero."""
     state = equations.motion(car, signals.x)
     total = sum(m * v**2 / 2 for m, v in zip(car.body_inertia, state.body_velocity, strict=True))
     for i, corner in enumerate(car.corners):
@@ -237,7 +237,7 @@ def test_a_mirrored_car_mirrors_its_motion() -> None:
 
 
 def test_axles_are_quarter_cars_when_the_body_decouples_them() -> None:
-    """With I = m a b each axle carries its own mass: m b / (a + b) in front, m a / (a + b) behind."""
+    """With I = m a b each axle carries its own mass: m b / (a + b) front, m a / (a + b) rear."""
     car = replace(HALF, pitch_inertia_kg_m2=800 * 1.25 * 1.45)
     bump = Haversine(0.10, 0.9, start_m=4.0)
     both = drive(car, [bump, bump], 9.0, 1500)
@@ -300,7 +300,7 @@ def test_wrong_use_is_told_in_one_line() -> None:
 
 
 def test_divergence_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)  # MuJoCo may leave its log here
+    monkeypatch.chdir(tmp_path)  # MuJoCo may write its log here
     plant = Plant(replace(QUARTER, unsprung_mass_kg=0.01))
     plant.reset([Haversine(0.08, 0.5)], 0.0, 10.0)
     with pytest.raises(InputError, match=r"vehicle diverged at 0\.004 s"):

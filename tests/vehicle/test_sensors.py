@@ -14,7 +14,7 @@ from vehicle.state import VehicleState, observe
 
 
 def moving_car(name: str = "half", y_max_m: float = 3.5) -> VehicleState:
-    """A car with its front wheels just behind a bump that reaches from its right side to `y_max_m`."""
+    """Car with its front wheels just past a bump that reaches from its right side to `y_max_m`."""
     car = load_vehicle(name)
     plant, bump = Plant(car), HalfSineBump(1.0, 0.05, 0.5, y_max_m=y_max_m)
     road = Road(length_m=10.0, features=(bump,))
@@ -85,7 +85,7 @@ def test_the_roll_gyro_follows_a_car_whose_right_side_goes_over_a_bump() -> None
 
 
 def test_the_roll_gyro_leaves_the_chance_of_the_other_channels_alone() -> None:
-    """They are drawn as from a generator that knows of no roll gyro."""
+    """They are drawn as from a generator without roll gyro."""
     state, rng = moving_car("full"), np.random.default_rng(7)
     offsets, scale, noise = rng.standard_normal(14), rng.standard_normal(), rng.standard_normal(14)
     steady = replace(NO_NOISE, bandwidth_hz=1.0, body_density_m_s2=1.0, rattle_offset_m=1.0, speed_scale=1.0)
@@ -98,7 +98,7 @@ def test_the_roll_gyro_leaves_the_chance_of_the_other_channels_alone() -> None:
 
 
 def still(rattle_m: float) -> VehicleState:
-    """A quarter car at rest with its wheel pressed in."""
+    """Quarter car at rest with its wheel displaced upwards."""
     x = [0.0, 0.0, -rattle_m, 0.0, 1500.0]
     return observe(load_vehicle("quarter"), 0.0, 0.0, 10.0, x, np.array([1500.0]), ([0.0], [0.0]))
 

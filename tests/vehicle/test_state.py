@@ -34,7 +34,7 @@ def test_a_quarter_car_does_not_pitch() -> None:
 
 
 def test_wheel_and_body_forces_balance() -> None:
-    """Newton for the whole car: what the road pushes beyond the weight accelerates all masses."""
+    """Newton's law for the whole car: tyre forces minus weight accelerate all masses."""
     rng = np.random.default_rng(2)
     x = rng.normal(0, 0.05, (10, 50))
     x[-2:] = 2000.0

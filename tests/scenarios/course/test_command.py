@@ -1,4 +1,4 @@
-"""`foreride perception`: which roads are driven, and what is refused."""
+"""Tests of `foreride perception`: selection of roads, and rejected options."""
 
 import argparse
 from pathlib import Path
@@ -19,7 +19,7 @@ vehicle: {model: quarter}
 
 
 def groups(*words: str) -> list[tuple[str, list[Case]]]:
-    """What the command would drive."""
+    """Groups of cases that the command would simulate."""
     parser = argparse.ArgumentParser()
     perception.add(parser.add_subparsers())
     arguments = parser.parse_args(["perception", *words])

@@ -1,4 +1,4 @@
-"""Judging beliefs against the road: hand-made drives whose errors are known."""
+"""Tests of the matching of estimates to obstacles, on synthetic drives with known errors."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ BUMP = HalfSineBump(50.0, 0.08, 0.4)
 
 
 def drive(errors: dict[int, float], cls: str = "speed_bump", sigma: float = 0.1) -> Run:
-    """A drive over BUMP in which each track believes it `errors` metres too far, at 20 Hz."""
+    """Drive over BUMP in which each track estimates it `errors` metres too far, at 20 Hz."""
     scenario = replace(load("bump_8x40_30"), road=Road(length_m=70.0, features=(BUMP,)))
     axle = max(scenario.vehicle.parameters.axle_x_m)
     time = np.arange(6000) / 1000
@@ -28,7 +28,7 @@ def drive(errors: dict[int, float], cls: str = "speed_bump", sigma: float = 0.1)
         {
             "event": "boxes",
             "time_s": t,
-            "odometer_m": 2.0 + SPEED * t + 1.0,  # an odometer that began elsewhere
+            "odometer_m": 2.0 + SPEED * t + 1.0,  # odometer offset
             "tracks": [
                 {
                     "track": number, "class": cls, "kind": "bump", "x_m": 51.0 + error, "sigma_m": sigma,
@@ -88,7 +88,7 @@ def test_summary_of_known_errors() -> None:
 
 
 def test_false_tracks_are_counted_by_kilometre() -> None:
-    """Three drives of 59.99 m with one and two tracks far from anything."""
+    """Three drives of 59.99 m with one and two tracks far from any obstacle."""
     row = summarise([drive({0: 0.0, 1: 9.0}), drive({0: 9.0, 1: 12.0}), drive({})])
     assert row["false_tracks"] == 3
     assert row["false_per_km"] == pytest.approx(3 / (3 * 0.05999), rel=1e-6)

@@ -1,4 +1,4 @@
-"""Seeded courses: repeatable, within their stated ranges, on the wheel's path."""
+"""Tests of the seeded benchmark roads: reproducible, within the stated ranges, on the wheel's path."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""The perception report from the command line, and its tables."""
+"""Tests of the perception report on the command line and of its tables."""
 
 import json
 from pathlib import Path
