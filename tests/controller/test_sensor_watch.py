@@ -10,7 +10,7 @@ from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
 
 
 def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:
-    """Reading number k of a car in motion; no two are equal, except in the roll rate of other than full cars."""
+    """Reading number k of a car in motion; no two are equal, except in the roll rate without a roll gyro."""
     rng = np.random.default_rng(k)
     struts = rng.normal(size=wheels), rng.normal(size=wheels), 0.01 * rng.normal(size=wheels)
     sound = Measurement(0.005 * k, *struts, 0.1 * k, 10.0 + k, 0.2 * k if wheels > 2 else 0.0)
