@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from detector.backends import BACKENDS, installed, open_network
 from detector.progress import Progress
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError
 from files.numbers import is_whole
 
@@ -156,7 +157,7 @@ def _words(text: str) -> list[str]:
 
 
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="foreride detector bench", description=__doc__)
+    p = Parser(prog="foreride detector bench", description=__doc__)
     p.add_argument(
         "--models", type=_words, default=["sbp-yolo", "yolo11n"], help="names of `detector models`"
     )

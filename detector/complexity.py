@@ -1,6 +1,5 @@
 """Parameters and operations of the models beside the paper's figures: `foreride detector models`."""
 
-import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +10,7 @@ from torch.utils.flop_counter import FlopCounterMode
 from detector.blocks import VoVGSCSPC
 from detector.models import MODELS, Network, build
 from files.atomic import write_text
+from files.command_line import Parser
 
 PAPER = {
     "yolo11n": (2.58, 6.3),
@@ -66,7 +66,7 @@ def table(size: int = 640) -> list[dict]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    p = argparse.ArgumentParser(prog="foreride detector models", description=__doc__)
+    p = Parser(prog="foreride detector models", description=__doc__)
     p.add_argument("--json", type=Path, help="write the numbers here")
     args = p.parse_args(arguments)
     rows = table()

@@ -1,6 +1,5 @@
 """Labelled images from elsewhere, in YOLO or COCO format, and back: `foreride detector convert`."""
 
-import argparse
 import json
 import shutil
 import sys
@@ -12,6 +11,7 @@ from detector.dataset import image_paths, read_labels
 from detector.detection import CLASS_NAMES
 from detector.imagefile import read_image
 from files.atomic import atomic_folder, write_text
+from files.command_line import Parser
 from files.errors import InputError
 
 _MOST_CLASSES = 1000  # a foreign set may have
@@ -162,7 +162,7 @@ def _class_names(pairs: list[str]) -> Names:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="foreride detector convert", description=__doc__)
+    parser = Parser(prog="foreride detector convert", description=__doc__)
     parser.add_argument("source", type=Path, metavar="SOURCE", help="a YOLO folder, or a COCO file (.json)")
     parser.add_argument("out", type=Path, metavar="OUT", help="a new YOLO folder, or a COCO file (.json)")
     parser.add_argument("--images", type=Path, help="where a COCO file's images lie (default: beside it)")

@@ -32,6 +32,7 @@ from detector.progress import Progress
 from detector.report import report
 from detector.runtime import Detector
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError
 from files.images import read_pixels
 
@@ -106,7 +107,7 @@ def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
 
 
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="foreride detector eval", description=__doc__)
+    p = Parser(prog="foreride detector eval", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with images/ and labels/")
     p.add_argument("--weights", type=Path, help="ONNX file; the shipped one by default")
     p.add_argument("--json", type=Path, help="write the numbers here")

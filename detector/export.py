@@ -32,6 +32,7 @@ from detector.parity import parity
 from detector.quantize import halved, quantized
 from detector.rewrite import rewrite
 from files.atomic import write_bytes
+from files.command_line import Parser
 from files.errors import InputError
 
 OPSET = 17
@@ -112,7 +113,7 @@ def export(
 
 
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="foreride detector export", description=__doc__)
+    p = Parser(prog="foreride detector export", description=__doc__)
     p.add_argument("--weights", type=Path, required=True, help="weights file of `detector train`")
     p.add_argument("--out", type=Path, required=True, help="ONNX file to write")
     p.add_argument("--data", type=Path, help="folder with images/: to check against torch, and to calibrate")

@@ -28,11 +28,12 @@ from detector.schedule import DECAYS, parse_stages
 from detector.store import load_store
 from detector.trainer import Settings, Trainer
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError
 
 
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="foreride detector train", description=__doc__)
+    p = Parser(prog="foreride detector train", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
     p.add_argument("--out", type=Path, required=True, help="folder for checkpoint, history and weights")
     p.add_argument("--stages", default="320x192:60000,640x384:15000", help="WIDTHxHEIGHT:PASSES[,...]")

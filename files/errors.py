@@ -3,15 +3,20 @@
 import reprlib
 from typing import Any
 
+MESSAGE_LENGTH = 500
+"""Length that no message reaches."""
 SHOWN_LENGTH = 60
 """Maximum length of a message part that repeats a value from the input."""
 
 
 class InputError(ValueError):
-    """Invalid input, reported in one printable line that names file, field, value and what is allowed."""
+    """Invalid input, reported in one line that names file, field, value and what is allowed.
+
+    The message is one printable line of less than `MESSAGE_LENGTH` characters, whatever it is made from.
+    """
 
     def __init__(self, message: object = "") -> None:
-        super().__init__(printable(message))
+        super().__init__(abridged(printable(message)))
 
 
 class _Bounded(reprlib.Repr):
@@ -43,6 +48,14 @@ def shown(value: Any) -> str:
 def shortened(text: str, length: int = SHOWN_LENGTH) -> str:
     """Truncate the text to `length` characters."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def abridged(text: str, length: int = MESSAGE_LENGTH - 1) -> str:
+    """The text with its middle left out where it is longer than `length`: a message ends in what is wrong."""
+    if len(text) <= length:
+        return text
+    head = (length - 5) // 2
+    return f"{text[:head]} ... {text[len(text) - (length - 5 - head) :]}"
 
 
 def printable(text: object) -> str:

@@ -1,6 +1,5 @@
 """Box-size statistics of labelled image folders: `foreride detector boxes FOLDER... [--json FILE]`."""
 
-import argparse
 import json
 import sys
 from pathlib import Path
@@ -9,6 +8,7 @@ import cv2
 import numpy as np
 
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError, shown
 from files.images import read_pixels
 from files.reading import read_text
@@ -93,9 +93,7 @@ def _sizes(rows: list[tuple[float, float]]) -> dict:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    parser = argparse.ArgumentParser(
-        prog="foreride detector boxes", description="Box sizes of labelled image folders."
-    )
+    parser = Parser(prog="foreride detector boxes", description="Box sizes of labelled image folders.")
     parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="holds images/ and labels/")
     parser.add_argument("--json", type=Path, help="also write the numbers to this file")
     options = parser.parse_args(arguments)

@@ -1,6 +1,5 @@
 """Dataset card of a rendered data set: `foreride detector card FOLDER` writes its README.md."""
 
-import argparse
 import json
 import sys
 from collections import Counter
@@ -9,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError
 from road.boxes import NAMES, box_statistics, table
 from road.render import MAX_HIDDEN
@@ -160,9 +160,7 @@ def real_statistics(folders: list[Path]) -> dict[str, dict]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    parser = argparse.ArgumentParser(
-        prog="foreride detector card", description="Write a rendered set's card (README.md)."
-    )
+    parser = Parser(prog="foreride detector card", description="Write a rendered set's card (README.md).")
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="a rendered data set")
     parser.add_argument(
         "--real", type=Path, action="append", default=[], metavar="FOLDER", help="labelled photographs"

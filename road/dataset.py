@@ -1,6 +1,5 @@
 """Generation of seeded, labelled image sets in YOLO layout: `foreride detector data --out DIR`."""
 
-import argparse
 import hashlib
 import json
 import sys
@@ -14,6 +13,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from files.atomic import write_text
+from files.command_line import Parser
 from files.errors import InputError
 from road.boxes import NAMES
 from road.card import real_statistics, write_card
@@ -115,7 +115,7 @@ def progress(total: int) -> Iterator[Callable[[int], None]]:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="foreride detector data", description="Render a labelled data set.")
+    parser = Parser(prog="foreride detector data", description="Render a labelled data set.")
     parser.add_argument("--out", type=Path, required=True, help="folder to write, empty or new")
     parser.add_argument("--seed", type=int, default=0)
     for split, default in zip(SPLITS, (5250, 1125, 1125), strict=True):

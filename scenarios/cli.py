@@ -4,7 +4,8 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from files.errors import InputError
+from files.command_line import Parser
+from files.errors import InputError, abridged, printable
 from scenarios.commands import (
     bound,
     calibrate,
@@ -30,7 +31,7 @@ BAD_INPUT = 2
 
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
-    top = argparse.ArgumentParser(
+    top = Parser(
         prog="foreride",
         description="What a car gains when its suspension sees the road before the wheels reach it.",
     )
@@ -62,18 +63,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(arguments.execute(arguments) or 0)
     except InputError as error:
-        print(f"foreride: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return _told(error, BAD_INPUT)
     except WorkerDied as error:
-        print(f"foreride: {error}", file=sys.stderr)
-        return CHECK_FAILED
+        return _told(error, CHECK_FAILED)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
-        print(f"foreride: {place}{error.strerror or error}", file=sys.stderr)
-        return BAD_INPUT
+        return _told(f"{place}{error.strerror or error}", BAD_INPUT)
     except KeyboardInterrupt:
         print("foreride: interrupted", file=sys.stderr)
         return 130
+
+
+def _told(error: object, status: int) -> int:
+    print(f"foreride: {abridged(printable(error))}", file=sys.stderr)
+    return status
 
 
 if __name__ == "__main__":
