@@ -114,9 +114,8 @@ def campaign(seed: int, valid: dict[str, bytes], seconds: float, jobs: int) -> T
             _tend(worker, tally)
         if time.monotonic() - told > 60:
             told = time.monotonic()
-            print(
-                f"{sum(worker.tried for worker in workers)} inputs, {len(tally.found)} findings", flush=True
-            )
+            tried = sum(worker.tried for worker in workers)
+            print(f"{tried} inputs, {len(tally.found)} findings", flush=True)
     for worker in workers:
         worker.process.kill()
         worker.process.join()

@@ -27,7 +27,8 @@ OTHERS = (
 BYTES = (
     b"", b"\0", b"\0" * 64, b"\xff", b"\xfe\xff", b"\xff\xfe", b"\xef\xbb\xbf", b"\xed\xa0\x80", b"\xc2\xb2",
     b"\x85", b"\r", b"\n", b"\n\n", b"\t", b"\x1b[2J", b"%", b"#", b",", b":", b"- ", b"nan", b"inf",
-    b"1e999", b"-1", b"9" * 400, b"\x7f\xff\xff\xff", b"\xff\xff\xff\xff", b"\x80\0\0\0", b"A" * 2000, b"\n" * 2000,
+    b"1e999", b"-1", b"9" * 400, b"\x7f\xff\xff\xff", b"\xff\xff\xff\xff", b"\x80\0\0\0",
+    b"A" * 2000, b"\n" * 2000,
 )  # fmt: skip
 
 
