@@ -13,7 +13,11 @@ from detector.imagefile import read_image
 from files.atomic import atomic_folder, write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.reading import reading
+from files.strict_json import read_json
 
+COCO_LIMIT = 512 << 20
+"""Maximum size of an annotation file, 512 MiB, read within a minute."""
 _MOST_CLASSES = 1000  # a foreign set may have
 Box = tuple[float, float, float, float]
 Names = dict[str, str]  # a source's class name or number -> one of CLASS_NAMES
@@ -64,8 +68,8 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
     names: categories by name; those that are named neither there nor as ours are left out, and so are crowds.
     Raises InputError for another format, and one that lists every file that cannot be used unless skipped.
     """
-    try:
-        source = json.loads(file.read_text())
+    source = read_json(file, COCO_LIMIT)
+    with reading(f"{file}: not a COCO annotation file"):
         categories = {c["id"]: names.get(c["name"], c["name"]) for c in source["categories"]}
         boxes: dict[int, list[tuple[int, Box]]] = {}
         for note in source["annotations"]:
@@ -74,8 +78,6 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
                 x, y, w, h = (float(v) for v in note["bbox"])
                 boxes.setdefault(note["image_id"], []).append((CLASS_NAMES.index(name), (x, y, x + w, y + h)))
         entries = [(images / entry["file_name"], boxes.get(entry["id"], [])) for entry in source["images"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{file}: not a COCO annotation file ({error!r})") from None
     objects = dict(entries)
 
     def one(path: Path) -> Labelled:

@@ -1,7 +1,6 @@
 """Curves: of a training over its image passes, and of precision and recall, as PNG files."""
 
 import io
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,15 +8,39 @@ from typing import TYPE_CHECKING
 from detector.detection import CLASS_NAMES
 from detector.metrics import IOU_LEVELS, ImageResult, average_precision, pooled, precision_recall
 from files.atomic import write_bytes
+from files.errors import InputError
+from files.reading import reading
+from files.strict_json import read_json_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+SCORES = {"map50": "mAP50", "map50_95": "mAP50-95", "recall": "recall at 0.25"}
+
+
+def read_history(path: Path) -> list[dict]:
+    """Rows of a `history.jsonl`: passes, scores (None where there was nothing to find), loss terms.
+
+    Raises InputError naming the line that lacks one of them or holds another value than a number.
+    """
+    rows = read_json_lines(path)
+    for number, row in enumerate(rows, 1):
+        with reading(f"{path}:{number}"):
+            told = [row["passes"], *(row[key] for key in SCORES), *row.get("loss", {}).values()]
+            if type(told[0]) is not int or not all(_fits(value) for value in told):
+                raise InputError(f"{path}:{number}: passes, scores and loss must be numbers")
+    return rows
+
+
+def _fits(value: object) -> bool:
+    return value is None or (type(value) in (int, float) and abs(value) <= 1e12)  # type: ignore[arg-type]
+
+
 def write_curves(run: Path) -> None:
     """Draw `history.jsonl` of a run folder into `curves.png`; nothing where there is no history."""
     history = run / "history.jsonl"
-    rows = [json.loads(line) for line in history.read_text().splitlines()] if history.exists() else []
+    rows = read_history(history) if history.exists() else []
     if not rows:
         return
     passes = [row["passes"] for row in rows]
@@ -26,7 +49,7 @@ def write_curves(run: Path) -> None:
     terms = [row.get("loss", {}) for row in rows]  # none where a finished run was taken up again
     for name in dict.fromkeys(name for row in terms for name in row):
         losses.plot(passes, [row.get(name) for row in terms], ".-", label=name)
-    for key, label in (("map50", "mAP50"), ("map50_95", "mAP50-95"), ("recall", "recall at 0.25")):
+    for key, label in SCORES.items():
         scores.plot(passes, [row[key] for row in rows], ".-", label=label)
     for axes, title in ((losses, "loss"), (scores, "validation")):
         axes.set(xlabel="image passes", title=title)

@@ -1,6 +1,7 @@
 """What a training tells on its way: history.jsonl, TensorBoard events, and pictures of what it finds."""
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -9,12 +10,16 @@ from typing import Any
 import numpy as np
 import torch
 
+from detector.curves import read_history
 from detector.dataset import Sample
 from detector.deploy import Deployed
 from detector.pictures import png, sheet, tile
 from detector.schedule import Stage
 from detector.trainer import TERMS, Trainer, look, validate
 from files.atomic import write_bytes, write_text
+from files.errors import InputError
+from files.reading import read_text, reading
+from files.strict_json import JSON_LIMIT, parse_json
 
 EVERY_STEPS = 20  # between two points of the loss curves
 TILES, COLUMNS = 12, 4
@@ -63,8 +68,11 @@ class Journal:
         summary = validate(trainer, samples, stage)
         row = {"passes": passes, "size": f"{stage.width}x{stage.height}"}
         if len(loss):
-            row["loss"] = dict(zip(TERMS, loss.tolist(), strict=False))
-        told = self.history.read_text() if self.history.exists() else ""
+            row["loss"] = {
+                name: value if math.isfinite(value) else None
+                for name, value in zip(TERMS, loss.tolist(), strict=False)
+            }
+        told = read_text(self.history, JSON_LIMIT) if self.history.exists() else ""
         write_text(self.history, f"{told}{json.dumps(row | summary)}\n")
         picture = predictions(trainer, samples, stage)
         write_bytes(self.out / "predictions" / f"{passes:08}.png", png(picture))
@@ -84,8 +92,7 @@ class Journal:
 
     def stalled(self, patience: int) -> bool:
         """Whether the best mAP50-95 of the history is older than its last `patience` lines."""
-        rows = [json.loads(line) for line in self.history.read_text().splitlines()]
-        found = [row["map50_95"] or 0.0 for row in rows]
+        found = [row["map50_95"] or 0.0 for row in read_history(self.history)]
         return len(found) > patience and max(found[:-patience]) >= max(found[-patience:])
 
 
@@ -104,11 +111,12 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
 def _cut_back(history: Path, passes: int) -> None:
     """Keep the whole lines of a history that tell of no more than so many passes."""
     kept = []
-    for line in history.read_text().splitlines():
+    for line in read_text(history, JSON_LIMIT).split("\n"):
         try:
-            if json.loads(line)["passes"] <= passes:
-                kept.append(line + "\n")
-        except (ValueError, TypeError, KeyError):
+            with reading(history):
+                if parse_json(line, str(history))["passes"] <= passes:
+                    kept.append(line + "\n")
+        except InputError:
             continue  # half a line, where the disk was full or the program killed
     write_text(history, "".join(kept))
 

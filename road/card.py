@@ -1,6 +1,5 @@
 """Dataset card of a rendered data set: `foreride detector card FOLDER` writes its README.md."""
 
-import json
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -9,11 +8,14 @@ from pathlib import Path
 
 from files.atomic import write_text
 from files.command_line import Parser
-from files.errors import InputError
+from files.errors import InputError, printable, shortened
+from files.reading import reading
+from files.strict_json import read_json, read_json_lines
 from road.boxes import NAMES, box_statistics, table
 from road.render import MAX_HIDDEN
 
 REAL_BOXES = Path(__file__).parent / "real_boxes.json"
+_SPLITS = ("train", "val", "test")
 _DISTANCES_M = (0, 4, 10, 15, 25, 50)
 
 _INTRODUCTION = """# Rendered road images
@@ -51,25 +53,28 @@ def write_card(folder: Path, real: dict[str, dict]) -> None:
     manifest_file = folder / "dataset.json"
     if not manifest_file.is_file():
         raise InputError(f"{manifest_file}: missing; the folder must hold a finished rendered data set")
-    manifest = json.loads(manifest_file.read_text())
-    rows = {split: _rows(folder / split) for split, count in manifest["counts"].items() if count}
-    boxes = {split: box_statistics(folder / split) for split in rows}
-    introduction = _INTRODUCTION.format(
-        **manifest["counts"],
-        **manifest["label_minimum"],
-        seed=manifest["seed"],
-        hash=manifest["hash"],
-        hidden=MAX_HIDDEN,
-    )
-    parts = (introduction, _counts(rows), _conditions(rows), _kinds(rows), _distances(rows))
+    manifest = read_json(manifest_file)
+    with reading(manifest_file):
+        splits = [split for split in _SPLITS if manifest["counts"][split]]
+        introduction = _introduction(manifest)
+    rows = {split: read_json_lines(folder / split / "objects.jsonl") for split in splits}
+    boxes = {split: box_statistics(folder / split) for split in splits}
+    with reading(f"{folder}: objects.jsonl"):
+        parts = (introduction, _counts(rows), _conditions(rows), _kinds(rows), _distances(rows))
     sizes = "## Box sizes\n\nIn pixels of an image 640 wide; the last rows are photographs.\n\n" + table(
         {**boxes, **real}
     )
     write_text(folder / "README.md", "\n".join((*parts, sizes, _LIMITS)))
 
 
-def _rows(split: Path) -> list[dict]:
-    return [json.loads(line) for line in (split / "objects.jsonl").read_text().splitlines()]
+def _introduction(manifest: dict) -> str:
+    told = {name: manifest["label_minimum"][name] for name in ("height_px", "width_px", "pixels")}
+    told |= {name: manifest["counts"][name] for name in _SPLITS} | {"seed": manifest["seed"]}
+    return _INTRODUCTION.format(
+        **{name: int(value) for name, value in told.items()},
+        hash=shortened(printable(manifest["hash"])),
+        hidden=MAX_HIDDEN,
+    )
 
 
 def _objects(rows: Iterable[dict]) -> list[dict]:
@@ -155,7 +160,7 @@ def real_statistics(folders: list[Path]) -> dict[str, dict]:
     """Box statistics of the photographs in `folders`, or the published ones of REAL_BOXES if it is empty."""
     if folders:
         return {folder.name: box_statistics(folder) for folder in folders}
-    return dict(json.loads(REAL_BOXES.read_text()))
+    return dict(read_json(REAL_BOXES))
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -1,16 +1,16 @@
 """Regression baselines: cases with their reference metrics, as JSON files under version control."""
 
-import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
+from files import strict
 from files.atomic import write_text
-from files.errors import InputError
+from files.errors import InputError, shortened, shown
 from files.numbers import is_whole
+from files.strict_json import read_json
 from scenarios.cases import Case
 from scenarios.loading import load
 from scenarios.regression import Tolerance
@@ -68,6 +68,36 @@ class Baseline:
         return replace(self, held=tuple(known.values()))
 
 
+@dataclass(frozen=True)
+class _Case:
+    """A case as it is written in a file."""
+
+    scenario: str
+    set: tuple[str, ...]
+    controller: str
+    perception: str
+    seed: int
+    metrics: dict[str, float]
+
+    def __post_init__(self) -> None:
+        if not self.metrics:
+            raise InputError("metrics must hold at least one metric, got none")
+        if self.seed < 0:
+            raise InputError(f"seed must be >= 0, got {self.seed}")
+
+
+@dataclass(frozen=True)
+class _File:
+    """What a file holds beside its manifest."""
+
+    tolerances: dict[str, float]
+    cases: tuple[_Case, ...]
+
+    def __post_init__(self) -> None:
+        if any(not value > 0 for value in self.tolerances.values()):
+            raise InputError(f"tolerances must be > 0, got {shown(self.tolerances)}")
+
+
 def seen_from(folder: Path, name: str) -> str:
     """Path of a scenario or user controller relative to the baseline's `folder`; other names unchanged."""
     path, separator, inner = name.rpartition(":") if ".py:" in name else (name, "", "")
@@ -93,40 +123,28 @@ def write(path: Path, baseline: Baseline) -> None:
 
 def read(path: Path) -> Baseline:
     """Read a baseline file; InputError where it is absent, broken, of another schema or a newer foreride."""
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); --accept writes a new one") from None
-    except ValueError as error:
-        raise InputError(f"{path}: is no JSON ({error})") from None
+    if not path.exists():
+        raise InputError(f"{path}: cannot be read (No such file or directory); --accept writes a new one")
+    document = read_json(path)
     found = document.get("schema") if isinstance(document, dict) else None
     if found != SCHEMA:
-        told = f"schema must be {SCHEMA}, got {found!r}"
+        told = f"schema must be {SCHEMA}, got {shown(found)}"
         raise InputError(f"{path}: a baseline of another version ({told}); write it anew with --accept")
     try:
         wrote = str(document["manifest"]["versions"]["foreride"])
-        held = tuple(_held(case) for case in document["cases"])
-        tolerances = {name: float(value) for name, value in document["tolerances"].items()}
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        content = {name: document[name] for name in ("tolerances", "cases")}
+    except (LookupError, TypeError) as error:
         told = f"{type(error).__name__}: {error}"
-        raise InputError(f"{path}: is no baseline of schema {SCHEMA} ({told})") from None
-    if any(not value > 0 for value in tolerances.values()):
-        raise InputError(f"{path}: tolerances must be > 0, got {tolerances}")
+        raise InputError(f"{path}: is no baseline of schema {SCHEMA} ({shortened(told)})") from None
+    kept = strict.structure(_File, content, str(path))
+    held = tuple(
+        Held(case.scenario, case.set, case.controller, case.perception, case.seed, case.metrics)
+        for case in kept.cases
+    )
     if _number(wrote) > _number(version("foreride")):
         told = f"written by foreride {wrote}, this is {version('foreride')}"
         raise InputError(f"{path}: a baseline of another version ({told}); update foreride")
-    return Baseline(held, tolerances, wrote)
-
-
-def _held(case: Mapping[str, Any]) -> Held:
-    return Held(
-        scenario=str(case["scenario"]),
-        overrides=tuple(str(override) for override in case["set"]),
-        controller=str(case["controller"]),
-        perception=str(case["perception"]),
-        seed=int(case["seed"]),
-        metrics={name: float(value) for name, value in case["metrics"].items()},
-    )
+    return Baseline(held, kept.tolerances, wrote)
 
 
 def _number(text: str) -> tuple[int, ...]:

@@ -56,12 +56,13 @@ class Change:
     @property
     def used(self) -> float:
         """Change as a multiple of the permitted one."""
-        return abs(self.after - self.before) / self.allowed
+        change = abs(self.after - self.before)
+        return change / self.allowed if math.isfinite(change) else math.inf
 
     @property
     def verdict(self) -> str:
         """`worse`, `better`, or `changed` for a neutral metric."""
-        if math.isnan(self.after):
+        if not (math.isfinite(self.before) and math.isfinite(self.after)):
             return "worse"
         if self.metric in NEUTRAL:
             return "changed"
@@ -84,7 +85,7 @@ def changes(
     for metric, old in before.items():
         new = after.get(metric, math.nan)
         allowed = (own.get(metric) or TOLERANCES.get(metric, OTHERS)).of(old)
-        if not abs(new - old) <= allowed:
+        if not (math.isfinite(old) and abs(new - old) <= allowed):
             found.append(Change(metric, old, new, allowed))
     return sorted(found, key=lambda change: (change.verdict != "worse", -change.used))
 

@@ -12,6 +12,9 @@ import pyarrow.parquet as pq
 
 from files.atomic import write_bytes
 from files.errors import InputError
+from files.parquet import read_table
+from files.reading import read_bytes, reading
+from files.strict_json import JSON_LIMIT, parse_json
 
 ROWS_A_PART = 500
 _JOURNAL = "journal.jsonl"
@@ -30,11 +33,11 @@ class Results:
         self.folder = folder
         self.done: dict[str, str | None] = {}
         for part in self._parts():
-            try:
-                table = pq.read_table(part, columns=["key", "error"])
-            except (pa.ArrowException, OSError) as error:
-                raise InputError(f"{part}: is no part of a study's results ({error})") from None
-            self.done |= dict(zip(table["key"].to_pylist(), table["error"].to_pylist(), strict=True))
+            table = read_table(part, ["key", "error"])
+            keys = table["key"].to_pylist()
+            if not all(isinstance(key, str) for key in keys):
+                raise InputError(f"{part}: each key must be text")
+            self.done |= dict(zip(keys, table["error"].to_pylist(), strict=True))
         self._waiting = [row for row in self._journalled() if row["key"] not in self.done]
         self.done |= {row["key"]: row["error"] for row in self._waiting}
         self._restart_journal()
@@ -62,12 +65,18 @@ class Results:
         return sorted(self.folder.glob("part-*.parquet"))
 
     def _journalled(self) -> list[dict[str, Any]]:
-        path, rows = self.folder / _JOURNAL, []
-        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        """Rows of the journal; a last line truncated by a kill is left out, any other damage is refused."""
+        path = self.folder / _JOURNAL
+        if not path.exists():
+            return []
+        *lines, rest = read_bytes(path, JSON_LIMIT).split(b"\n")
+        rows = []
+        for number, line in enumerate([*lines, rest], 1):
             try:
-                rows.append(json.loads(line))
-            except ValueError:  # truncated by a kill
-                break
+                rows.append(_row(line, f"{path}:{number}"))
+            except InputError:
+                if number <= len(lines):
+                    raise
         return rows
 
     def _restart_journal(self) -> None:
@@ -83,12 +92,24 @@ class Results:
 
 def load_results(folder: Path) -> pa.Table:
     """Read all rows of a study's parts, the latest of each key; columns that a part lacks are null."""
-    parts = [pq.read_table(part) for part in sorted(folder.glob("part-*.parquet"))]
+    parts = [read_table(part) for part in sorted(folder.glob("part-*.parquet"))]
     if not parts:
         raise InputError(f"{folder}: holds no part-*.parquet")
-    table = pa.concat_tables(parts, promote_options="permissive")
+    with reading(f"{folder}: part-*.parquet"):
+        table = pa.concat_tables(parts, promote_options="permissive")
     latest = {key: place for place, key in enumerate(table["key"].to_pylist())}
     return table.take(sorted(latest.values()))
+
+
+def _row(line: bytes, place: str) -> dict[str, Any]:
+    """One row of a journal; InputError unless it is an object of plain values with a key and an error."""
+    with reading(place):
+        row = parse_json(line.decode(), place)
+    if not (isinstance(row, dict) and isinstance(row.get("key"), str) and "error" in row):
+        raise InputError(f"{place}: is no row of a study's results, it must hold key and error")
+    if not isinstance(row["error"], str | None) or any(isinstance(one, dict | list) for one in row.values()):
+        raise InputError(f"{place}: is no row of a study's results, its values must be plain")
+    return row
 
 
 def _even(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -15,6 +15,7 @@ from pathlib import Path
 from benchmarks.tables.command import command, words
 from benchmarks.tables.training import check_begun, settings_of, train_ours
 from detector.complexity import parameters
+from detector.curves import read_history
 from detector.models import build
 from detector.schedule import Stage, parse_stages
 from files.atomic import write_text
@@ -52,7 +53,7 @@ def row(name: str, options: list[str], stage: Stage, args: argparse.Namespace) -
     run, taught = args.out / name, name.startswith("+") and args.table == "3"
     teacher = ["--teacher", args.out / "teacher" / "weights.pt"] if taught else []
     train_ours(run, stage, args, *options, *teacher)
-    last = json.loads((run / "history.jsonl").read_text().splitlines()[-1])
+    last = read_history(run / "history.jsonl")[-1]
     kept = ("passes", "size", "map50", "map50_95", "precision", "recall")
     return {"row": name, "parameters": parameters(build(options[1]))} | {key: last[key] for key in kept}
 

@@ -1,7 +1,6 @@
 """Simulation of table lines over a set of events, and means over it."""
 
 import argparse
-import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -12,6 +11,7 @@ from rich.progress import track
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.strict_json import read_json
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
 from scenarios.runfolder import environment, row, scenario_hash, to_json
@@ -96,7 +96,7 @@ def read_pieces(paths: Sequence[Path]) -> dict[Key, tuple[Path, Row]]:
     known = {}
     for path in paths:
         try:
-            variants = json.loads(path.read_text(encoding="utf-8"))["variants"]
+            variants = read_json(path)["variants"]
             for name, rows in variants.items():
                 for one in rows:
                     known[name, one["vehicle"], one["scenario"], one["seed"]] = path, one

@@ -8,6 +8,7 @@ from detector.schedule import Stage
 from detector.train import main as train
 from files.atomic import write_text
 from files.errors import InputError
+from files.strict_json import read_json
 
 
 def settings_of(stage: Stage, args: argparse.Namespace) -> dict:
@@ -32,7 +33,7 @@ def _begun(out: Path) -> dict:
     """Settings of a row: from config.json of `detector train`, or from row.json of all others."""
     path = out / "config.json" if (out / "config.json").exists() else out / "row.json"
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = read_json(path)
         if path.name == "row.json":
             return dict(told)
         settings = told["settings"]

@@ -21,6 +21,7 @@ from detector.schedule import Stage
 from files.atomic import write_text
 from files.errors import InputError
 from files.numbers import is_whole
+from files.reading import read_text
 
 YOLOS = {
     "yolov5n": "yolov5n.yaml",
@@ -83,7 +84,7 @@ def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) 
 
 def _passes(done: Path) -> int:
     """Number of training images of a finished row."""
-    text = done.read_text(encoding="utf-8", errors="replace").strip()
+    text = read_text(done).strip()
     if not is_whole(text):
         raise InputError(f"{done}: must be a number of image passes, got {text!r}")
     return int(text)

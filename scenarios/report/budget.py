@@ -1,10 +1,10 @@
 """Comfort budget section of the report: cost of each error source relative to the gain of preview."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError
+from files.errors import InputError, shortened
+from files.strict_json import read_json
 from scenarios.report.markup import text
 from scenarios.report.sections import bar_of, table, with_small
 
@@ -16,13 +16,13 @@ def error_budget_section(path: Path) -> str:
 
     Raises InputError for a file that is no such budget.
     """
+    document = read_json(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
         events = [_event(event) for event in document["table"]]
         seeds = len(document["seeds"])
         told = f"{document['vehicle']} car, {f'means over {seeds} seeds' if seeds > 1 else 'one seed'}"
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        problem = " ".join(f"{type(error).__name__}: {error}".split())
+    except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
+        problem = shortened(f"{type(error).__name__}: {error}", 100)
         raise InputError(f"{path}: is no comfort budget ({problem})") from None
     note = (
         f"{told}. J is relative to passive. A source's cost is the share of the possible gain that would be "

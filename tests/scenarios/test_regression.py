@@ -86,6 +86,12 @@ def document(foreride: str = "0.1", tolerances: str = "{}", cases: str = "[]") -
     return f'{{"schema": 1, "manifest": {manifest}, "tolerances": {tolerances}, "cases": {cases}}}'
 
 
+def case(**changed: str) -> str:
+    fields = {"scenario": '"short"', "set": "[]", "controller": '"passive"', "perception": '"none"'}
+    fields |= {"seed": "0", "metrics": '{"vdv": 1}'} | changed
+    return "[{" + ", ".join(f'"{name}": {value}' for name, value in fields.items()) + "}]"
+
+
 def test_what_was_accepted_holds_and_what_got_worse_fails(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -126,6 +132,13 @@ def test_the_scenario_is_found_from_wherever_the_check_is_started(
         (document(foreride="99.0"), "99.0"),
         (document(cases="[{}]"), "scenario"),
         (document(tolerances='{"vdv": -1}'), "-1"),
+        (document(tolerances='{"vdv": Infinity}'), "must be finite, got Infinity"),
+        (document(tolerances="[" * 5000 + "]" * 5000), "is nested"),
+        (document(cases=case(metrics="{}")), "cases[0].metrics must hold at least one metric"),
+        (document(cases=case(metrics='{"vdv": 1e999}')), "must be finite, got '1e999'"),
+        (document(cases=case(seed="1.5")), "cases[0].seed must be a whole number, got 1.5"),
+        (document(cases=case(seed="-1")), "cases[0].seed must be >= 0, got -1"),
+        (document(cases=case(set='"speed"')), "cases[0].set must be a list, got 'speed'"),
     ],
 )
 def test_a_baseline_that_is_none_or_of_another_version_is_refused_in_one_line(
@@ -139,6 +152,16 @@ def test_a_baseline_that_is_none_or_of_another_version_is_refused_in_one_line(
     assert "ride.json" in lines[0]
     assert told in lines[0]
     assert path.read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(math.nan, 1.0), (1.0, math.nan), (math.inf, 1.0), (1.0, math.inf)]
+)
+def test_a_metric_that_is_no_number_is_a_failure_and_told_first(before: float, after: float) -> None:
+    found = changes({"vdv": before, "wk_rms": 1.0}, {"vdv": after, "wk_rms": 9.0}, {})
+    assert [(change.metric, change.verdict) for change in found] == [("vdv", "worse"), ("wk_rms", "worse")]
+    assert failed(found)
+    assert len(diff(found)) == 2
 
 
 def test_a_missing_baseline_is_refused(tmp_path: Path) -> None:

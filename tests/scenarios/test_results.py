@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -82,4 +83,38 @@ def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
 def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "part-00000.parquet").write_text("nothing of ours")
     with pytest.raises(InputError, match="part-00000"):
+        Results(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (b'{"error": null}', "must hold key and error"),
+        (b'{"key": 1, "error": null}', "must hold key and error"),
+        (b"null", "must hold key and error"),
+        (b'{"key": "k", "error": null, "a": [1]}', "must be plain"),
+        (b'{"key": "k", "error": null, "a": NaN}', "must be finite"),
+        (b'{"key": "\xff", "error": null}', "is not UTF-8 text"),
+        (b'{"key": "k", "err', "is no JSON"),
+    ],
+)
+def test_a_damaged_line_before_the_last_is_named_and_nothing_is_changed(
+    tmp_path: Path, line: bytes, told: str
+) -> None:
+    Results(tmp_path).add(row(0))
+    journal = tmp_path / "journal.jsonl"
+    content = line + b"\n" + journal.read_bytes()
+    journal.write_bytes(content)
+    with pytest.raises(InputError, match=r"journal\.jsonl:1: ") as caught:
+        Results(tmp_path)
+    assert told in str(caught.value)
+    assert journal.read_bytes() == content
+
+
+def test_a_part_without_keys_is_refused(tmp_path: Path) -> None:
+    pq.write_table(pa.table({"key": [1], "error": [None]}), tmp_path / "part-00000.parquet")
+    with pytest.raises(InputError, match=r"part-00000\.parquet: each key must be text"):
+        Results(tmp_path)
+    pq.write_table(pa.table({"error": ["x"]}), tmp_path / "part-00000.parquet")
+    with pytest.raises(InputError, match=r"part-00000\.parquet: lacks the column key"):
         Results(tmp_path)

@@ -1,0 +1,35 @@
+"""Parquet files to tables, bounded in size before they are decompressed, any failure as an InputError."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from files.errors import InputError
+from files.reading import DATA_LIMIT, read_bytes, reading
+
+MAX_CELLS = 200_000_000
+"""Maximum rows times columns, 1.6 GB of float64."""
+MAX_COLUMNS = 10_000
+
+
+def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pa.Table:
+    """The table in the Parquet file at `path`, or these columns of it.
+
+    Raises InputError for a file of more than DATA_LIMIT bytes, MAX_COLUMNS columns or MAX_CELLS cells, one
+    that lacks a column, and one that is damaged.
+    """
+    data = read_bytes(path, DATA_LIMIT)
+    with reading(path):
+        file = pq.ParquetFile(pa.BufferReader(data))
+        told = file.metadata
+        if told.num_columns > MAX_COLUMNS or told.num_rows * told.num_columns > MAX_CELLS:
+            size = f"{told.num_rows} rows of {told.num_columns} columns"
+            raise InputError(f"{path}: may have {MAX_COLUMNS} columns and {MAX_CELLS} cells, got {size}")
+        missing = [name for name in columns or () if name not in file.schema_arrow.names]
+        if missing:
+            raise InputError(f"{path}: lacks the column {missing[0]}")
+        table = file.read(columns=None if columns is None else list(columns))
+        table.validate(full=True)
+    return table
