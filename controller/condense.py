@@ -7,12 +7,12 @@ the Jacobians of several steps at once; Numba compiles the matrix algebra.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from controller.model import PredictionModel
 from controller.terminal import TerminalCost
 from controller.time_grid import TimeGrid
+from files.jit import float64, int64, njit, void
 from vehicle.equations import input_size
 
 
@@ -108,11 +108,11 @@ def _entries(model: PredictionModel) -> np.ndarray:
     return np.array(listed, dtype=np.int64)
 
 
-_MATRIX = numba.float64[:, ::1]
-_VECTOR = numba.float64[::1]
+_MATRIX = float64[:, ::1]
+_VECTOR = float64[::1]
 
 
-@numba.njit(numba.void(_MATRIX, _VECTOR, numba.float64, numba.int64, _MATRIX, _VECTOR), cache=True)
+@njit(void(_MATRIX, _VECTOR, float64, int64, _MATRIX, _VECTOR))
 def _add_squares(
     jacobian: np.ndarray,
     residuals: np.ndarray,
@@ -130,9 +130,8 @@ def _add_squares(
                 hessian[i, j] += factor * jacobian[r, j]
 
 
-@numba.njit(
-    numba.void(_MATRIX, numba.int64[:, ::1], numba.int64[::1], _VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR),
-    cache=True,
+@njit(
+    void(_MATRIX, int64[:, ::1], int64[::1], _VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR),
 )
 def _condense(
     results: np.ndarray,

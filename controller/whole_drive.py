@@ -8,12 +8,12 @@ linear and starts at rest, its adjoint is the same filter run backwards.
 from dataclasses import dataclass
 
 import casadi
-import numba
 import numpy as np
 
 from comfort.weighting import weight
 from controller.model import KILO, LANES
 from controller.native import Kernel
+from files.jit import njit
 from vehicle import equations
 from vehicle.parameters import Car
 
@@ -140,7 +140,7 @@ def _tick(
     return x
 
 
-@numba.njit(cache=True)
+@njit()
 def _sweep_back(
     results: np.ndarray,
     entries: np.ndarray,

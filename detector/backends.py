@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from files.errors import InputError
 
+ort.disable_telemetry_events()  # its builds may report their use to their maker
+
 Run = Callable[[NDArray[np.uint8]], tuple[NDArray[np.float32], NDArray[np.float32]]]
 """Image (H, W, 3) uint8 → boxes (K, 4) in pixels and scores (K, classes)."""
 

@@ -1,21 +1,72 @@
-"""User cache directory for results that are expensive to compute."""
+"""Locations of cached results: the user's cache folder, or a private temporary one."""
 
 import os
+import stat
 import sys
+import tempfile
+from functools import lru_cache
 from pathlib import Path
 
 
-def cache_folder() -> Path:
-    """Return foreride's cache directory; it need not exist yet.
+def cache_folder() -> Path | None:
+    """Return the user's folder for foreride's cached results, which may not exist yet; None without a home.
 
     FORERIDE_CACHE overrides the platform's default location.
     """
     if named := os.environ.get("FORERIDE_CACHE"):
         return Path(named)
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    try:
+        if sys.platform == "win32":
+            base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+        elif sys.platform == "darwin":
+            base = Path.home() / "Library" / "Caches"
+        else:
+            base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    except RuntimeError:  # neither HOME nor an entry in the list of users
+        return None
     return base / "foreride"
+
+
+def cached(name: str) -> Path:
+    """Place of one cached result: where it already is, else where it can be written."""
+    folder = cache_folder()
+    if folder is not None and ((folder / name).is_file() or writable(folder)):
+        return folder / name
+    return (temporary_folder() or folder or Path(tempfile.gettempdir())) / name
+
+
+def writable(folder: Path) -> bool:
+    """Whether a file can be made in the folder, which is created where it does not exist."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
+
+
+@lru_cache(maxsize=1)
+def temporary_folder() -> Path | None:
+    """Return the user's own cache folder among the temporary files and say so on stderr, once; None without.
+
+    What others could write to is not used, as cached machine code is executed.
+    """
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    try:
+        folder = Path(tempfile.gettempdir()) / f"foreride-{user}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if not _private(folder) or not writable(folder):
+            folder = Path(tempfile.mkdtemp(prefix="foreride-"))
+    except OSError:
+        return None
+    place = cache_folder() or "a home folder"
+    told = f"{place} cannot be written, so caches are in {folder}; FORERIDE_CACHE names another folder"
+    print(f"foreride: {told}", file=sys.stderr, flush=True)
+    return folder
+
+
+def _private(folder: Path) -> bool:
+    """Whether the folder is no link, and belongs to and is open to this user alone."""
+    found = folder.lstat()
+    mine = not hasattr(os, "getuid") or (found.st_uid == os.getuid() and not found.st_mode & 0o077)
+    return stat.S_ISDIR(found.st_mode) and mine

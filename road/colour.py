@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from files.jit import njit
 from road.background import AZIMUTH_SPAN_DEG, CELLS_PER_DEG, ELEVATION_HIGH_DEG
 from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
 from road.lighting import WHITE
@@ -36,7 +36,7 @@ class Conditions(NamedTuple):
     end_m: float
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def colour(  # type: ignore[no-untyped-def]
     view, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, pools, image
 ):
@@ -81,7 +81,7 @@ def colour(  # type: ignore[no-untyped-def]
                 image[v, u, q] = haze[q] + (light[q] - haze[q]) * veil
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignore[no-untyped-def]
     """Ground-map colour at a point for a pixel that covers `pixel_m`, blended to the average far away."""
     row, col = (x - START_M) / CELL_M, (y + HALF_WIDTH_M) / CELL_M
@@ -101,7 +101,7 @@ def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignor
             texel[q] += share * (strip[j, q] * (1 - b) + strip[j + 1, q] * b - texel[q])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def _texel(atlas, level, row, col, weight, out):  # type: ignore[no-untyped-def]
     """Add `weight` times the bilinear sample of one mip level to `out` (4,)."""
     if weight < 0.02:
@@ -122,7 +122,7 @@ def _texel(atlas, level, row, col, weight, out):  # type: ignore[no-untyped-def]
         out[q] += near + w10 * atlas[i + 1, j, q] + w11 * atlas[i + 1, j + 1, q]
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _mirrored(col):  # type: ignore[no-untyped-def]
     """Column at the map's edge that replaces one beyond the map."""
     strip = _VERGE_M / CELL_M
@@ -131,7 +131,7 @@ def _mirrored(col):  # type: ignore[no-untyped-def]
     return _WIDTH - abs((col - _WIDTH) % strip - strip / 2)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def _grain(grain, conditions, x, y, visible):  # type: ignore[no-untyped-def]
     """Gain by the grain of the asphalt; `visible` is the number of pixels that one stone covers."""
     if visible < 0.15:
@@ -142,7 +142,7 @@ def _grain(grain, conditions, x, y, visible):  # type: ignore[no-untyped-def]
     return 1 + conditions.grain_gain * min(1.0, visible) * grain[i, j]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def _illuminate(reflected, texel, gain, grazing, sx, sy, light):  # type: ignore[no-untyped-def]
     """Decode a sample and add the reflection in water (Schlick's Fresnel approximation)."""
     wet = texel[3] / 255
@@ -155,7 +155,7 @@ def _illuminate(reflected, texel, gain, grazing, sx, sy, light):  # type: ignore
         light[q] = value + fresnel * (light[q] - value)
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _look_up(panorama, dx, dy, dz, out):  # type: ignore[no-untyped-def]
     """Nearest texel of the panorama in a direction."""
     azimuth = np.arctan2(dy, dx) * _DEGREES
@@ -167,7 +167,7 @@ def _look_up(panorama, dx, dy, dz, out):  # type: ignore[no-untyped-def]
         out[q] = panorama[i, j, q]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def _lamps(conditions, ahead, aside, slope):  # type: ignore[no-untyped-def]
     """Relative irradiance by ambient light and dipped headlights at a point in front of the camera."""
     if conditions.headlight == 0:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numba import njit
 
+from files.jit import njit
 from road.appearance import Appearance
 from road.block import CELL_M, Block
 
@@ -78,7 +78,7 @@ def shade(light: Light, block: Block) -> np.ndarray:
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _shade(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
     rows, cols = height.shape
     sun, sky, direction = vectors
@@ -118,7 +118,7 @@ def _visibility(height: np.ndarray, direction: np.ndarray) -> np.ndarray:
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _march(height: np.ndarray, row_step: float, col_step: float, rise: float, top: float) -> np.ndarray:
     rows, cols = height.shape
     result = np.ones((rows, cols), np.float32)

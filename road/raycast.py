@@ -9,8 +9,8 @@ follows the plane.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from files.jit import njit
 from road.block import CELL_M, HALF_WIDTH_M, MASK_CELLS, START_M
 
 COARSE_STEP_M = 0.3  # ground distance per step where there is only roughness
@@ -40,7 +40,7 @@ class View(NamedTuple):
         return self._replace(rotation=shear @ self.rotation)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def direction(r, left, up):  # type: ignore[no-untyped-def]
     """World direction of the camera ray with slopes `left` and `up` relative to the optical axis."""
     return (
@@ -50,7 +50,7 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def trace(  # type: ignore[no-untyped-def]
     view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
 ):
@@ -101,7 +101,7 @@ def trace(  # type: ignore[no-untyped-def]
             depth[v, u] = fall / -dz
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: ignore[no-untyped-def]
     """Height at which a ray meets the map, marched down from `top` to `bottom`.
 
@@ -128,7 +128,7 @@ def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: i
         z = max(bottom, z - step / reach)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(nogil=True, inline="always")
 def _bilinear(grid, row, col):  # type: ignore[no-untyped-def]
     rows, cols = grid.shape
     row = min(max(row, 0.0), rows - 1.001)
@@ -140,7 +140,7 @@ def _bilinear(grid, row, col):  # type: ignore[no-untyped-def]
     return low * (1 - a) + high * a
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _owner(ids, outlines, i, j, x, y):  # type: ignore[no-untyped-def]
     """Number of the feature at a hit: from the id map for potholes, from exact edges for bumps."""
     number = ids[i, j]

@@ -2,8 +2,8 @@
 
 import cv2
 import numpy as np
-from numba import njit
 
+from files.jit import njit
 from road.appearance import Appearance
 
 _CURVE_TOP = 4.0
@@ -74,7 +74,7 @@ def develop(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(nogil=True)
 def _expose(image, gains, noise, pool, offset, curve, out):  # type: ignore[no-untyped-def]
     rows, cols, _ = image.shape
     size = pool.size

@@ -13,7 +13,7 @@ from controller.model import KILO
 from controller.tuned import tuned_settings
 from controller.whole_drive import Drive, WholeDrive
 from files.atomic import write_bytes
-from files.cache import cache_folder
+from files.cache import cached
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, ticks
 from scenarios.oracle import OracleErrors
@@ -37,7 +37,7 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
     """
     car, drive = scenario.vehicle.parameters, drive_of(scenario)
     whole = WholeDrive(car, drive)
-    path = cache_folder() / "bounds" / f"{_key(scenario, drive)}.npz"
+    path = cached(f"bounds/{_key(scenario, drive)}.npz")
     try:
         known = _read(path.read_bytes(), whole)
     except OSError:

@@ -5,7 +5,9 @@ import os
 import platform
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
+import matplotlib
 import numpy as np
 
 from controller.base import Timing
@@ -13,6 +15,8 @@ from controller.observer import truth_estimate
 from controller.registry import build
 from detector.runtime import Detector
 from files.atomic import write_text
+from files.cache import cached, writable
+from files.compiled import CACHE
 from preview.horizon import flat_preview
 from road.appearance import Appearance
 from road.camera import Camera, CameraMount, pose_of
@@ -125,4 +129,30 @@ class _Flat:
         return np.zeros_like(x)
 
 
-CHECKS = (_library, _plant, _solver, _renderer_and_detector)
+def _caches() -> str:
+    """Caches."""
+    places = {
+        "compiled code": CACHE,
+        "bounds": cached("bounds/any").parent,
+        "figures": Path(matplotlib.get_cachedir()),
+    }
+    return "; ".join(f"{name} {_described(place)}" for name, place in places.items())
+
+
+def _described(place: Path | None) -> str:
+    if place is None:
+        return "nowhere, as no folder can be written"
+    kept = ("*.nb[ci]", "*.npz", "*.json")
+    size = sum(file.stat().st_size for pattern in kept for file in place.rglob(pattern))
+    told = f"~/{place.relative_to(home)}" if (home := _home()) and place.is_relative_to(home) else str(place)
+    return f"in {told}, {'writable' if writable(place) else 'read-only'}, {size / 2**20:.1f} MiB"
+
+
+def _home() -> Path | None:
+    try:
+        return Path.home()
+    except RuntimeError:  # neither HOME nor an entry in the list of users
+        return None
+
+
+CHECKS = (_library, _plant, _solver, _renderer_and_detector, _caches)

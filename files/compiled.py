@@ -1,0 +1,49 @@
+"""Location of the machine code that Numba compiles, and of Matplotlib's font list.
+
+Numba keeps machine code beside the source and refuses to compile where no cache can be written. In that case
+the code goes to foreride's cache folder; without any folder each process compiles for itself.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+
+from files.cache import cache_folder, temporary_folder, writable
+
+PACKAGES = ("road", "controller")
+"""Packages with compiled functions."""
+_ROOT = Path(__file__).resolve().parents[1]
+
+
+def _prepare() -> Path | None:
+    """Folder of the machine code, made known to Numba; None where nothing can be written."""
+    folder = cache_folder()
+    if folder is None or not writable(folder):
+        folder = temporary_folder()
+        if folder is not None:
+            os.environ.setdefault("MPLCONFIGDIR", str(folder / "matplotlib"))
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    if named and writable(Path(named)):
+        return Path(named)
+    if all(writable(part / "__pycache__") for part in {source.parent for source in _sources()}):
+        return _ROOT
+    if folder is None or not writable(place := folder / "compiled" / _digest()):
+        return None
+    os.environ["NUMBA_CACHE_DIR"] = str(place)
+    return place
+
+
+def _digest() -> str:
+    """Hash of all sources: Numba looks only at the file of a function, not at those of what it calls."""
+    told = hashlib.sha256()
+    for source in _sources():
+        told.update(source.read_bytes())
+    return told.hexdigest()[:16]
+
+
+def _sources() -> list[Path]:
+    return sorted(path for package in PACKAGES for path in (_ROOT / package).rglob("*.py"))
+
+
+CACHE = _prepare()
+"""Folder of the machine code: the root of the source for beside each file, None for none."""
