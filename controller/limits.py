@@ -54,7 +54,7 @@ def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
 
 
 def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
-    """Limits of the entries of a plan, kN·s/m and kN.
+    """Bounds of the entries of a plan, kN·s/m and kN.
 
     They keep a margin to the physical limits: beyond those the model clips the command, so that its
     derivative vanishes, and an entry placed there by rounding would appear to have no effect.

@@ -115,7 +115,7 @@ class PredictiveController:
     def _condensed(self, state: np.ndarray, roads: np.ndarray) -> Condensed:
         """Condensed program on the road, or its expectation over several roads (roads, wheels, nodes).
 
-        The likeliest road comes last, so that the condenser retains the states on it.
+        The most probable road comes last, so that the condenser retains the states on it.
         """
         weights, likeliest = self._road.weights, self._road.likeliest
         others = [index for index in np.flatnonzero(weights)[::-1] if index != likeliest]

@@ -77,7 +77,7 @@ class RoadAhead:
     def heights(self, times_s: np.ndarray) -> np.ndarray:
         """Return the road height under each wheel (wheels, n), m, at `times_s` (n,) after the last look.
 
-        With several hypotheses it is the height of the likeliest one.
+        With several hypotheses it is the height of the most probable one.
         """
         return self.roads(times_s)[self.likeliest]
 

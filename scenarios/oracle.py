@@ -1,4 +1,4 @@
-"""Oracle perception (`oracle`): the true road ahead, optionally with prescribed errors."""
+"""Perception `oracle`: the true road ahead, optionally with prescribed errors."""
 
 from collections import deque
 from collections.abc import Callable, Sequence

@@ -118,7 +118,7 @@ class Blind:
 class Seeing:
     """Detector-based perception (`boxes`, `camera`): exposures at `rate_hz`, with boxes `latency_s` later.
 
-    `eye` maps the car's state at exposure to a `Look`. It runs in a thread of its own while simulated time
+    `eye` maps the car's state at exposure to its `Look`. It runs in a thread of its own while simulated time
     goes on; its result is awaited at the tick where it is due, so real time never changes a result. `looks`
     holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
     """

@@ -2,7 +2,7 @@
 
 Every damper receives a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it with
 a first-order lag, which represents current and valve. For `IdealDamper` the setting is the damping
-coefficient; for the others the setting's `share` of the range, 0 ... 1, is the same fraction of the current
+coefficient; for the others `share`, 0 ... 1, is the position of the setting in its range and in the current
 range.
 
 A damper is a frozen dataclass with `inner`, its number of internal states, and

@@ -233,7 +233,7 @@ def body_acceleration(
 
 
 def carried(lever: Sequence[float], body: Sequence[Any]) -> Any:
-    """Vertical motion of the point on the body with this lever, from the body motions."""
+    """Vertical motion of a point on the body, from its row of coefficients and the body motions."""
     return sum(arm * part for arm, part in zip(lever[1:], body[1:], strict=True)) + lever[0] * body[0]
 
 

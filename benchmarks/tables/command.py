@@ -24,7 +24,7 @@ def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]
 
 
 def words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
-    """Split a comma-separated option into words. Raises InputError for one that is not allowed."""
+    """Split a comma-separated option. Raises InputError for an entry that is not allowed."""
     asked = text.split(",")
     for word in asked:
         if word not in allowed:
