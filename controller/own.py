@@ -1,4 +1,4 @@
-"""Controllers of the user's own: loaded from `path/to/file.py:name`, and guarded while they act."""
+"""User-defined controllers: loaded from `path/to/file.py:name`, with guarded calls."""
 
 from collections.abc import Callable
 from copy import deepcopy
@@ -16,15 +16,15 @@ from vehicle.parameters import Car
 
 
 def is_own(name: str) -> bool:
-    """Whether a controller's name is that of a file."""
+    """Whether a controller name refers to a file."""
     return ":" in name
 
 
 def load_user_controller(target: str) -> Callable[..., Controller]:
-    """Return the class or function that `path/to/file.py:name` names.
+    """Load the class or function that `path/to/file.py:name` names.
 
     It is called as name(vehicle, timing, **settings) and returns an object with `reset()` and
-    `step(estimate, preview)`. Raises InputError, in one line, where file or name are missing or do not load.
+    `step(estimate, preview)`. Raises InputError, in one line, if file or name are missing or do not load.
     """
     path, name = _parts(target)
     if path.suffix != ".py" or not path.is_file():
@@ -36,7 +36,7 @@ def load_user_controller(target: str) -> Callable[..., Controller]:
 
 
 def build_own(target: str, vehicle: Car, settings: dict[str, float], timing: Timing) -> "Own":
-    """Build the controller that `path/to/file.py:name` names. Raises InputError where that fails."""
+    """Build the controller that `path/to/file.py:name` names. Raises InputError if that fails."""
     factory = load_user_controller(target)
     path, name = _parts(target)
     try:
@@ -45,7 +45,7 @@ def build_own(target: str, vehicle: Car, settings: dict[str, float], timing: Tim
             missing = [part for part in ("reset", "step") if not callable(getattr(controller, part, None))]
     except (InputError, KeyboardInterrupt):
         raise
-    except BaseException as error:  # a user's code may raise anything, SystemExit too
+    except BaseException as error:  # user code may raise anything, even SystemExit
         raise InputError(f"controller {target}: cannot be built ({told(error, path)})") from error
     if missing:
         raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
@@ -58,11 +58,11 @@ def _parts(target: str) -> tuple[Path, str]:
 
 
 class Own:
-    """A controller of the user's own, whose failures are problems of its answer, like those of a solver.
+    """Wrapper of a user-defined controller that treats its failures like those of a solver.
 
-    problem: what the last step did instead of an answer, with file and line; None where it gave one. The
-    first time, the whole message is printed on stderr. Ctrl-C is no failure. `step` is given copies, so
-    that own code changes nothing but itself.
+    problem: reason why the last step gave no answer, with file and line, or None. The first time, the whole
+    message is printed on stderr. Ctrl-C passes. `step` receives copies, so that user code cannot change the
+    loop's data.
     """
 
     def __init__(self, controller: Controller, path: Path, name: str, vehicle: Car) -> None:
@@ -74,7 +74,7 @@ class Own:
         self._unheard: str | None = None
 
     def reset(self) -> None:
-        """Forget the past. Raises InputError where the user's `reset` fails."""
+        """Reset the user's controller. Raises InputError if its `reset` fails."""
         self.problem, self.active, self._unheard = None, (), None
         try:
             self._controller.reset()
@@ -85,14 +85,14 @@ class Own:
             raise InputError(f"{where}: reset() fails ({told(error, self._path)})") from error
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the user's command (wheels,) or (inputs,); zeros where there is a `problem`."""
+        """Return the user's command (wheels,) or (inputs,); zeros if there is a `problem`."""
         self.problem, self.active = None, ()
         answer = self._guarded(lambda: self._ask(deepcopy(estimate), deepcopy(preview)))
         self.problem, self._unheard = self.problem or self._unheard, None
         return self._nothing if answer is None else answer
 
     def acted(self, command: np.ndarray) -> None:
-        """Tell a controller that wants to know which command acted; failing there spoils its next answer."""
+        """Pass the issued command to a controller that has `acted`; a failure invalidates its next answer."""
         self.problem = None
         self._guarded(lambda: self._tell(command.copy()))
         self._unheard = self.problem
@@ -115,17 +115,17 @@ class Own:
         return answer
 
     def _guarded(self, act: Callable[[], Any]) -> Any:
-        """What `act` returns; where it raises, that is the problem."""
+        """Return the result of `act`; record an exception as the problem."""
         try:
             return act()
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # a user's code may raise anything, SystemExit too
+        except BaseException as error:  # user code may raise anything, even SystemExit
             self._blame(type(error).__name__, place(error, self._path), told(error, self._path))
             return None
 
     def _blame(self, kind: str, where: str, message: str) -> None:
-        """Name the problem without what may differ from step to step, so that it is counted as one."""
+        """Record the problem without step-dependent details, so that repetitions count as one."""
         self.problem, self.active = f"own controller: {kind} at {where}", ()
         of = f"controller {self._path}:{self._name}: {kind} at {where}"
         say_once(of, f"{of}: a fallback acts instead ({message})")
@@ -136,7 +136,7 @@ class Own:
 
 
 def _numbers(found: Any) -> np.ndarray | None:
-    """The answer as numbers; None where it is something else, text that reads as a number included."""
+    """Convert the answer to floats; None for anything else, including text that reads as a number."""
     try:
         answer = np.asarray(found)
     except ValueError:  # rows of different lengths

@@ -1,4 +1,4 @@
-"""The parser of command lines, whose refusals are as printable and short as those of files."""
+"""Command-line parser whose messages are as printable and short as those for files."""
 
 import argparse
 from typing import NoReturn
@@ -7,8 +7,8 @@ from files.errors import abridged, printable
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse's parser; what it repeats of the arguments is made printable and short."""
+    """ArgumentParser that makes quoted arguments printable and short."""
 
     def error(self, message: str) -> NoReturn:
-        """Print usage and message, end with exit code 2."""
+        """Print usage and message; exit with code 2."""
         super().error(abridged(printable(message), 400))

@@ -1,6 +1,6 @@
 """Location of the machine code that Numba compiles, and of Matplotlib's font list.
 
-Numba keeps machine code beside the source and refuses to compile where no cache can be written. In that case
+Numba keeps machine code beside the source and refuses to compile if no cache can be written. In that case
 the code goes to foreride's cache folder; without any folder each process compiles for itself.
 """
 
@@ -16,7 +16,7 @@ _ROOT = Path(__file__).resolve().parents[1]
 
 
 def _prepare() -> Path | None:
-    """Folder of the machine code, made known to Numba; None where nothing can be written."""
+    """Cache folder of the machine code, set for Numba; None if nothing can be written."""
     folder = cache_folder()
     if folder is None or not writable(folder):
         folder = temporary_folder()
@@ -46,4 +46,4 @@ def _sources() -> list[Path]:
 
 
 CACHE = _prepare()
-"""Folder of the machine code: the root of the source for beside each file, None for none."""
+"""Cache folder of the machine code: the root of the source for the default place, None for none."""

@@ -1,4 +1,4 @@
-"""Image files to pixels, judged by their header before anything is decoded."""
+"""Reading of image files, with header checks before anything is decoded."""
 
 import io
 import warnings
@@ -23,9 +23,9 @@ from files.errors import InputError
 from files.reading import read_bytes, reading
 
 IMAGE_LIMIT = 256 << 20
-"""Largest image file: 256 MiB."""
+"""Maximum size of an image file: 256 MiB."""
 MAX_PIXELS = 128_000_000
-"""Largest image, decoded within seconds and 0.5 GB: 128 megapixels."""
+"""Maximum number of pixels, decoded within seconds and 0.5 GB: 128 megapixels."""
 _FORMATS = tuple(
     plugin.format
     for plugin in (
@@ -41,9 +41,9 @@ _STILLS_ONLY = frozenset({"PNG", "TIFF", "WEBP"})
 
 
 def read_pixels(path: Path | str, flags: int) -> NDArray[Any]:
-    """What OpenCV makes of one image file with its `flags`: (H, W) or (H, W, channels), blue first.
+    """Decode one image file with OpenCV and its `flags`: (H, W) or (H, W, channels), blue first.
 
-    Raises InputError for a file that is no single image, too large, cut short, or cannot be decoded.
+    Raises InputError for a file that is not a single image, too large, truncated, or cannot be decoded.
     """
     return decode(read_bytes(path, IMAGE_LIMIT), path, flags)
 
@@ -85,7 +85,7 @@ def _frames(image: Image.Image) -> int:
 
 
 def _is_cut_short(data: bytes) -> bool:
-    """Whether the end marker of a JPEG or PNG is missing: decoders fill the rest with grey in silence."""
+    """Whether the end marker of a JPEG or PNG is missing: decoders silently fill the rest with grey."""
     if data[:2] == b"\xff\xd8":
         return b"\xff\xd9" not in data[len(data) // 2 :]
     return data[:4] == b"\x89PNG" and b"IEND" not in data[-64:]

@@ -1,4 +1,4 @@
-"""Numba's compiler, with a cache where one can be written."""
+"""Numba compilation with a cache where one can be written."""
 
 import os
 from typing import Any
@@ -13,6 +13,6 @@ numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")  # type: ignore[a
 
 
 def njit(*arguments: Any, **options: Any) -> Any:
-    """`numba.njit` with the cache, where there is one."""
+    """Wrapper of `numba.njit` with the cache, if there is one."""
     compiler: Any = numba.njit
     return compiler(*arguments, cache=CACHE is not None, **options)

@@ -1,4 +1,4 @@
-"""Python code of the user's own, named on the command line: loading it, and the line where it fails."""
+"""Loading of user-defined Python code named on the command line, and location of its failures."""
 
 import importlib.util
 import os
@@ -13,22 +13,22 @@ from types import ModuleType
 from files.errors import InputError, printable, shortened
 
 PATIENCE_S = 10.0
-"""How long own code may load before the user is told what is being waited for."""
+"""Loading time after which a notice is printed, s."""
 _LONGEST = 200
 _said: set[str] = set()
 
 
 def load(path: Path, what: str) -> ModuleType:
-    """The module in a file; `what` names it in messages.
+    """Import a file as a module; `what` names it in messages.
 
-    Raises InputError, in one line with file and line, whatever the file does: a syntax error, any exception,
+    Raises InputError, in one line with file and line, for any failure: a syntax error, any exception,
     sys.exit. Ctrl-C passes.
     """
     spec = importlib.util.spec_from_file_location(f"own_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses and pickle look classes up by their module
+    sys.modules[spec.name] = module  # dataclasses and pickle look up classes by their module
     try:
         with waiting_for(f"{what}: {path} to load"):
             spec.loader.exec_module(module)
@@ -41,7 +41,7 @@ def load(path: Path, what: str) -> ModuleType:
 
 @contextmanager
 def waiting_for(what: str) -> Iterator[None]:
-    """Say on stderr what is being waited for, should it take long."""
+    """Print a notice on stderr if the block takes long."""
     message = f"foreride: still waiting for {printable(what)}; Ctrl-C ends it"
     timer = threading.Timer(PATIENCE_S, lambda: print(message, file=sys.stderr, flush=True))
     timer.daemon = True
@@ -53,7 +53,7 @@ def waiting_for(what: str) -> Iterator[None]:
 
 
 def place(error: BaseException, path: Path) -> str:
-    """`file.py:12`: the innermost line in the user's file that the error passed, else where it was raised."""
+    """Location such as `file.py:12`: innermost line in the user's file, else where the error was raised."""
     if isinstance(error, SyntaxError) and error.filename and error.lineno:
         return f"{Path(error.filename).name}:{error.lineno}"
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
@@ -65,17 +65,17 @@ def place(error: BaseException, path: Path) -> str:
 
 
 def told(error: BaseException, path: Path) -> str:
-    """Kind of the error, its message and its place, in one line of bounded length."""
+    """Type, message and location of an error, in one line of bounded length."""
     try:
         message = error.msg if isinstance(error, SyntaxError) else str(error)
-    except Exception:  # own exceptions may fail to tell of themselves
+    except Exception:  # the exception's own __str__ may fail
         message = ""
     message = shortened(printable(message), _LONGEST)
     return f"{type(error).__name__}{': ' if message else ''}{message} at {place(error, path)}"
 
 
 def say_once(of: str, message: str) -> None:
-    """Print a warning on stderr, unless this process has printed one `of` the same before."""
+    """Print a warning on stderr, once per process for each `of`."""
     if of not in _said:
         _said.add(of)
         print(f"foreride: {message}", file=sys.stderr, flush=True)

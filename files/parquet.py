@@ -1,4 +1,4 @@
-"""Parquet files to tables, bounded in size before they are decompressed, any failure as an InputError."""
+"""Reading of Parquet files, bounded in size before decompression, any failure as an InputError."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,10 +15,10 @@ MAX_COLUMNS = 10_000
 
 
 def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pa.Table:
-    """The table in the Parquet file at `path`, or these columns of it.
+    """Read the Parquet file at `path`, or these columns of it.
 
     Raises InputError for a file of more than DATA_LIMIT bytes, MAX_COLUMNS columns or MAX_CELLS cells, one
-    that lacks a column, and one that is damaged.
+    that lacks a column, and a damaged one.
     """
     data = read_bytes(path, DATA_LIMIT)
     with reading(path):

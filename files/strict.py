@@ -1,7 +1,7 @@
-"""YAML text to frozen dataclasses, strictly: what is not understood is refused, and the refusal says where.
+"""Strict reading of YAML into frozen dataclasses: anything unknown is rejected, with its location.
 
 Field types: bool, int, float, str, `Literal`, `T | None`, `tuple[T, ...]`, `tuple[A, B]`, `dict[str, T]`,
-dataclasses, and unions of dataclasses told apart by the key `kind`, which each member carries as
+dataclasses, and unions of dataclasses discriminated by the key `kind`, which each member carries as
 `kind: ClassVar[str]`.
 """
 
@@ -19,20 +19,20 @@ from files.errors import InputError, printable, shortened, shown
 from files.reading import read_text, reading
 from files.yaml12 import is_plain, parse
 
-_LONGEST_NAME = 100  # of one that is compared with those known, which takes time in its length squared
+_LONGEST_NAME = 100  # longer names get no suggestion: comparison is quadratic in the length
 _LEAVES = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
 
 
 def read(cls: Any, path: Path | str) -> Any:
-    """The `cls` (a dataclass, or a union of dataclasses) that the YAML file at `path` describes.
+    """Read the YAML file at `path` into `cls` (a dataclass, or a union of dataclasses).
 
-    Raises InputError, in one line, for a file that cannot be read, is no YAML or does not describe a `cls`.
+    Raises InputError, in one line, for a file that cannot be read, is not YAML or does not describe a `cls`.
     """
     return structure(cls, parse(read_text(path), str(path)), str(path))
 
 
 def structure(cls: Any, mapping: Any, source: str) -> Any:
-    """The `cls` that a plain mapping describes; `source` names where the mapping came from.
+    """Convert a plain mapping to `cls`; `source` names the origin of the mapping.
 
     Raises InputError naming source, dotted path, offending value and what is allowed.
     """
@@ -44,7 +44,7 @@ def structure(cls: Any, mapping: Any, source: str) -> Any:
 
 
 def to_mapping(obj: Any) -> Any:
-    """Plain dicts, lists and scalars that `structure` turns back into an equal object."""
+    """Convert to plain dicts, lists and scalars, from which `structure` restores an equal object."""
     if is_dataclass(obj) and not isinstance(obj, type):
         kind = _tag(type(obj))
         tag = {"kind": kind} if kind else {}
@@ -57,7 +57,7 @@ def to_mapping(obj: Any) -> Any:
 
 
 def _build(cls: Any, value: Any, path: str) -> Any:
-    """Dispatch on the type asked for; `path` is the dotted place of `value` in the document."""
+    """Dispatch on the requested type; `path` is the dotted location of `value` in the document."""
     origin, args = get_origin(cls), get_args(cls)
     if origin in (Union, types.UnionType):
         return _union(args, value, path)
@@ -152,7 +152,7 @@ def _hints(cls: Any) -> dict[str, Any]:
 
 
 def _tag(cls: Any) -> str | None:
-    """The `kind` that tells this class from the other members of a union; None for an untagged class."""
+    """Discriminator `kind` of a union's member; None for an untagged class."""
     tag = getattr(cls, "kind", None)
     return tag if isinstance(tag, str) and "kind" not in {f.name for f in fields(cls)} else None
 

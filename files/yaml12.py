@@ -1,8 +1,8 @@
-"""YAML text to plain Python with the scalars of YAML 1.2, no duplicate keys and one-line errors.
+"""YAML 1.2 parser with core-schema scalars, no duplicate keys and one-line errors.
 
 PyYAML reads YAML 1.1, where `1e7` is text, `no` is false and `12:30` is 750; the core schema of YAML 1.2.2
-(section 10.3.2) knows none of these surprises. Aliases count as often as they stand for something: a text
-that expands to more than `MOST_NODES` values, or deeper than `DEEPEST`, is refused before it is built.
+(section 10.3.2) has none of these surprises. Aliases count as often as they are expanded: a text that expands
+to more than `MOST_NODES` values, or deeper than `DEEPEST`, is rejected before it is built.
 """
 
 import re
@@ -34,7 +34,7 @@ _KINDS |= dict.fromkeys(_SPELLINGS, yaml.ScalarNode)
 
 
 class _Loader(yaml.SafeLoader):
-    """The safe loader with its own table of implicit scalars."""
+    """PyYAML's safe loader with the implicit scalars of the core schema."""
 
     yaml_implicit_resolvers: dict = {}  # noqa: RUF012  (PyYAML's own name)
     nodes = 0
@@ -57,7 +57,7 @@ for _name, (_pattern, _first) in _CORE_SCHEMA.items():
 
 
 def parse(text: str, source: str) -> Any:
-    """The plain value that `text` spells; InputError names `source` and the line of a mistake."""
+    """Parse YAML text to a plain value; InputError names `source` and the line of a fault."""
     with reading(source):
         try:
             return _copied(_parsed(text))
@@ -70,25 +70,25 @@ def parse(text: str, source: str) -> Any:
 
 
 def is_plain(text: str) -> bool:
-    """Whether the text holds no lone surrogates and no control characters but tab and line end."""
+    """Whether the text is free of lone surrogates and of control characters except tab and line end."""
     return not any(c not in "\t\n" and unicodedata.category(c) in ("Cc", "Cs") for c in text)
 
 
 @lru_cache(maxsize=256)
 def _parsed(text: str) -> Any:
-    """A sweep reads the same few files for each of its drives."""
+    """Parse with caching, as a sweep reads the same few files for each of its drives."""
     return yaml.load(text, Loader=_Loader)
 
 
 def _copied(value: Any) -> Any:
-    """The value with containers of its own, also where one alias stands twice."""
+    """Deep copy of the value's containers, also of aliased ones."""
     if isinstance(value, dict):
         return {key: _copied(inner) for key, inner in value.items()}
     return [_copied(inner) for inner in value] if isinstance(value, list) else value
 
 
 def _check(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) -> tuple[int, int]:
-    """Values and levels that the node expands to; MarkedYAMLError for what is refused in or below it."""
+    """Number of values and levels to which the node expands; MarkedYAMLError for anything rejected in it."""
     if node in known:
         if (found := known[node]) is None:
             raise _mistake(node, "an alias must not stand for what it is in")

@@ -1,4 +1,4 @@
-"""The `foreride` command: parses, dispatches, and turns bad input into one line and exit code 2."""
+"""Command line `foreride`: parsing, dispatch, and invalid input as one line with exit code 2."""
 
 import argparse
 import sys
@@ -30,7 +30,7 @@ BAD_INPUT = 2
 
 
 def parser() -> argparse.ArgumentParser:
-    """The whole command line."""
+    """Build the parser of the whole command line."""
     top = Parser(
         prog="foreride",
         description="What a car gains when its suspension sees the road before the wheels reach it.",
@@ -58,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; returns 0 for success, 1 when a check failed, 2 for bad input."""
+    """Run one command; return 0 for success, 1 for a failed check, 2 for invalid input."""
     arguments = parser().parse_args(argv)
     try:
         return int(arguments.execute(arguments) or 0)

@@ -34,9 +34,9 @@ def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
 
 
 def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: str = "") -> Scenario:
-    """The scenario that the mapping at `place` in the file at `path` describes, overridden and validated.
+    """Convert the mapping at `place` in the file at `path` to a scenario, with overrides, and validate it.
 
-    Tuned settings that are shipped for its kind of car stand where it does not set its own.
+    Tuned settings shipped for its kind of car apply where it does not set its own.
     """
     source = f"{path}{place}"
     if not isinstance(mapping, dict):
@@ -54,7 +54,7 @@ def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: st
 
 
 def read(path: Path) -> Any:
-    """What a YAML file holds; InputError where it cannot be read or is no YAML."""
+    """Read a YAML file; InputError if it cannot be read or is not YAML."""
     return parse(read_text(path), str(path))
 
 
@@ -103,7 +103,7 @@ def _index(place: list[Any], key: str, override: str) -> int:
 
 
 def _vehicle(choice: Any, scenario: Path) -> Any:
-    """The vehicle block with the parameters of its model filled in under those it replaces."""
+    """Vehicle block with the parameters of its model filled in where not replaced."""
     choice = {"model": "half"} if choice is None else choice
     if not isinstance(choice, dict):
         raise InputError(
@@ -135,7 +135,7 @@ def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:
 
 
 def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
-    """Name the map's file as found beside the scenario's, if it is there."""
+    """Resolve the map's file beside the scenario's, if it is there."""
     wanted = mapping.get("map")
     if isinstance(wanted, dict) and isinstance(wanted.get("file"), str):
         beside = scenario.parent / wanted["file"]
@@ -143,7 +143,7 @@ def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
 
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:
-    """Put the shipped settings of the car's kind under those given; validation tells what is malformed."""
+    """Add the shipped settings of the car's kind where not given; validation reports malformed ones."""
     parameters = mapping["vehicle"]["parameters"]
     control = mapping.setdefault("control", {})
     given = control.setdefault("settings", {}) if isinstance(control, dict) else None

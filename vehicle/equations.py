@@ -50,7 +50,7 @@ class Forces(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """State vector by name; each entry is a list of rows, `inner` a list of lists, wheel by wheel."""
+    """State vector by name; each entry is a list of rows, `inner` a list of lists, by wheels."""
 
     body: list
     body_velocity: list

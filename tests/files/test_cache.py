@@ -90,7 +90,7 @@ def test_machine_code_of_other_sources_has_another_folder(
 
 @pytest.fixture(scope="module")
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of the packages in which no folder `__pycache__` can be made, for any user."""
+    """Copy of the packages in which no folder `__pycache__` can be created, for any user."""
     folder = tmp_path_factory.mktemp("installation")
     for package in PACKAGES:
         shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))

@@ -1,4 +1,4 @@
-"""A page in headless Chromium, where there is one."""
+"""Headless Chromium for tests of pages, if installed."""
 
 import re
 import shutil
@@ -13,7 +13,7 @@ const errors = []; addEventListener("error", (event) => errors.push(event.messag
 
 
 def told_by(page: str, script: str, folder: Path, width: int = 1280) -> str:
-    """What `script` puts between TOLD and END into the title once the page has run; it may read `errors`."""
+    """Output of `script` between TOLD and END in the title after the page has run; it may read `errors`."""
     probed = folder / "probed.html"
     tail = f"<script>{script}</script>"
     head, body = page.replace("<body>", "<body>" + PROBE, 1).rsplit("</body>", 1)

@@ -1,4 +1,4 @@
-"""A look that fails is left out, counted and told; the drive goes on with what is known."""
+"""Tests of failing exposures: left out, counted and reported, and the drive continues."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -35,7 +35,7 @@ def interrupt() -> None:
 
 
 def spoil(monkeypatch: pytest.MonkeyPatch, fail: Callable[[], None], first: int) -> None:
-    """Let every eye fail from its exposure number `first` on, for four exposures."""
+    """Make every box source fail from its exposure number `first` on, for four exposures."""
     true_eye = eyes.box_eye
 
     def spoilt(*given: object) -> eyes.Eye:

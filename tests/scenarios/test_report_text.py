@@ -1,4 +1,4 @@
-"""No text of a scenario, a run or a budget can end an element of the report, or start or swallow a script."""
+"""Tests that no text of a scenario, run or budget can end an element of the report or start a script."""
 
 import io
 import json
@@ -59,7 +59,7 @@ def drive() -> Run:
 
 
 def spoilt(run: Run, text: str) -> Run:
-    """The run with the text wherever a run holds text of its user's."""
+    """Run with the text in every place where a run holds user text."""
     vehicle = replace(run.case.scenario.vehicle, model=text)
     scenario = replace(run.case.scenario, name=text, title=text, vehicle=vehicle)
     counts = {"solves": text, "fallbacks": text, "reasons": {text: 3}, "active": {text: 1}}
@@ -82,7 +82,7 @@ def hostile_page(run: Run) -> str:
 
 
 class Tokens(HTMLParser):
-    """Names of all elements, and the text that is shown."""
+    """Names of all elements, and the displayed text."""
 
     def __init__(self) -> None:
         super().__init__()
