@@ -14,7 +14,7 @@ from files.errors import InputError
 ort.disable_telemetry_events()  # its builds may report their use to their maker
 
 Run = Callable[[NDArray[np.uint8]], tuple[NDArray[np.float32], NDArray[np.float32]]]
-"""Image (H, W, 3) uint8 → boxes (K, 4) in pixels and scores (K, classes)."""
+"""Image (H, W, 3) uint8 → boxes (1, K, 4) in pixels and scores (1, K, classes), as the network answers."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,11 @@ def open_network(path: Path, backend: str, threads: int, size: tuple[int, int]) 
     session = open_session(path, chosen.provider, threads, size)
 
     def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        boxes, scores = session.run(None, {"image": image[None]})
-        return boxes[0], scores[0]
+        try:
+            boxes, scores = session.run(["boxes", "scores"], {"image": image[None]})
+        except Exception as error:  # the exception types of onnxruntime are undocumented
+            raise _failed(path, image, f"onnxruntime {ort.__version__}", error) from None
+        return boxes, scores
 
     return run
 
@@ -128,7 +131,15 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
         ) from None
 
     def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        found = request.infer({"image": image[None]})
-        return found["boxes"][0].copy(), found["scores"][0].copy()
+        try:
+            found = request.infer({"image": image[None]})
+        except RuntimeError as error:
+            raise _failed(path, image, "OpenVINO", error) from None
+        return found["boxes"].copy(), found["scores"].copy()
 
     return run
+
+
+def _failed(path: Path, image: NDArray[np.uint8], runtime: str, error: Exception) -> InputError:
+    size = f"{image.shape[1]} x {image.shape[0]}"
+    return InputError(f"{path}: {runtime} cannot run it on an image of {size} px ({type(error).__name__})")

@@ -10,6 +10,11 @@ OVERLAP = 0.45
 LEAST_CONFIDENCE = 0.001
 """Least score of a detection that is judged: average precision looks at all thresholds."""
 
+MOST_CANDIDATES = 10_000
+"""Number of candidates that are judged, the best by score, so that the time for an image is bounded."""
+MOST_KEPT = 300
+"""Maximum number of detections of a class in one image."""
+
 
 def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
     """Intersection over union (n, m) of boxes (n, 4) and (m, 4), x0 y0 x1 y1."""
@@ -20,14 +25,17 @@ def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
 
 
 def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
-    """Indices of the boxes that stay, best first: none overlaps a better one by more than `iou`."""
+    """Indices of the boxes that stay, best first: none overlaps a better one by more than `iou`.
+
+    At most MOST_KEPT stay; the time grows with their number times that of the boxes.
+    """
     order = np.argsort(-scores, kind="stable")
-    overlap = iou_matrix(boxes[order], boxes[order]) > iou
-    alive = np.ones(len(order), bool)
-    for i in range(len(order)):
-        if alive[i]:
-            alive[i + 1 :] &= ~overlap[i, i + 1 :]
-    return order[alive]
+    kept: list[int] = []
+    while len(order) and len(kept) < MOST_KEPT:
+        best, rest = order[0], order[1:]
+        kept.append(int(best))
+        order = rest[~(iou_matrix(boxes[best][None], boxes[rest])[0] > iou)]
+    return np.array(kept, np.int64)
 
 
 def fuse(kept: NDArray, boxes: NDArray, scores: NDArray, iou: float) -> NDArray:
@@ -47,6 +55,9 @@ def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> De
     Candidates under the threshold still vote on the edges of the boxes that stay.
     """
     found: list[tuple[float, NDArray, int]] = []
+    if len(boxes) > MOST_CANDIDATES:
+        best = np.sort(np.argsort(-scores.max(1), kind="stable")[:MOST_CANDIDATES])
+        boxes, scores = boxes[best], scores[best]
     solid = (boxes[:, 2:] > boxes[:, :2]).all(1)
     for cls in range(scores.shape[1]):
         likely = np.flatnonzero(solid & (scores[:, cls] >= confidence))

@@ -12,10 +12,18 @@ from detector.backends import Run, open_network, open_session, require
 from detector.detection import CLASS_NAMES, Detections
 from detector.edges import sharpen
 from detector.nms import OVERLAP, select
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.numbers import whole
+from files.reading import read_bytes
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
+MOST_WIDTH = 4096
+"""Maximum training width (px) that a model may name, as its images are scaled to it."""
+MOST_VALUE = 1e6
+"""Maximum magnitude of what a network may answer."""
+MODEL_LIMIT = 512 << 20
+"""Maximum size of a model file: 512 MiB."""
 LEAST = 64  # smaller images hold fewer points than the network gives candidates
 GREY = 114
 KEPT_SIZES = 3  # image sizes for which a session is kept ready
@@ -86,12 +94,23 @@ class Detector:
                 self._sessions.popitem(last=False)
         self._sessions.move_to_end(size)
         boxes, scores = self._sessions[size](image)
-        if boxes.shape[1:] != (4,) or scores.shape != (len(boxes), len(CLASS_NAMES)):
+        self._check(boxes, scores)
+        return boxes[0], scores[0]
+
+    def _check(self, boxes: NDArray[np.float32], scores: NDArray[np.float32]) -> None:
+        """Raise InputError unless the network's answer is one; NaN must not pass for an empty road."""
+        shapes = [np.shape(values) for values in (boxes, scores)]
+        count = shapes[0][1] if len(shapes[0]) == 3 else -1
+        if shapes != [(1, count, 4), (1, count, len(CLASS_NAMES))]:
             raise InputError(
-                f"{self.path}: expected boxes K x 4 and scores K x {len(CLASS_NAMES)}, "
-                f"got {boxes.shape} and {scores.shape}"
+                f"{self.path}: expected boxes 1 x K x 4 and scores 1 x K x {len(CLASS_NAMES)}, "
+                f"got {shapes[0]} and {shapes[1]}"
             )
-        return boxes, scores
+        for name, values in (("boxes", boxes), ("scores", scores)):
+            if values.dtype.kind != "f" or not (np.abs(values) <= MOST_VALUE).all():
+                raise InputError(
+                    f"{self.path}: its {name} must be numbers within ±{MOST_VALUE:g}, got others"
+                )
 
 
 def fit_for(width: int, height: int, longest: int) -> Fit:
@@ -120,23 +139,22 @@ def _up(length: float) -> int:
 
 def read_metadata(path: Path) -> dict[str, str]:
     """What a model file says of itself. Raises InputError unless it speaks as `detector.export` writes it."""
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; expected an ONNX file written by detector.export")
+    read_bytes(path, MODEL_LIMIT)
     session = open_session(path)
     inputs = [(i.name, i.type) for i in session.get_inputs()]
     if inputs != [("image", "tensor(uint8)")]:
-        raise InputError(f"{path}: expected one input image of uint8, got {inputs}")
+        raise InputError(f"{path}: expected one input image of uint8, got {shown(inputs)}")
     shape = session.get_inputs()[0].shape
-    if shape != [1, "height", "width", 3]:
-        raise InputError(f"{path}: the image must have the shape 1 x height x width x 3, got {shape}")
+    batch, *size, colours = shape if len(shape) == 4 else [0, 0, 0, 0]
+    if not (batch == 1 or isinstance(batch, str)) or colours != 3 or any(isinstance(n, int) for n in size):
+        raise InputError(f"{path}: the image must have the shape 1 x height x width x 3, got {shown(shape)}")
     outputs = [o.name for o in session.get_outputs()]
     if outputs != ["boxes", "scores"]:
-        raise InputError(f"{path}: expected the outputs boxes and scores, got {outputs}")
+        raise InputError(f"{path}: expected the outputs boxes and scores, got {shown(outputs)}")
     metadata = dict(session.get_modelmeta().custom_metadata_map)
     if metadata.get("names") != ",".join(CLASS_NAMES):
         raise InputError(
-            f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {metadata.get('names')!r}"
+            f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {shown(metadata.get('names'))}"
         )
-    if not metadata.get("width", "").isdigit() or not int(metadata["width"]):
-        raise InputError(f"{path}: metadata width must be a number of pixels, got {metadata.get('width')!r}")
+    whole(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MOST_WIDTH)
     return metadata

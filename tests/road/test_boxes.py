@@ -76,6 +76,6 @@ def test_the_published_numbers_are_of_bumps_and_of_potholes() -> None:
 
 
 def test_a_card_needs_a_finished_set(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"dataset\.json: not there"):
+    with pytest.raises(InputError, match=r"dataset\.json: missing"):
         write_card(tmp_path, {})
     assert card_main([str(tmp_path)]) == 2
