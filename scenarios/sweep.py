@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent import futures
 from contextlib import contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from files.errors import InputError
+from files.errors import InputError, shown
 from scenarios.closed_loop import simulate
 from scenarios.commands.tables import flat
 from scenarios.parallel import WorkerDied
@@ -25,7 +27,8 @@ AHEAD = 4
 REACH_S = 10
 PATIENCE_S = 120
 """Time without any result after which the cluster is asked whether it has workers, s."""
-
+LOOPBACK = "127.0.0.1:0"
+_CANCELLED = (futures.CancelledError, asyncio.CancelledError)
 
 _ALONE = threading.Lock()
 """Prediction models are shared within a process, so worker threads must take turns."""
@@ -54,29 +57,23 @@ def run(
     """Drive all samples; each row is in `results` before `advance` is called. Needs no order.
 
     A worker that dies gives its drives to others; one that kills its worker four times is recorded as failed.
-    Raises `WorkerDied` when no worker is left.
+    Raises `WorkerDied` when no worker is left, or the scheduler is gone.
     """
-    from distributed import wait
 
     waiting = iter(samples)
     asked: dict[str, Sample] = {}
 
     def hand_out(count: int) -> list[Future]:
-        futures = []
+        given = []
         for sample in islice(waiting, count):
             future = client.submit(work, sample, key=f"foreride-{sample.key}", pure=False)
             asked[str(future.key)] = sample
-            futures.append(future)
-        return futures
+            given.append(future)
+        return given
 
     running = set(hand_out(AHEAD * max(1, sum(client.nthreads().values()))))
     while running:
-        try:
-            finished, running = wait(running, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
-        except TimeoutError:
-            if client.nthreads():
-                continue
-            raise WorkerDied("no worker is left; the same command goes on where this one stopped") from None
+        finished, running = _wait(client, running)
         for future in finished:
             sample, problem = asked.pop(str(future.key)), future.exception()
             lost = described(sample, f"{type(problem).__name__}: {problem}")
@@ -85,13 +82,44 @@ def run(
         running |= set(hand_out(len(finished)))
 
 
+def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future]]:
+    """Futures that have a result, at least one, and the others."""
+    from distributed import wait
+
+    while True:
+        try:
+            done, others = wait(running, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+            if any(future.status in ("cancelled", "lost") for future in done):
+                raise WorkerDied("the scheduler is gone")
+            return done, others
+        except TimeoutError:
+            if not _threads(client):
+                raise WorkerDied("no worker is left") from None
+        except _CANCELLED:
+            raise WorkerDied("the scheduler is gone") from None
+
+
+def _threads(client: Client) -> int:
+    """Threads of all workers; none where the scheduler does not answer."""
+    try:
+        return sum(client.nthreads().values())
+    except (OSError, TimeoutError, *_CANCELLED):
+        return 0
+
+
 @contextmanager
-def cluster(address: str | None, workers: int) -> Iterator[Client]:
-    """A client of the cluster at `address`, or of one of `workers` processes on this machine."""
+def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Iterator[Client]:
+    """A client of the cluster at `address`, or of one of `workers` processes on this machine.
+
+    A cluster of this machine talks over the loopback interface only; its dashboard listens at `dashboard`.
+    """
     try:
         from distributed import Client, LocalCluster
     except ImportError:
         raise InputError("sweep needs Dask: pip install 'foreride[sweep]'") from None
+    host, _, port = dashboard.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or int(port) > 65535:
+        raise InputError(f"--dashboard: must be HOST:PORT, such as 0.0.0.0:8787, got {shown(dashboard)}")
     if address is not None:
         try:
             client = Client(address, timeout=REACH_S)
@@ -103,7 +131,13 @@ def cluster(address: str | None, workers: int) -> Iterator[Client]:
         return
     with (
         LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=dashboard,
+            worker_dashboard_address=LOOPBACK,
+            silence_logs=50,
         ) as local,
         Client(local) as client,
     ):

@@ -1,15 +1,17 @@
 """`foreride sweep`: parallel execution of a study, on all cores or on a cluster, into a Parquet dataset."""
 
 import argparse
+import shlex
 from pathlib import Path
 
 from files.atomic import write_text
 from files.errors import InputError
 from scenarios.commands.options import console, jobs_of, progress_bar
+from scenarios.parallel import WorkerDied
 from scenarios.results import Results
 from scenarios.runfolder import environment, to_json
 from scenarios.study import read
-from scenarios.sweep import cluster, run
+from scenarios.sweep import LOOPBACK, cluster, run
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -20,6 +22,8 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--out", type=Path, metavar="DIR", help=out)
     there = "a Dask cluster instead of this machine"
     command.add_argument("--scheduler", metavar="tcp://HOST:PORT", help=there)
+    watched = "where Dask's dashboard listens, without a password (default: this machine alone)"
+    command.add_argument("--dashboard", metavar="HOST:PORT", default=LOOPBACK, help=watched)
     many = "worker processes (default: all cores)"
     command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
     command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
@@ -41,9 +45,15 @@ def execute(arguments: argparse.Namespace) -> int:
         console.print(f"{before} of {len(samples)} drives are there already")
     try:
         if missing:
-            with cluster(arguments.scheduler, min(jobs, len(missing))) as client, progress_bar() as progress:
+            with (
+                cluster(arguments.scheduler, min(jobs, len(missing)), arguments.dashboard) as client,
+                progress_bar() as progress,
+            ):
                 bar = progress.add_task(f"{len(samples)} drives", total=len(samples), completed=before)
                 run(client, missing, results, lambda: progress.advance(bar))
+    except WorkerDied as death:
+        kept = f"{len(results.done.keys() & samples.keys())} of {len(samples)} drives are kept"
+        raise WorkerDied(f"{death}; {kept}; go on with: {_again(arguments, results.folder)}") from None
     finally:
         results.flush()
     failed = {key: error for key, error in results.done.items() if error}
@@ -56,3 +66,11 @@ def execute(arguments: argparse.Namespace) -> int:
         counts = {"drives": there, "failed": len(failed), "folder": str(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
     return 0
+
+
+def _again(arguments: argparse.Namespace, folder: Path) -> str:
+    """Command line that goes on where this one stopped."""
+    words = ["foreride", "sweep", str(arguments.study), "--out", str(folder)]
+    words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []
+    words += ["--jobs", str(arguments.jobs)] if arguments.jobs else []
+    return shlex.join(words)

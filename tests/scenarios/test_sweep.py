@@ -2,19 +2,23 @@
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
+import psutil
 import pytest
+from distributed import LocalCluster
 
 from scenarios.cli import main
 from scenarios.closed_loop import simulate
 from scenarios.results import Results, load_results
 from scenarios.study import read
-from scenarios.sweep import cluster, run, work
+from scenarios.sweep import LOOPBACK, cluster, run, work
 
 ROAD = """
 title: A short drive
@@ -95,7 +99,7 @@ def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPat
         def __exit__(self, *_: object) -> None: ...
 
     monkeypatch.setattr(command, "run", recorded)
-    monkeypatch.setattr(command, "cluster", lambda address, workers: NoCluster())
+    monkeypatch.setattr(command, "cluster", lambda *_: NoCluster())
     counts = study.parent / "counts.json"
     assert main(["sweep", str(study), "--out", str(out), "--json", str(counts)]) == 0
     assert handed == [samples[-1].key]
@@ -119,6 +123,51 @@ def test_an_unreachable_scheduler_is_told_in_one_line(
     assert main(["sweep", str(study), "--out", str(out), "--scheduler", "tcp://127.0.0.1:9"]) == 2
     told = capsys.readouterr().err.strip().splitlines()[-1]
     assert told.startswith("foreride: --scheduler tcp://127.0.0.1:9: cannot be reached")
+
+
+def test_only_this_machine_can_reach_a_local_cluster() -> None:
+    with cluster(None, 1):
+        ours = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        listening = {
+            link.laddr.ip for process in ours for link in process.net_connections() if link.status == "LISTEN"
+        }
+    assert listening == {"127.0.0.1"}
+
+
+@pytest.mark.parametrize("address", ["8787", ":8787", "host", "host:", "host:-1", "host:99999", "host:²"])
+def test_a_dashboard_needs_host_and_port(
+    study: Path, capsys: pytest.CaptureFixture[str], address: str
+) -> None:
+    assert main(["sweep", str(study), "--out", str(study.parent / "out"), "--dashboard", address]) == 2
+    assert "--dashboard: must be HOST:PORT" in capsys.readouterr().err
+
+
+def test_a_cluster_without_workers_ends_with_the_command_that_goes_on(
+    study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.sweep.PATIENCE_S", 0.2)
+    out = study.parent / "an out"
+    with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=LOOPBACK) as empty:
+        asked = ["sweep", str(study), "--out", str(out), "--scheduler", empty.scheduler_address]
+        assert main([*asked, "--jobs", "1"]) == 1
+        told = capsys.readouterr().err.strip().splitlines()[-1]
+        again = shlex.join(["foreride", *asked, "--jobs", "1"])
+        assert told == f"foreride: no worker is left; 0 of 10 drives are kept; go on with: {again}"
+
+
+def test_a_scheduler_that_dies_fails_no_drive(study: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, told = study.parent / "out", study.parent / "scheduler.json"
+    asked = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(told)]
+    scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", *asked])
+    while not told.exists() or not told.read_text().endswith("}"):
+        assert scheduler.poll() is None
+        time.sleep(0.05)
+    threading.Timer(2.0, scheduler.kill).start()
+    address = json.loads(told.read_text())["address"]
+    assert main(["sweep", str(study), "--out", str(out), "--scheduler", address]) == 1
+    assert "foreride: the scheduler is gone; 0 of 10 drives are kept" in capsys.readouterr().err
+    assert not Results(out).done
+    scheduler.wait()
 
 
 def test_a_full_disk_is_told_in_one_line_and_loses_no_finished_drive(
