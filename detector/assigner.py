@@ -1,9 +1,9 @@
-"""Which anchor points learn which box: task-aligned assignment (Feng et al., TOOD, ICCV 2021, eq. 1).
+"""Task-aligned label assignment: matching of anchor points to objects (Feng et al., TOOD, ICCV 2021, eq. 1).
 
-Candidates are the points within one stride *around* a box at each level, not only those inside it: a
-bump five pixels high often lies between two rows of a coarse level, and would have no point at all.
-A box is left to the levels whose stride is no more than a part of its height, so that its rows are found
-where rows are fine; without this the first level that happens to know wide boxes keeps them.
+Candidates are the points within one stride *around* a box at each level, not only those inside it: a bump
+five pixels high often lies between two rows of a coarse level, and would otherwise have no point at all. A
+box is assigned only to levels with a stride of at most COARSEST times its height, so that its rows are
+resolved; without this limit, whichever level first learns wide boxes keeps them.
 """
 
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ from detector.overlap import iou
 
 @dataclass(frozen=True)
 class Truths:
-    """Labelled objects of a batch, flat.
+    """Ground-truth objects of a batch, as flat arrays.
 
     image: (G,) index of the image in the batch
-    classes: (G,) class index, or -1 where the object is too small to be asked for (neither right nor wrong)
+    classes: (G,) class index, or -1 for an object to ignore (too small: neither right nor wrong)
     boxes: (G, 4) x0 y0 x1 y1 in pixels
     """
 
@@ -29,15 +29,17 @@ class Truths:
     boxes: Tensor
 
     def where(self, mask: Tensor) -> "Truths":
+        """The objects selected by a mask (G,) bool."""
         return Truths(self.image[mask], self.classes[mask], self.boxes[mask])
 
     def to(self, device: torch.device) -> "Truths":
+        """The same objects on another device."""
         return Truths(self.image.to(device), self.classes.to(device), self.boxes.to(device))
 
 
 @dataclass(frozen=True)
 class Assignment:
-    """P pairs of a point and the object that it learns.
+    """Positive samples: P pairs of an anchor point and its object.
 
     image, anchor, truth: (P,) indices; score: (P,) class target in 0..1 and weight of the box loss
     """
@@ -48,11 +50,11 @@ class Assignment:
     score: Tensor
 
 
-COARSEST = 0.7  # stride of the coarsest level that may learn a box, over the height of the box
+COARSEST = 0.7  # greatest stride of a level that may be assigned a box, over the height of the box
 
 
 def fine_enough(boxes: Tensor, stride: Tensor) -> Tensor:
-    """(G, N) bool: the level of point n has rows fine enough for box g, or the finest there are."""
+    """(G, N) bool: the level of point n is fine enough for box g, or is the finest level."""
     height = boxes[:, 3] - boxes[:, 1]
     return (stride[None] <= COARSEST * height[:, None]) | (stride == stride.min())[None]
 
@@ -73,18 +75,18 @@ def assign(
     alpha: float = 0.5,
     beta: float = 6.0,
 ) -> Assignment:
-    """Match each object to its `top_k` best aligned points, alignment = score^alpha · IoU^beta.
+    """Assign each object its `top_k` best aligned points, alignment = score^alpha · IoU^beta.
 
-    predictions at N points, points (N, 2), stride (N,). A point wanted by several objects goes to the
-    one it overlaps most. The target score is the alignment scaled so that
-    each object's best point gets the object's best IoU. IoU, as in TOOD, not CIoU: the aspect term of
-    CIoU pushes every early guess at a thin bump below zero, and no point would be better than another.
+    predictions at N points, points (N, 2), stride (N,). A point that is a candidate of several objects is
+    assigned to the one it overlaps most. The target score is the alignment scaled so that each object's best
+    point gets the object's best IoU. IoU, as in TOOD, not CIoU: the aspect term of CIoU makes every early
+    estimate of a thin bump negative, so that all points would be ranked alike.
     """
     with torch.no_grad():
         allowed = candidates(truths.boxes, points, stride) & fine_enough(truths.boxes, stride)
         truth, anchor = allowed.nonzero(as_tuple=True)
         distance = (points[anchor] - _centres(truths.boxes)[truth]).norm(dim=1) / stride[anchor]
-        near = distance.argsort(stable=True)  # among equals, the nearer point in strides comes first
+        near = distance.argsort(stable=True)  # ties: nearer points (in strides) first
         truth, anchor = truth[near], anchor[near]
         image = truths.image[truth]
         guess = decode(predictions.box_logits(image, anchor), points[anchor], stride[anchor])

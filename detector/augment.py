@@ -1,4 +1,4 @@
-"""Random views of labelled images for training: part or mosaic, flip, light, weather, blur and noise."""
+"""Data augmentation for training: crop or mosaic, flip, light, weather, blur and noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,10 +18,10 @@ from files.errors import InputError
 
 @dataclass(frozen=True)
 class Augmentation:
-    """What may be done to a view beyond parts, flips, light, slight blur and noise, which all get.
+    """Probabilities of optional augmentations; crops, flips, light, slight blur and noise are always applied.
 
-    mosaic: share of the views made of four images, but none in the last `plain_last` of all passes, since
-        a detector is to end on roads as they are (Ge et al., YOLOX, arXiv 2107.08430, section 2.1)
+    mosaic: share of the views made of four images, but none in the last `plain_last` of all passes, so that
+        training ends on unmodified images (Ge et al., YOLOX, arXiv 2107.08430, section 2.1)
     weather: share of the views with rain, snow or fog (as arXiv 2508.01339, section 3.2)
     litter: share of the views with leaves, paper and stones on the road
     """
@@ -37,7 +37,7 @@ class Augmentation:
                 raise InputError(f"{name} must be in 0..1, got {getattr(self, name)}")
 
     def at(self, done: float) -> "Augmentation":
-        """What holds when a share 0..1 of all passes is done."""
+        """Augmentation at a training progress of 0..1."""
         return self if done < 1 - self.plain_last else replace(self, mosaic=0.0)
 
 
@@ -53,7 +53,7 @@ def training_view(
     how: Augmentation = DEFAULT,
     min_height_px: float = 2.0,
 ) -> View:
-    """A random view of samples[index], perhaps joined with three others."""
+    """Random training view of samples[index], or a mosaic of it with three others."""
     if how.mosaic and rng.random() < how.mosaic:
         chosen = [samples[i] for i in (index, *rng.integers(len(samples), size=3))]
         shuffled = [chosen[i] for i in rng.permutation(4)]
@@ -73,7 +73,7 @@ def training_view(
 
 
 def _light(image: NDArray, rng: Generator) -> NDArray:
-    """Gamma, contrast, brightness and colour cast as one table per channel."""
+    """Photometric jitter: gamma, contrast, brightness and colour cast as one table per channel."""
     levels = np.arange(256) / 255
     gamma, contrast, shift = np.exp(rng.normal(0, 0.2)), np.exp(rng.normal(0, 0.2)), rng.normal(0, 0.06)
     cast = np.exp(rng.normal(0, 0.04, 3))
@@ -86,7 +86,7 @@ def _light(image: NDArray, rng: Generator) -> NDArray:
 
 
 def _sensor(image: NDArray, rng: Generator) -> NDArray[np.uint8]:
-    """Defocus or motion blur and sensor noise, each in some of the views."""
+    """Sensor artefacts: defocus or motion blur, and noise, each in some of the views."""
     kind = rng.random()
     if kind < 0.06:
         image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.2))

@@ -1,4 +1,4 @@
-"""Where a graph can run: onnxruntime on the CPU, or a faster runtime whose package the user has installed."""
+"""Inference backends: onnxruntime on the CPU, and optional faster runtimes."""
 
 import importlib.util
 from collections.abc import Callable
@@ -19,9 +19,9 @@ Run = Callable[[NDArray[np.uint8]], tuple[NDArray[np.float32], NDArray[np.float3
 
 @dataclass(frozen=True)
 class Backend:
-    """The package that runs a graph, and how it is asked to.
+    """Inference backend: its package and configuration.
 
-    provider: an execution provider of onnxruntime. arithmetic: what OpenVINO computes in, where there is none
+    provider: execution provider of onnxruntime, empty for OpenVINO. arithmetic: precision of OpenVINO
     """
 
     package: str
@@ -39,7 +39,7 @@ BACKENDS = {
 
 
 def installed() -> list[str]:
-    """Names of the backends that can be used here."""
+    """Names of the backends whose packages are installed."""
     providers = set(ort.get_available_providers())
     return [
         name
@@ -49,7 +49,7 @@ def installed() -> list[str]:
 
 
 def require(name: str) -> Backend:
-    """The backend of that name. Raises InputError where there is none, or its package is not installed."""
+    """Backend by name. Raises InputError if it is unknown or its package is not installed."""
     if name not in BACKENDS:
         raise InputError(f"backend must be one of {', '.join(BACKENDS)}, got {name!r}")
     if name not in installed():
@@ -59,9 +59,9 @@ def require(name: str) -> Backend:
 
 
 def open_network(path: Path, backend: str, threads: int, size: tuple[int, int]) -> Run:
-    """The network of an ONNX file, for images of one size (width, height).
+    """Open the network of an ONNX file for images of one size (width, height).
 
-    Raises InputError where the backend is not installed or the file is no ONNX model that it can run.
+    Raises InputError if the backend is not installed or the file is no ONNX model that it can run.
     """
     chosen = require(backend)
     if not chosen.provider:
@@ -84,17 +84,17 @@ def open_session(
     threads: int = 1,
     size: tuple[int, int] | None = None,
 ) -> ort.InferenceSession:
-    """A session of onnxruntime on an ONNX file, for images of size (width, height), or any where it is None.
+    """Open an onnxruntime session on an ONNX file for images of size (width, height), None for any.
 
     A known size lets onnxruntime fold what depends on it and fuse sums into convolutions. Its threads do not
-    spin between images, so idle cores stay free. Raises InputError where the file is no ONNX model that can
-    be run.
+    spin between images, so idle cores stay free. Raises InputError if the file is no ONNX model that can be
+    run.
     """
     options = ort.SessionOptions()
     options.intra_op_num_threads = threads
     options.inter_op_num_threads = 1
     options.log_severity_level = 4
-    options.enable_mem_reuse = False  # its plan of buffers costs 7 % of the time, and 20 MiB
+    options.enable_mem_reuse = False  # its buffer plan costs 7 % of the time, and 20 MiB
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     if size is None:
         options.graph_optimization_level = ort.GraphOptimizationLevel.ORT_DISABLE_ALL
@@ -104,7 +104,7 @@ def open_session(
     providers = list(dict.fromkeys((provider, "CPUExecutionProvider")))
     try:
         return ort.InferenceSession(path, options, providers=providers)
-    except Exception as error:  # onnxruntime raises a dozen kinds, none of them documented
+    except Exception as error:  # onnxruntime raises a dozen undocumented exception types
         kind = type(error).__name__
         raise InputError(
             f"{path}: not an ONNX model that onnxruntime {ort.__version__} can run ({kind})"

@@ -1,10 +1,9 @@
-"""Time of one image through models, graphs, precisions, backends and threads, all in one run:
-`foreride detector bench --json FILE`.
+"""Inference benchmark over models, graphs, precisions, backends and threads.
 
-Every row is timed in turn within each round, so that what else the machine does falls on all alike;
-compare medians of the same run: of the time that passed, and of the processor's time on all threads, which
-tells the same where other programs interrupt. Times are of the network alone, bytes to candidates. Models are
-built with random weights, which take as long as trained ones, or read with `--weights`.
+`foreride detector bench --json FILE`: all rows are timed in turn within each round, so that other load on the
+machine affects all rows alike. Compare medians of the same run only: wall time, and CPU time over all
+threads, which is insensitive to other programs. Times are of the network alone, from uint8 image to candidate
+boxes. Models have random weights, which take as long as trained ones, or those of `--weights`.
 """
 
 import argparse
@@ -36,7 +35,7 @@ WARM_UP = 3
 
 @dataclass(frozen=True)
 class Case:
-    """One row: what is run, and where."""
+    """Benchmark case: model, graph and precision, and the backend that runs it."""
 
     model: str
     graph: str
@@ -47,7 +46,7 @@ class Case:
 
 
 def cases(args: argparse.Namespace) -> list[Case]:
-    """All rows that the command line asks for. The plain graph is timed in single precision only."""
+    """All cases of the command line. The plain graph is timed in single precision only."""
     kinds = itertools.product(args.graphs, args.precisions)
     kept = [(g, p) for g, p in kinds if g == "optimised" or p == "fp32"]
     grid = itertools.product(args.models, kept, args.backends, args.sizes, args.threads)
@@ -55,10 +54,10 @@ def cases(args: argparse.Namespace) -> list[Case]:
 
 
 def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path | None) -> dict[Case, Path]:
-    """ONNX files of all rows, written into a folder; needs torch.
+    """Write the ONNX files of all cases into a folder; needs torch.
 
-    weights: of `detector train`, for rows of its model; random ones for all others. data: folder with images/
-    to calibrate 8-bit graphs on; smooth noise without.
+    weights: of `detector train`, for cases of its model; random ones for all others. data: folder with
+    images/ to calibrate 8-bit graphs on; smooth noise without.
     """
     from detector.checkpoint import DEFAULT_MODEL
     from detector.export import CALIBRATION_IMAGES, check_images, export
@@ -77,7 +76,7 @@ def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path
 
 
 def random_weights(model: str, folder: Path) -> Path:
-    """A weights file of a model as it is before training."""
+    """Weights file of an untrained model."""
     import torch
 
     from detector.checkpoint import save_weights
@@ -90,13 +89,13 @@ def random_weights(model: str, folder: Path) -> Path:
 
 
 def file_precision(row: Case) -> str:
-    """The precision of `detector export` that suits the backend: OpenVINO has its own kind of 8-bit graph."""
+    """Precision for `detector export` that suits the backend: OpenVINO has its own kind of 8-bit graph."""
     openvino = row.backend in BACKENDS and not BACKENDS[row.backend].provider
     return "int8-conv" if row.precision == "int8" and openvino else row.precision
 
 
 def measure(files: dict[Case, Path], runs: int) -> list[dict]:
-    """A row per case, of `runs` rounds: median and least time, and the processor's median, in ms."""
+    """Timing of every case over `runs` rounds: median and least wall time, and median CPU time, in ms."""
     sessions = []
     for case, path in files.items():
         width, height = _pixels(case.size)
@@ -118,7 +117,7 @@ def measure(files: dict[Case, Path], runs: int) -> list[dict]:
 
 
 def peak_memory_mib(weights: Path | None = None, images: int = 5) -> float:
-    """Highest resident memory (MiB) of this process after a few images."""
+    """Peak resident memory (MiB) of this process after a few images."""
     from detector.runtime import Detector
 
     detector = Detector(weights)
@@ -128,7 +127,7 @@ def peak_memory_mib(weights: Path | None = None, images: int = 5) -> float:
 
 
 def _peak_kib() -> float:
-    """Of this program; what `getrusage` says includes the one that started it."""
+    """Peak resident memory (KiB) of this program; `getrusage` would include that of its parent."""
     status = Path("/proc/self/status")
     lines = status.read_text().splitlines() if status.exists() else []
     found = [float(line.split()[1]) for line in lines if line.startswith("VmHWM:")]
@@ -136,7 +135,7 @@ def _peak_kib() -> float:
 
 
 def fresh_peak_memory_mib() -> float:
-    """The same of a new process: what else this one has imported is none of the detector's."""
+    """Peak resident memory (MiB) of the detector alone, in a new process."""
     code = "from detector.bench import peak_memory_mib; print(peak_memory_mib())"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return float(done.stdout)
@@ -148,7 +147,7 @@ def _pixels(size: str) -> tuple[int, int]:
     except ValueError:
         width = height = 0
     if min(width, height) < 64 or width % 32 or height % 32:
-        raise InputError(f"--sizes: expected WIDTHxHEIGHT, multiples of 32 from 64 on, got {size!r}")
+        raise InputError(f"--sizes: must be WIDTHxHEIGHT, multiples of 32 and >= 64, got {size!r}")
     return width, height
 
 
@@ -157,6 +156,7 @@ def _words(text: str) -> list[str]:
 
 
 def parser() -> argparse.ArgumentParser:
+    """Command line of `detector bench`."""
     p = Parser(prog="foreride detector bench", description=__doc__)
     p.add_argument(
         "--models", type=_words, default=["sbp-yolo", "yolo11n"], help="names of `detector models`"
@@ -168,13 +168,14 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--threads", type=_words, default=["1", "2"], help="numbers of threads")
     p.add_argument("--runs", type=int, default=30)
     p.add_argument("--weights", type=Path, help="weights file of sbp-yolo; random ones by default")
-    p.add_argument("--data", type=Path, help="folder with images/ to calibrate int8 on")
+    p.add_argument("--data", type=Path, help="folder with images/ for int8 calibration")
     p.add_argument("--memory", action="store_true", help="only the peak memory of the shipped detector (MiB)")
     p.add_argument("--json", type=Path, help="write the rows here")
     return p
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
         if args.memory:
@@ -191,7 +192,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def check(args: argparse.Namespace) -> None:
-    """Raises InputError for words that name nothing, sizes that fit no graph, and counts below 1."""
+    """Check the command line. Raises InputError for unknown names, invalid sizes and counts below 1."""
     for option, allowed in (("graphs", GRAPHS), ("precisions", PRECISIONS), ("backends", tuple(BACKENDS))):
         for word in getattr(args, option):
             if word not in allowed:
@@ -206,15 +207,15 @@ def check(args: argparse.Namespace) -> None:
 
 
 def compare(args: argparse.Namespace) -> list[dict]:
-    """Time all rows and print them. Raises InputError."""
+    """Time all cases and print them. Raises InputError."""
     check(args)
     for name in args.backends:
         if name not in installed():
-            print(f"backend {name} is left out: it needs {BACKENDS[name].package}", file=sys.stderr)
+            print(f"backend {name}: left out, it needs {BACKENDS[name].package}", file=sys.stderr)
             args.backends = [b for b in args.backends if b != name]
     rows_wanted = cases(args)
     if not rows_wanted:
-        raise InputError("no row is left to time; the plain graph is timed in fp32 only")
+        raise InputError("no case to time: the plain graph is timed in fp32 only")
     with tempfile.TemporaryDirectory() as folder:
         rows = measure(prepare(rows_wanted, Path(folder), args.weights, args.data), args.runs)
     for row in rows:

@@ -1,4 +1,4 @@
-"""Building blocks of SBP-YOLO (arXiv 2508.01339, sections 2.2 and 2.3) and of its YOLOv11 base.
+"""Network blocks of SBP-YOLO (arXiv 2508.01339, sections 2.2 and 2.3) and of its YOLOv11 base.
 
 Every block maps (B, C_in, H, W) to (B, C_out, H / stride, W / stride).
 """
@@ -8,7 +8,7 @@ from torch import Tensor, nn
 
 
 class Conv(nn.Module):
-    """Convolution without bias, batch norm, SiLU (or nothing)."""
+    """Convolution without bias, batch norm, and SiLU (optional)."""
 
     def __init__(
         self, c_in: int, c_out: int, kernel: int = 1, stride: int = 1, groups: int = 1, act: bool = True
@@ -16,7 +16,7 @@ class Conv(nn.Module):
         super().__init__()
         self.conv = nn.Conv2d(c_in, c_out, kernel, stride, kernel // 2, groups=groups, bias=False)
         self.norm = nn.BatchNorm2d(c_out, eps=1e-3, momentum=0.03)
-        self.act = nn.SiLU() if act else nn.Identity()  # in place, its backward pass would need a copy
+        self.act = nn.SiLU() if act else nn.Identity()  # not in place: the backward pass would need a copy
 
     def forward(self, x: Tensor) -> Tensor:
         if self.training and self.conv.groups == self.conv.in_channels:
@@ -29,7 +29,7 @@ class Conv(nn.Module):
 
 
 class Bottleneck(nn.Module):
-    """Two 3×3 convolutions through a share of the channels, plus the input."""
+    """Residual bottleneck: two 3×3 convolutions through a share of the channels, plus the input."""
 
     def __init__(self, channels: int, share: float = 0.5):
         super().__init__()
@@ -42,7 +42,7 @@ class Bottleneck(nn.Module):
 
 
 class C3k(nn.Module):
-    """Cross-stage block of two full-width bottlenecks, on half the channels each way."""
+    """Cross-stage partial block (C3k) of two full-width bottlenecks, on half the channels each way."""
 
     def __init__(self, channels: int):
         super().__init__()
@@ -56,7 +56,7 @@ class C3k(nn.Module):
 
 
 class C3k2(nn.Module):
-    """YOLOv11's split block: half the channels pass a bottleneck (or, nested, a C3k); all parts are fused."""
+    """YOLOv11's C3k2 block: half the channels pass a bottleneck (or, nested, a C3k); all parts are fused."""
 
     def __init__(self, c_in: int, c_out: int, expansion: float = 0.5, nested: bool = False):
         super().__init__()
@@ -72,7 +72,7 @@ class C3k2(nn.Module):
 
 
 class GhostConv(nn.Module):
-    """k×k convolution to half the channels; a 5×5 depthwise one makes the other half (eq. 1-4)."""
+    """Ghost convolution: k×k to half the channels, 5×5 depthwise for the other half (eq. 1-4)."""
 
     def __init__(self, c_in: int, c_out: int, kernel: int = 1, stride: int = 1):
         super().__init__()
@@ -85,7 +85,7 @@ class GhostConv(nn.Module):
 
 
 class GSConv(GhostConv):
-    """GhostConv followed by a channel shuffle: even channels, then odd ones (eq. 5)."""
+    """GSConv: GhostConv followed by a channel shuffle, even channels before odd ones (eq. 5)."""
 
     def forward(self, x: Tensor) -> Tensor:
         ghost = super().forward(x)
@@ -94,7 +94,7 @@ class GSConv(GhostConv):
 
 
 class GSBottleneck(nn.Module):
-    """GSConv 1×1, GSConv 3×3, and a 1×1 depthwise shortcut (eq. 6)."""
+    """GS bottleneck: GSConv 1×1, GSConv 3×3, and a 1×1 depthwise shortcut (eq. 6)."""
 
     def __init__(self, channels: int):
         super().__init__()
@@ -106,7 +106,7 @@ class GSBottleneck(nn.Module):
 
 
 class VoVGSCSPC(nn.Module):
-    """Cross-stage block with one GS bottleneck (eq. 7)."""
+    """Cross-stage partial block with one GS bottleneck (VoVGSCSPC, eq. 7)."""
 
     def __init__(self, c_in: int, c_out: int):
         super().__init__()
@@ -120,7 +120,7 @@ class VoVGSCSPC(nn.Module):
 
 
 class SPPF(nn.Module):
-    """Spatial pyramid pooling: three 5×5 max pools in a row, all stages concatenated."""
+    """Spatial pyramid pooling, fast (SPPF): three 5×5 max pools in series, all stages concatenated."""
 
     def __init__(self, channels: int):
         super().__init__()
@@ -158,7 +158,7 @@ class Attention(nn.Module):
 
 
 class C2PSA(nn.Module):
-    """YOLOv11's split block with attention and a feed-forward pair on one half."""
+    """YOLOv11's C2PSA block: attention and a feed-forward pair on one half of the channels."""
 
     def __init__(self, channels: int):
         super().__init__()

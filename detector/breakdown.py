@@ -1,6 +1,6 @@
-"""Where a detector is right and wrong: by distance and box height; how true its edges are.
+"""Detection metrics by object: recall by distance and box height, edge errors, false alarms.
 
-Works on the records of `objects.jsonl`: class, distance and lane of every object.
+Uses the records of `objects.jsonl`: class, distance and lane of every object.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ EDGE_RANGE_M = (4.0, 10.0)
 
 @dataclass(frozen=True)
 class Judged:
-    """One image: name, height (px), true boxes (n, 4) in px, and what was found of them."""
+    """Evaluated image: name, height (px), true boxes (n, 4) in px, and matched detections."""
 
     name: str
     height_px: int
@@ -35,10 +35,11 @@ class Judged:
 
 @dataclass(frozen=True)
 class Seen:
-    """One object: what it is, where it lies, and whether and how it was found.
+    """Evaluated object: class, position, and result of its detection.
 
-    top_error_px, bottom_error_px: edge found less true one, rows counted downwards; None if the object was
-        not found or the image cuts that edge.
+    top_error_px, bottom_error_px: detected edge minus true edge, rows counted downwards; None if the object
+    was
+        not detected or the image border cuts that edge.
     """
 
     cls: int
@@ -53,7 +54,7 @@ class Seen:
 def objects_seen(
     judged: Sequence[Judged], records: dict[str, dict], confidence: float, folder: Path
 ) -> list[Seen]:
-    """All objects of a dataset. Raises InputError where the records differ from the labels."""
+    """Evaluated objects of a data set. Raises InputError if the records differ from the labels."""
     seen = []
     for image in judged:
         objects = records.get(image.name, {}).get("objects", [])
@@ -73,7 +74,7 @@ def objects_seen(
 
 
 def by_object(seen: Sequence[Seen]) -> dict:
-    """Recall in the own lane near and far, by distance and box height; errors of top and bottom edge."""
+    """Recall in the ego lane near and far, by distance and box height; errors of top and bottom edge."""
     ego = [o for o in seen if o.in_ego_lane]
     near = _within(ego, EDGE_RANGE_M)
     far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_LEAST_PX]
@@ -94,7 +95,7 @@ def by_object(seen: Sequence[Seen]) -> dict:
 
 
 def false_alarms(judged: Sequence[Judged], confidence: float) -> dict:
-    """Detections on images without any object: plain road."""
+    """False alarms: detections on images without any object."""
     plain = [image.result.detections.scores for image in judged if not len(image.boxes)]
     false = sum(int((scores >= confidence).sum()) for scores in plain)
     return {"images": len(plain), "per_100_images": 100 * false / len(plain) if plain else None}
@@ -129,7 +130,7 @@ def _by_distance(seen: Sequence[Seen]) -> list[dict]:
 
 
 def _edge(seen: Sequence[Seen], which: str) -> dict:
-    """Bias (mean), median and spread of an edge in px, bias and spread in percent of the box's height too."""
+    """Bias, median and sigma of an edge error in px; bias and sigma also in percent of the box's height."""
     known = [(getattr(o, which), o.height_px) for o in seen if getattr(o, which) is not None]
     if not known:
         names = ("bias_px", "median_px", "sigma_px", "bias_percent", "sigma_percent")

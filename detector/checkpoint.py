@@ -1,4 +1,4 @@
-"""Files that training writes: full checkpoints to resume from, and weights alone in half precision."""
+"""Training checkpoints to resume from, and weights files in half precision."""
 
 import copy
 import io
@@ -14,13 +14,13 @@ from files.atomic import write_bytes
 from files.errors import InputError
 
 M = TypeVar("M", bound=nn.Module)
-DEFAULT_MODEL = "sbp-yolo"  # of files that do not say
+DEFAULT_MODEL = "sbp-yolo"  # of files without a model name
 
 
 class Average(Generic[M]):
     """Exponential moving average of a model's parameters and buffers.
 
-    The decay grows from 0 to `decay` over the first `ramp` steps, so early noise is forgotten.
+    The decay grows from 0 to `decay` over the first `ramp` steps, so that initial values are forgotten.
     """
 
     def __init__(self, model: M, decay: float = 0.999, ramp: int = 500):
@@ -28,6 +28,7 @@ class Average(Generic[M]):
         self.decay, self.ramp = decay, ramp
 
     def update(self, model: nn.Module, step: int) -> None:
+        """Update the average with a model after training step number `step`."""
         share = 1 - self.decay * (1 - 0.5 ** (step / self.ramp))
         with torch.no_grad():
             for mean, value in zip(_tensors(self.model), _tensors(model), strict=True):
@@ -42,33 +43,33 @@ def _tensors(model: nn.Module) -> list[Tensor]:
 
 
 def save(path: Path, content: dict[str, Any]) -> None:
-    """Write a dictionary of tensors and plain values in one step."""
+    """Write a dictionary of tensors and plain values atomically."""
     stream = io.BytesIO()
     torch.save(content, stream)
     write_bytes(path, stream.getvalue())
 
 
 def load(path: Path, keys: tuple[str, ...]) -> dict[str, Any]:
-    """Read what `save` wrote. Raises InputError where the file is absent, broken or of another kind."""
+    """Read a file written by `save`. Raises InputError if it is absent, broken or of another kind."""
     if not path.is_file():
-        raise InputError(f"{path}: no such file; expected a file written by detector.train")
+        raise InputError(f"{path}: no such file; must be a file written by detector.train")
     try:
         content = torch.load(path, map_location="cpu", weights_only=True)
     except Exception as error:
         raise InputError(f"{path}: not a readable torch file ({type(error).__name__})") from None
     if not isinstance(content, dict) or any(key not in content for key in keys):
-        raise InputError(f"{path}: expected the entries {', '.join(keys)}")
+        raise InputError(f"{path}: must have the entries {', '.join(keys)}")
     return content
 
 
 def save_weights(path: Path, model: nn.Module, metadata: dict[str, Any]) -> None:
-    """Write a model's weights in half precision with what is known of their making."""
+    """Write a model's weights in half precision, with metadata of the training."""
     state = {k: v.half() if v.is_floating_point() else v for k, v in model.state_dict().items()}
     save(path, {"weights": state, "metadata": metadata})
 
 
 def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
-    """Fill a model from a weights file, or with the average of a checkpoint; gives its metadata.
+    """Load a weights file, or the average of a checkpoint, into a model; returns the metadata.
 
     Raises InputError if it does not fit.
     """
@@ -77,12 +78,12 @@ def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
         model.load_state_dict(weights)
     except RuntimeError:
         made = metadata.get("model", DEFAULT_MODEL)
-        raise InputError(f"{path}: these weights are of a {made}, and fit no model of another kind") from None
+        raise InputError(f"{path}: weights of model {made} do not fit a model of another kind") from None
     return metadata
 
 
 def load_network(path: Path) -> tuple[Network, dict[str, Any]]:
-    """The network, ready for inference, and the metadata of a weights file. Raises InputError."""
+    """Network in inference mode, and metadata, of a weights file. Raises InputError."""
     name = str(_weights_of(path)[1].get("model", DEFAULT_MODEL))
     model = build(name)
     return model.eval(), load_weights(path, model)
@@ -94,7 +95,7 @@ def _weights_of(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
         made = {"passes": content.get("passes", 0), "model": content.get("model_name", DEFAULT_MODEL)}
         content = {"weights": content["average"], "metadata": made}
     if "weights" not in content or "metadata" not in content:
-        raise InputError(f"{path}: expected the entries weights, metadata")
+        raise InputError(f"{path}: must have the entries weights, metadata")
     metadata = content["metadata"]
     names = metadata.get("names", list(CLASS_NAMES))
     if names != list(CLASS_NAMES):

@@ -1,4 +1,4 @@
-"""Parameters and operations of the models beside the paper's figures: `foreride detector models`."""
+"""Model complexity: parameters and operations, compared with the paper: `foreride detector models`."""
 
 import json
 from collections.abc import Sequence
@@ -25,12 +25,12 @@ PAPER = {
 
 
 def parameters(model: Network) -> int:
-    """Learned numbers."""
+    """Number of learned parameters."""
     return sum(p.numel() for p in model.parameters())
 
 
 def dead_parameters(model: Network) -> int:
-    """Numbers of the released code that ours has not: a 3×3 convolution with norm that no block ever runs.
+    """Parameters that only the paper's released code has: a 3×3 convolution with norm that is never executed.
 
     Every VoVGSCSPC block there holds one of half its channels.
     """
@@ -47,7 +47,7 @@ def gflops(model: Network, size: int = 640) -> float:
 
 
 def table(size: int = 640) -> list[dict]:
-    """A row for every model by name."""
+    """Complexity of every model by name."""
     rows = []
     for name in MODELS:
         model = build(name)
@@ -66,6 +66,7 @@ def table(size: int = 640) -> list[dict]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line; exit code 0."""
     p = Parser(prog="foreride detector models", description=__doc__)
     p.add_argument("--json", type=Path, help="write the numbers here")
     args = p.parse_args(arguments)

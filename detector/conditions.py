@@ -1,6 +1,6 @@
-"""How well a detector does in each light, weather and so on, and in those of the paper's Fig. 9.
+"""Detection metrics by imaging condition: light, weather and blur, including those of the paper's Fig. 9.
 
-Works on the `condition` that `objects.jsonl` tells of every image (arXiv 2508.01339, section 3.7).
+Uses the `condition` that `objects.jsonl` records for every image (arXiv 2508.01339, section 3.7).
 """
 
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from detector.breakdown import Judged
 from detector.metrics import ImageResult, summarise
 
 BLURRED_PX = 2.0
-"""Motion blur, in pixels that a point travels during the exposure, from which an image counts as blurred."""
+"""Threshold of motion blur (pixels that a point travels during the exposure) of a blurred image."""
 KEPT = ("map50", "map50_95", "precision", "recall", "images")
 
 Condition = dict[str, object]
@@ -21,7 +21,7 @@ def _blurred(condition: Condition) -> bool:
 
 
 def _fair(condition: Condition) -> bool:
-    """A dry day without glare or blur: what the rest is to be held against."""
+    """Reference condition: a dry day without glare or blur."""
     bright = condition.get("light") in ("noon", "overcast") and condition.get("weather") == "dry"
     return bright and not condition.get("low_sun") and not _blurred(condition)
 
@@ -36,11 +36,11 @@ FIGURE_9: dict[str, Callable[[Condition], bool]] = {
     "fog": lambda c: c.get("weather") == "fog",
     "motion blur": _blurred,
 }
-"""Rows of the paper's Fig. 9, b and c, and two more: fair to compare with, and fog."""
+"""Conditions of the paper's Fig. 9, b and c, and two more: fair, as the reference, and fog."""
 
 
 def by_condition(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
-    """Metrics of the images of each light, each weather and so on, as the records tell them."""
+    """Metrics of the images in each recorded condition: light, weather and so on."""
     groups: dict[str, list[ImageResult]] = {}
     for image in judged:
         condition = _of(image, records)
@@ -54,7 +54,7 @@ def by_condition(judged: Sequence[Judged], records: dict[str, dict], confidence:
 
 
 def figure_9(judged: Sequence[Judged], records: dict[str, dict], confidence: float) -> dict:
-    """Metrics of the images in each condition of `FIGURE_9`, AP50 by class too; only those that occur."""
+    """Metrics of the images in each condition of `FIGURE_9` that occurs, with AP50 by class."""
     rows = {}
     for name, holds in FIGURE_9.items():
         group = [image.result for image in judged if holds(_of(image, records))]

@@ -1,4 +1,4 @@
-"""Labelled images from elsewhere, in YOLO or COCO format, and back: `foreride detector convert`."""
+"""Conversion of labelled images between YOLO and COCO format: `foreride detector convert`."""
 
 import json
 import shutil
@@ -18,14 +18,17 @@ from files.strict_json import read_json
 
 COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""
-_MOST_CLASSES = 1000  # a foreign set may have
+_MOST_CLASSES = 1000  # limit for a foreign data set
 Box = tuple[float, float, float, float]
 Names = dict[str, str]  # a source's class name or number -> one of CLASS_NAMES
 
 
 @dataclass(frozen=True)
 class Labelled:
-    """One image file, its size (px) and its objects: index into CLASS_NAMES and box, x0 y0 x1 y1 in px."""
+    """Labelled image file.
+
+    width, height: px. objects: for each, an index into CLASS_NAMES and a box x0 y0 x1 y1 in px.
+    """
 
     path: Path
     width: int
@@ -34,10 +37,10 @@ class Labelled:
 
 
 def read_yolo(folder: Path, names: Names, skip_bad: bool = False) -> list[Labelled]:
-    """All images of a YOLO folder (images/, labels/).
+    """Labelled images of a YOLO folder (images/, labels/).
 
-    names: classes of a foreign set by number, e.g. {"3": "pothole"}, others being left out; empty: ours.
-    Raises InputError that lists every file that cannot be used, unless they are to be skipped.
+    names: classes of a foreign set by number, e.g. {"3": "pothole"}; other classes are left out. Empty: ours.
+    Raises InputError that lists every unusable file, unless these are to be skipped.
     """
 
     try:
@@ -58,15 +61,16 @@ def read_yolo(folder: Path, names: Names, skip_bad: bool = False) -> list[Labell
         return Labelled(path, width, height, tuple(objects))
 
     if not (folder / "labels").is_dir():
-        raise InputError(f"{folder}: no folder labels/ in it; a dataset holds images/ and labels/")
+        raise InputError(f"{folder}: no folder labels/ in it; a dataset must hold images/ and labels/")
     return _each(image_paths(folder), one, skip_bad)
 
 
 def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) -> list[Labelled]:
-    """All images of a COCO annotation file (https://cocodataset.org/#format-data), found in `images`.
+    """Labelled images of a COCO annotation file (https://cocodataset.org/#format-data), stored in `images`.
 
-    names: categories by name; those that are named neither there nor as ours are left out, and so are crowds.
-    Raises InputError for another format, and one that lists every file that cannot be used unless skipped.
+    names: categories by name; crowds and categories that are named neither there nor as ours are left out.
+    Raises InputError for another format, or one that lists every unusable file, unless these are to be
+    skipped.
     """
     source = read_json(file, COCO_LIMIT)
     with reading(f"{file}: not a COCO annotation file"):
@@ -82,34 +86,34 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
 
     def one(path: Path) -> Labelled:
         if not path.is_file():
-            raise InputError(f"{path}: not there, though {file.name} lists it")
+            raise InputError(f"{path}: missing, but listed in {file.name}")
         height, width = read_image(path).shape[:2]
         for _, (x0, y0, x1, y1) in objects[path]:
             if not (-1 <= x0 < x1 <= width + 1 and -1 <= y0 < y1 <= height + 1):
-                raise InputError(f"{path}: a box of {file.name} leaves the image of {width} x {height} px")
+                raise InputError(f"{path}: a box of {file.name} must lie inside {width} x {height} px")
         return Labelled(path, width, height, tuple((c, _clipped(b, width, height)) for c, b in objects[path]))
 
     return _each([path for path, _ in entries], one, skip_bad)
 
 
 def write_yolo(rows: Iterable[Labelled], out: Path) -> None:
-    """Write images/ (copies) and labels/ of a new folder, whole or not at all."""
+    """Write a new folder with images/ (copies) and labels/, atomically."""
     if out.exists():
-        raise InputError(f"{out}: already there; choose a new folder")
+        raise InputError(f"{out}: already exists; choose a new folder")
     with atomic_folder(out) as scratch:
         (scratch / "images").mkdir()
         (scratch / "labels").mkdir()
         for row in rows:
             target = scratch / "images" / row.path.name
             if target.exists():
-                raise InputError(f"{row.path}: a second image of the name {row.path.name}; names must differ")
+                raise InputError(f"{row.path}: a second image named {row.path.name}; names must differ")
             shutil.copyfile(row.path, target)
             lines = [_yolo_line(cls, box, row.width, row.height) for cls, box in row.objects]
             (scratch / "labels" / f"{row.path.stem}.txt").write_text("".join(lines))
 
 
 def write_coco(rows: Iterable[Labelled], out: Path) -> None:
-    """Write one COCO annotation file."""
+    """Write a COCO annotation file."""
     images: list[dict] = []
     notes: list[dict] = []
     for number, row in enumerate(rows, 1):
@@ -167,7 +171,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser(prog="foreride detector convert", description=__doc__)
     parser.add_argument("source", type=Path, metavar="SOURCE", help="a YOLO folder, or a COCO file (.json)")
     parser.add_argument("out", type=Path, metavar="OUT", help="a new YOLO folder, or a COCO file (.json)")
-    parser.add_argument("--images", type=Path, help="where a COCO file's images lie (default: beside it)")
+    parser.add_argument("--images", type=Path, help="folder of a COCO file's images (default: beside it)")
     parser.add_argument(
         "--class",
         dest="pairs",
@@ -176,7 +180,7 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="FROM=TO",
         help="e.g. Hump=speed_bump, 3=pothole",
     )
-    parser.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
+    parser.add_argument("--skip-bad", action="store_true", help="leave out unusable files")
     options = parser.parse_args(arguments)
     try:
         names = _class_names(options.pairs)

@@ -1,8 +1,8 @@
-"""Parts of a labelled image, cut out and scaled: what a view shows, and which of its objects are asked for.
+"""Crops of a labelled image at random scale, with the objects to train on.
 
-The part is taken from the full image before it is resized: a quarter of the views show the whole image, a
+The crop is taken from the full image before it is resized: a quarter of the views show the whole image, a
 third a part of it at full resolution, the rest any scale between and a little beyond. So most of a training
-can run at a small, fast size and still meet objects as they will look at the full size.
+can run at a small, fast size and still include objects at their full-size appearance.
 """
 
 from typing import NamedTuple
@@ -16,14 +16,15 @@ from detector.dataset import Sample
 
 GREY = 114
 IGNORED = -1
-VISIBLE_HEIGHT = 0.6  # of a box must remain after the crop for it to be asked for
+VISIBLE_HEIGHT = 0.6  # least visible share of the box height of an object to train on
 MIN_WIDTH_PX = 6.0
 
 
 class View(NamedTuple):
-    """image (height, width, 3) uint8, classes (n,), boxes (n, 4) float32 x0 y0 x1 y1 in its pixels.
+    """Labelled training view.
 
-    Objects too small or too cut to be asked for have class `IGNORED`.
+    image (height, width, 3) uint8, classes (n,), boxes (n, 4) float32 x0 y0 x1 y1 in its pixels. Objects that
+    are too small or cut too far have class `IGNORED`.
     """
 
     image: NDArray[np.uint8]
@@ -34,14 +35,14 @@ class View(NamedTuple):
 def part_view(
     sample: Sample, width: int, height: int, rng: Generator, min_height_px: float, fill: bool = False
 ) -> View:
-    """A random part of an image at a random scale; with `fill` (nearly) without grey bars."""
+    """Random crop of an image at a random scale; with `fill` (nearly) without grey padding."""
     window = _window(sample, width, height, rng, fill)
     image = cut(sample.image, window, width, height)
     return View(image, *_boxes_in(sample, window, width, height, min_height_px))
 
 
 def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0.0) -> View:
-    """The whole image, fitted into (height, width) with grey bars: what validation looks at."""
+    """Whole image fitted into (height, width) with grey padding, as used for validation."""
     rows, columns = sample.image.shape[:2]
     scale = min(width / columns, height / rows)
     window = (0, 0, round(width / scale), round(height / scale))
@@ -50,7 +51,7 @@ def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0
 
 
 def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool) -> tuple[int, int, int, int]:
-    """x, y, w, h of the part to show, in source pixels; may reach beyond the image."""
+    """Crop window x, y, w, h in source pixels; may reach beyond the image."""
     rows, columns = sample.image.shape[:2]
     fit = (max if fill else min)(width / columns, height / rows)
     kind = rng.random()
@@ -71,14 +72,14 @@ def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool)
 
 
 def _place(centre: float, length: int, limit: int, rng: Generator) -> int:
-    """Start of an interval that holds `centre` at a random place and lies in (or around) 0..limit."""
+    """Start of an interval that holds `centre` at a random position and lies in (or around) 0..limit."""
     start = centre - rng.uniform(0.1, 0.9) * length
     low, high = min(0, limit - length), max(0, limit - length)
     return int(np.clip(start, low, high))
 
 
 def cut(image: NDArray, window: tuple[int, int, int, int], width: int, height: int) -> NDArray[np.uint8]:
-    """The window of an image, grey beyond its edges, resized to (height, width)."""
+    """Window of an image, grey beyond its edges, resized to (height, width)."""
     x, y, w, h = window
     rows, columns = image.shape[:2]
     part = image[max(y, 0) : y + h, max(x, 0) : x + w]

@@ -1,4 +1,4 @@
-"""Curves: of a training over its image passes, and of precision and recall, as PNG files."""
+"""Plots of training curves over image passes, and of precision and recall, as PNG files."""
 
 import io
 from collections.abc import Sequence
@@ -38,7 +38,7 @@ def _fits(value: object) -> bool:
 
 
 def write_curves(run: Path) -> None:
-    """Draw `history.jsonl` of a run folder into `curves.png`; nothing where there is no history."""
+    """Plot `history.jsonl` of a run folder to `curves.png`; no file without a history."""
     history = run / "history.jsonl"
     rows = read_history(history) if history.exists() else []
     if not rows:
@@ -46,7 +46,7 @@ def write_curves(run: Path) -> None:
     passes = [row["passes"] for row in rows]
     figure = _figure()
     losses, scores = figure.subplots(1, 2)
-    terms = [row.get("loss", {}) for row in rows]  # none where a finished run was taken up again
+    terms = [row.get("loss", {}) for row in rows]  # empty where a finished run was resumed
     for name in dict.fromkeys(name for row in terms for name in row):
         losses.plot(passes, [row.get(name) for row in terms], ".-", label=name)
     for key, label in SCORES.items():
@@ -60,7 +60,7 @@ def write_curves(run: Path) -> None:
 
 
 def write_precision_recall(results: Sequence[ImageResult], confidence: float, path: Path) -> None:
-    """Draw precision over recall at IoU 0.5 and 0.75 for each class, and both over the threshold at 0.5.
+    """Plot precision over recall at IoU 0.5 and 0.75 for each class, and both over the threshold at IoU 0.5.
 
     A dot, and a line on the right, mark `confidence`. Classes without objects are left out.
     """
@@ -91,7 +91,7 @@ def write_precision_recall(results: Sequence[ImageResult], confidence: float, pa
 
 
 def _figure() -> "Figure":
-    from matplotlib.figure import Figure  # only here, so that training starts without it
+    from matplotlib.figure import Figure  # imported here, so that training starts without it
 
     return Figure(figsize=(9, 3.5), layout="constrained")
 

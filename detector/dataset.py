@@ -1,6 +1,6 @@
-"""Folders of labelled images in YOLO layout: `images/*` and `labels/*.txt`, read once into memory.
+"""YOLO data set folders: labelled images in `images/*` and `labels/*.txt`.
 
-A label line is `class cx cy w h`, centre and size as fractions of the image. Beside them may lie
+A label line is `class cx cy w h`, centre and size as fractions of the image. Optional files are
 `objects.jsonl` (distance and lane of each object, in the order of the label lines) and `lane/*.png`
 (white where the road is annotated; detections centred elsewhere are not counted).
 """
@@ -27,7 +27,7 @@ MOST_DISTANCE_M = 1e6
 
 @dataclass(frozen=True)
 class Sample:
-    """One labelled image.
+    """Labelled image.
 
     image: (H, W, 3) uint8 RGB
     classes: (n,) int64; boxes: (n, 4) float32 x0 y0 x1 y1 as fractions of width and height
@@ -40,7 +40,7 @@ class Sample:
 
 
 def image_paths(folder: Path) -> list[Path]:
-    """Images of a dataset folder, by name. Raises InputError if there is none."""
+    """Image files of a data set folder, by name. Raises InputError if there is none."""
     images = folder / "images"
     if not images.is_dir():
         raise InputError(f"{folder}: no folder images/ in it; a dataset holds images/ and labels/")
@@ -79,9 +79,9 @@ def _label_row(line: str, where: str, classes: int) -> list[float]:
 
 
 def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = False) -> Iterator[Sample]:
-    """Decode every image of a dataset folder, shrunk to at most `longest` pixels on its longer side.
+    """Decode every image of a data set folder, shrunk to at most `longest` pixels on its longer side.
 
-    Files that cannot be used are told on stderr if they are to be skipped; otherwise, or if no other is left,
+    Unusable files are reported on stderr if they are to be skipped; otherwise, or if no other is left,
     InputError names all of them, after the last good one.
     """
     paths, faults = image_paths(folder), []
@@ -103,7 +103,7 @@ def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = Fals
 
 
 def shrunk(image: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
-    """The image, made smaller if its longer side has more than `longest` pixels."""
+    """Image reduced to at most `longest` pixels on its longer side."""
     shrink = longest / max(image.shape)
     if shrink >= 1:
         return image
@@ -112,7 +112,7 @@ def shrunk(image: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:
 
 
 def read_records(folder: Path) -> dict[str, dict] | None:
-    """Condition and objects of each image by its name, from `objects.jsonl`; None without such a file."""
+    """Condition and objects of each image by name, from `objects.jsonl`; None without that file."""
     path = folder / "objects.jsonl"
     if not path.exists():
         return None

@@ -1,4 +1,4 @@
-"""Effects laid over the images that a detector is judged on (arXiv 2508.01339, Fig. 9 c, and litter)."""
+"""Image degradation for evaluation: weather, motion blur and litter (arXiv 2508.01339, Fig. 9 c)."""
 
 import zlib
 from collections.abc import Callable
@@ -20,5 +20,5 @@ EFFECTS: dict[str, Callable[[Image, float, Generator], Image]] = {
 
 
 def degraded(name: str, image: NDArray[np.uint8], effect: str, strength: float) -> NDArray[np.uint8]:
-    """An image under the effect of that name, always the same for the same file name of the image."""
+    """Image with an effect, with random numbers that depend on its file name only."""
     return EFFECTS[effect](image, strength, np.random.default_rng(zlib.crc32(name.encode())))

@@ -1,4 +1,4 @@
-"""The network as it is deployed: an image goes in as bytes, a few hundred candidate boxes come out."""
+"""Deployed network: uint8 image in, a few hundred candidate boxes out."""
 
 import torch
 from torch import Tensor, nn
@@ -10,11 +10,11 @@ CANDIDATES = 300
 
 
 class Deployed(nn.Module):
-    """(1, H, W, 3) uint8 RGB to boxes (1, K, 4) in pixels and class scores (1, K, classes).
+    """Deployed network: (1, H, W, 3) uint8 RGB to boxes (1, K, 4) in pixels and class scores (1, K, classes).
 
-    K = `CANDIDATES` (all points of an image too small to have so many): the points with the highest
-    class score. Only their box distributions are decoded; the others' would be thrown away. With
-    `everywhere` all are decoded first, as the published graph does: the same answer, for comparison.
+    K = `CANDIDATES` (all points of a smaller image): the points with the highest class score. Only their box
+    distributions are decoded. With `everywhere` all points are decoded first, as in the published graph: the
+    same result, for comparison.
     """
 
     def __init__(self, model: Network, everywhere: bool = False):

@@ -1,4 +1,4 @@
-"""What a detector says about one image."""
+"""Detections: boxes, scores and classes of one image."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ CLASS_NAMES = ("speed_bump", "pothole")
 
 @dataclass(frozen=True)
 class Detections:
-    """Boxes found in one image, best first.
+    """Boxes detected in one image, best first.
 
     boxes: (n, 4) float32, x0 y0 x1 y1 in pixels of the image given, pixel edges (0..W, 0..H).
     scores: (n,) float32 in 0..1.
     classes: (n,) int64, an index into `CLASS_NAMES`.
-    Other number types are converted. Wrong shapes, values that are not finite, boxes turned inside out,
+    Other number types are converted. Wrong shapes, values that are not finite, boxes with x0 > x1 or y0 > y1,
     scores outside 0..1 and unknown classes raise InputError.
     """
 
@@ -36,7 +36,7 @@ class Detections:
         if not np.isfinite(self.boxes).all():
             raise InputError("boxes must be finite, got NaN or infinity")
         if (self.boxes[:, 2:] < self.boxes[:, :2]).any():
-            raise InputError("boxes must have x0 <= x1 and y0 <= y1, got a box turned inside out")
+            raise InputError("boxes must have x0 <= x1 and y0 <= y1, got a box with reversed edges")
         if not ((self.scores >= 0) & (self.scores <= 1)).all():
             raise InputError(f"scores must lie in 0..1, got {self.scores.min()} to {self.scores.max()}")
         if not ((self.classes >= 0) & (self.classes < len(CLASS_NAMES))).all():
@@ -47,5 +47,5 @@ class Detections:
 
 
 def no_detections() -> Detections:
-    """The answer for an empty road."""
+    """Empty detections."""
     return Detections(np.zeros((0, 4), np.float32), np.zeros(0, np.float32), np.zeros(0, np.int64))

@@ -1,4 +1,4 @@
-"""Learning from a larger network: logits (BCKD) and features (CWD), as arXiv 2508.01339 trains its student.
+"""Knowledge distillation from a larger network: logits (BCKD) and features (CWD), as in arXiv 2508.01339.
 
 BCKD: Yang et al., Bridging Cross-task Protocol Inconsistency for Distillation in Dense Object Detection,
 ICCV 2023. CWD: Shu et al., Channel-wise Knowledge Distillation for Dense Prediction, ICCV 2021.
@@ -18,7 +18,10 @@ from detector.overlap import ciou
 
 @dataclass(frozen=True)
 class DistillationWeights:
-    """Weights of the terms; 0 leaves one out. temperature: of the CWD's distributions over positions."""
+    """Weights of the distillation terms; 0 disables a term.
+
+    temperature: temperature of CWD's distributions over positions.
+    """
 
     logits: float = 0.5
     features: float = 0.5
@@ -27,7 +30,7 @@ class DistillationWeights:
 
 
 class Aligned(nn.Module):
-    """The student's neck maps brought to the teacher's channels: 1×1 convolution, norm without weights."""
+    """Feature adapter: the student's neck maps in the teacher's channels (1×1 convolution, plain norm)."""
 
     def __init__(self, student: tuple[int, ...], teacher: tuple[int, ...]):
         super().__init__()
@@ -36,14 +39,14 @@ class Aligned(nn.Module):
         self.teacher_norms = nn.ModuleList(nn.BatchNorm2d(t, affine=False) for t in teacher)
 
     def forward(self, student: list[Tensor], teacher: list[Tensor], temperature: float = 1.0) -> Tensor:
-        """Mean over the maps of their channel-wise distance."""
+        """Mean CWD distance over the maps."""
         pairs = zip(self.fits, self.norms, self.teacher_norms, student, teacher, strict=True)
         losses = [cwd(norm(fit(s)), other(t), temperature) for fit, norm, other, s, t in pairs]
         return torch.stack(losses).mean()
 
 
 def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
-    """τ²/(B·C) Σ KL(softmax(teacher/τ) ‖ softmax(student/τ)) over the positions of each channel.
+    """Channel-wise distillation loss τ²/(B·C) Σ KL(softmax(teacher/τ) ‖ softmax(student/τ)) over positions.
 
     student, teacher: (B, C, H, W).
     """
@@ -55,7 +58,7 @@ def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
 def bckd(
     student: Predictions, teacher: Predictions, truths: Truths, points: Tensor, stride: Tensor
 ) -> Tensor:
-    """Box and class terms (2,) of the logit distillation, to be weighted.
+    """Unweighted box and class terms (2,) of the logit distillation.
 
     Class: Σ |σ_t − σ_s| · BCE(s, σ_t) over all points and classes. Box: Σ (1 − CIoU(student, teacher)) ·
     max_c |σ_t − σ_s| over the student's foreground. Both over the sum of the target scores.
@@ -75,9 +78,9 @@ def bckd(
 
 
 class Distillation:
-    """What a student's loss gains from a teacher, whose own weights stay as they are.
+    """Distillation loss of a student from a frozen teacher.
 
-    Watches what goes into the blocks of both necks (the concatenations) while the networks run.
+    Records the inputs of the blocks of both necks (the concatenations) while the networks run.
     """
 
     def __init__(self, student: Network, teacher: Network, weights: DistillationWeights):
@@ -95,7 +98,7 @@ class Distillation:
     def __call__(
         self, images: Tensor, predictions: Predictions, truths: Truths, points: Tensor, stride: Tensor
     ) -> Tensor:
-        """The two weighted terms (2,), logits and features, for what the student just said of the images."""
+        """Weighted terms (2,), logits and features, of the student's predictions for the images."""
         with torch.no_grad():
             teacher = self.teacher(images)
         box, label = bckd(predictions, teacher, truths, points, stride)
@@ -106,11 +109,11 @@ class Distillation:
 
 
 def _neck(network: Network) -> list[nn.Module]:
-    """The blocks of the neck that read concatenations, layers 12, 15, 18, 21, 24 and 27."""
+    """Neck blocks that read concatenations: layers 12, 15, 18, 21, 24 and 27."""
     names = ("top4", "top3", "top2", "out3", "out4", "out5")
     return [getattr(network, name) for name in names if hasattr(network, name)]
 
 
 def _width(block: nn.Module) -> int:
-    """Channels that a block reads."""
+    """Number of input channels of a block."""
     return next(m.in_channels for m in block.modules() if isinstance(m, nn.Conv2d))

@@ -1,8 +1,9 @@
-"""Edges of wide boxes, found again in the image: a network draws them some pixels off, a bump's are sharp.
+"""Edge refinement: top and bottom of wide boxes moved to line edges in the image.
 
-A bump across the road shows two long, nearly level lines, where it rises from the road and where it ends. The
-network knows about where; the mean change of colour from row to row, over hundreds of columns, tells where
-exactly. An edge is moved to the strongest line near it, and stays where it is if no line stands out.
+The network places these edges to within some pixels; in the image those of a bump are sharp. A bump across
+the road shows two long, nearly level lines, at its foot and at its far end. Starting from the network's edge,
+the mean change of colour from row to row, over hundreds of columns, locates the line exactly. An edge is
+moved to the strongest line near it, and kept if no line stands out.
 """
 
 from typing import NamedTuple
@@ -13,23 +14,23 @@ from numpy.typing import NDArray
 
 from detector.detection import Detections
 
-LINED_CLASSES = (0,)  # speed bumps; the rim of a pothole is no line
+LINED_CLASSES = (0,)  # speed bumps; the rim of a pothole is not straight
 LEAST_WIDTH_PX, LEAST_ASPECT = 48.0, 3.0
 SEGMENTS = 16
 STEP_PX, RISE_STEP_PX = 0.5, 1.0
-STEEPEST = 0.03  # slope of a line in the image, from roll and yaw
-SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # of the network's edges
-RISE_SPREAD_PX, RISE_SPREAD_SHARE = 3.0, 1.0  # of a line's rise about that of all lines
-STANDING_OUT = 3.0  # a line over the median of its surroundings
-LEAST_CHANGE = 6.0  # of a line, summed over red, green and blue
-SAME_LINE_PX = 1.5  # what is nearer belongs to the same line
-INNERMOST = 0.55  # of the height, how far inside the box an edge is looked for
-LEAST_LEFT = 0.45  # of the height: otherwise both edges have found the same line
-_MARGIN = 0.06  # of the width, at either side
+STEEPEST = 0.03  # greatest slope of a line in the image, from roll and yaw
+SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # standard deviation of the network's edges
+RISE_SPREAD_PX, RISE_SPREAD_SHARE = 3.0, 1.0  # spread of a line's rise about the common rise
+STANDING_OUT = 3.0  # least ratio of a line to the median of its surroundings
+LEAST_CHANGE = 6.0  # least change at a line, summed over red, green and blue
+SAME_LINE_PX = 1.5  # greatest distance within one line
+INNERMOST = 0.55  # search range inside the box, as a share of its height
+LEAST_LEFT = 0.45  # least refined height, as a share: below it both edges are on the same line
+_MARGIN = 0.06  # side margin left out, as a share of the width
 
 
 def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
-    """The same detections with top and bottom of wide bumps moved to lines of the RGB image (H, W, 3)."""
+    """Detections with top and bottom of wide bumps moved to lines of the RGB image (H, W, 3)."""
     boxes = found.boxes.copy()
     for box, cls in zip(boxes, found.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
@@ -39,7 +40,7 @@ def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
 
 
 def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, float]:
-    """Top and bottom of the box, moved to lines unless both would be the same."""
+    """Top and bottom of the box, moved to lines unless both would be on the same one."""
     left, top, right, bottom = map(float, box)
     height = bottom - top
     spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
@@ -53,7 +54,7 @@ def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, f
 
 
 def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[NDArray[np.float32], int]:
-    """Mean change (rows, SEGMENTS) between a row and the one above it along a box, and the first row.
+    """Mean change (rows, SEGMENTS) between each row and the one above along a box, and the first row.
 
     Entry r of a column belongs to the boundary above image row r + first.
     """
@@ -78,7 +79,7 @@ class _Lines(NamedTuple):
 
 
 def _strengths(change: NDArray[np.float32], ends: int) -> _Lines | None:
-    """All lines that rise by at most `ends` steps; None where there are too few rows."""
+    """Strengths of all lines that rise by at most `ends` steps; None if there are too few rows."""
     rows = np.arange(1, len(change) - 2, STEP_PX)
     rises = RISE_STEP_PX * np.arange(-ends, ends + 1)
     if len(rows) < 4:
@@ -89,10 +90,10 @@ def _strengths(change: NDArray[np.float32], ends: int) -> _Lines | None:
 def _line(
     change: NDArray[np.float32], lines: _Lines, row: float, spread: float, reach: tuple[float, float]
 ) -> tuple[float, float] | None:
-    """Row at the middle, and rise to the right end, of the line about `row`; None if it does not stand out.
+    """Row at the middle, and rise to the right end, of the line near `row`; None if it does not stand out.
 
-    The network and the other lines tell which line is meant: near `row`, and about parallel to those whose
-    changes gather in the fewest rows. Where its middle is, is for the image alone.
+    The line is selected by the network and the other lines: near `row`, and about parallel to those whose
+    changes gather in the fewest rows. The row of its middle then depends on the image alone.
     """
     rows, rises, strength = lines
     common = rises[np.argmax((strength**2).sum(axis=0))]
@@ -110,7 +111,7 @@ def _line(
 
 
 def _climb(profile: NDArray, at: int) -> int:
-    """Index of the maximum of the hill that `at` lies on."""
+    """Index of the local maximum reached by hill climbing from `at`."""
     while True:
         first = max(at - 1, 0)
         up = first + int(np.argmax(profile[first : at + 2]))
@@ -120,7 +121,7 @@ def _climb(profile: NDArray, at: int) -> int:
 
 
 def _along(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
-    """Mean change along lines (...) through `rows` at the middle that go down by `rises` to the right end."""
+    """Mean change along lines (...) through `rows` at the middle that descend by `rises` to the right end."""
     side = np.linspace(-1, 1, SEGMENTS)
     at = (rows[..., None] + np.asarray(rises)[..., None] * side).clip(0, len(change) - 1.001)
     upper = at.astype(int)

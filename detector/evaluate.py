@@ -1,10 +1,10 @@
-"""Score an exported detector on a labelled folder: `foreride detector eval --data DIR --json FILE`.
+"""Evaluation of an exported detector on a labelled folder: `foreride detector eval --data DIR --json FILE`.
 
-DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred where the mask is black
-are not counted) and objects.jsonl (distance and lane of every object, for the recall by distance, and the
-condition of every image). With `--out FOLDER` this writes there metrics.json, report.txt, the curves
-precision_recall.png, and two sheets of images with true and found boxes: hardest.png and typical.png.
-`--degrade rain` (snow, fog, motion_blur, litter) lays that over the images, as in the paper's Fig. 9 c.
+DIR holds images/, labels/ and optionally lane/ (PNG masks: detections centred where the mask is black are not
+counted) and objects.jsonl (distance and lane of every object, for the recall by distance, and the condition
+of every image). `--out FOLDER` writes metrics.json, report.txt, the curves precision_recall.png, and two
+contact sheets of images with true and detected boxes there: hardest.png and typical.png. `--degrade rain`
+(snow, fog, motion_blur, litter) applies that effect to the images, as in the paper's Fig. 9 c.
 """
 
 import argparse
@@ -40,6 +40,7 @@ Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 
 
 def unchanged(name: str, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Identity: the image without degradation."""
     return image
 
 
@@ -50,16 +51,17 @@ def evaluate(
     skip_bad: bool = False,
     masks: bool = True,
 ) -> dict:
-    """Metrics of `detect` on a folder; it should answer with a far lower threshold than `confidence`.
+    """Metrics of `detect` on a folder; its confidence threshold should be far below `confidence`.
 
-    Gives what `metrics.summarise` does, `false_alarms` on images without objects and, where objects.jsonl is
-    there, what `breakdown` tells of objects and conditions. masks: mind lane/. Raises InputError.
+    Returns the metrics of `metrics.summarise`, `false_alarms` on images without objects and, with
+    objects.jsonl, those of `breakdown` by object and condition. masks: whether to apply lane/. Raises
+    InputError.
     """
     return summary_of(folder, judge_folder(folder, detect, skip_bad, masks), confidence)
 
 
 def summary_of(folder: Path, judged: Sequence[Judged], confidence: float) -> dict:
-    """The metrics that `evaluate` gives, of a folder's images judged before. Raises InputError."""
+    """Metrics as of `evaluate`, from a folder's judged images. Raises InputError."""
     summary = {"dataset": dataset_hash(folder)} | summarise([j.result for j in judged], confidence)
     summary["false_alarms"] = false_alarms(judged, confidence)
     records = read_records(folder)
@@ -77,9 +79,9 @@ def judge_folder(
     masks: bool = True,
     change: Change = unchanged,
 ) -> list[Judged]:
-    """Every image of a folder, detected and held against its labels. Raises InputError.
+    """Detections in every image of a folder, matched to its labels. Raises InputError.
 
-    change: what is done to an image, given with its name, before the detector sees it
+    change: degradation applied to an image, given with its name, before detection
     """
     judged = []
     with Progress(len(image_paths(folder))) as progress:
@@ -107,21 +109,23 @@ def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
 
 
 def parser() -> argparse.ArgumentParser:
+    """Command line of `detector eval`."""
     p = Parser(prog="foreride detector eval", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with images/ and labels/")
     p.add_argument("--weights", type=Path, help="ONNX file; the shipped one by default")
     p.add_argument("--json", type=Path, help="write the numbers here")
-    p.add_argument("--out", type=Path, help="write numbers, curves and sheets of images into this folder")
+    p.add_argument("--out", type=Path, help="write metrics, curves and contact sheets into this folder")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
-    p.add_argument("--degrade", choices=EFFECTS, help="lay this over every image")
-    p.add_argument("--strength", type=float, default=0.5, help="of --degrade, 0..1")
+    p.add_argument("--degrade", choices=EFFECTS, help="degradation applied to every image")
+    p.add_argument("--strength", type=float, default=0.5, help="strength of --degrade, 0..1")
     p.add_argument("--threads", type=int, default=1)
     p.add_argument("--ignore-masks", action="store_true", help="count detections outside lane/ masks, too")
-    p.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
+    p.add_argument("--skip-bad", action="store_true", help="leave out unusable files")
     return p
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
         if not 0 < args.confidence <= 1:
@@ -150,7 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def write_folder(
     data: Path, judged: Sequence[Judged], summary: dict, out: Path, change: Change = unchanged
 ) -> None:
-    """What `--out` asks for."""
+    """Write the files of `--out`."""
 
     def seen(name: str) -> NDArray[np.uint8]:
         return change(name, read_image(data / "images" / name))

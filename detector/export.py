@@ -1,8 +1,8 @@
-"""Write a trained model as ONNX: `foreride detector export --weights weights.pt --out sbp-yolo.onnx`.
+"""ONNX export of a trained model: `foreride detector export --weights weights.pt --out sbp-yolo.onnx`.
 
-The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 from 64 on, and gives `boxes`
-(1, 300, 4) in pixels and `scores` (1, 300, 2). It is rewritten for inference (`--plain`: left as published),
-and held against torch, image by image, before it replaces anything.
+The graph takes `image` (1, H, W, 3) uint8 RGB, H and W multiples of 32 and >= 64, and gives `boxes`
+(1, 300, 4) in pixels and `scores` (1, 300, 2). It is optimised for inference (`--plain`: left as published),
+and compared with torch, image by image, before it replaces any file.
 """
 
 import argparse
@@ -43,7 +43,7 @@ CALIBRATION_IMAGES = 32
 
 
 def fused(model: Network) -> Network:
-    """A copy for inference, each batch norm folded into its convolution."""
+    """Copy for inference, with each batch norm folded into its convolution."""
     model = copy.deepcopy(model).eval()
     for block in model.modules():
         if isinstance(block, Conv):
@@ -53,10 +53,10 @@ def fused(model: Network) -> Network:
 
 
 def to_onnx(model: Network, metadata: dict[str, str], published: bool = False) -> onnx.ModelProto:
-    """The ONNX graph of a model, with metadata; `published`: with boxes decoded at every point."""
+    """ONNX graph of a model, with metadata; `published`: with boxes decoded at every point."""
     stream = io.BytesIO()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # tracing fixes the number of candidates, which is meant
+        warnings.simplefilter("ignore")  # tracing fixes the number of candidates, as intended
         torch.onnx.export(
             Deployed(fused(model), published),
             (torch.zeros(1, 384, 640, 3, dtype=torch.uint8),),
@@ -81,9 +81,9 @@ def export(
     plain: bool = False,
     precision: str = "fp32",
 ) -> dict[str, str]:
-    """Read weights, write the ONNX file if it agrees with torch on `images`; gives its metadata.
+    """Export weights to an ONNX file that agrees with torch on `images`; returns its metadata.
 
-    8-bit graphs are calibrated on the images, and answer with less precision: judge them by an evaluation.
+    8-bit graphs are calibrated on the images, and are less precise: judge them by an evaluation.
     """
     model, made = load_network(weights)
     metadata = {
@@ -99,7 +99,7 @@ def export(
         "version": version,
     }
     graph = to_onnx(model, metadata, published=plain)
-    if not plain and precision != "int8-conv":  # OpenVINO concatenates whole numbers for nothing
+    if not plain and precision != "int8-conv":  # joining maps gains nothing with OpenVINO
         graph = rewrite(graph, join=precision == "int8")
     if precision.startswith("int8"):
         graph = quantized(graph, images, convolutions_only=precision == "int8-conv")
@@ -113,13 +113,14 @@ def export(
 
 
 def parser() -> argparse.ArgumentParser:
+    """Command line of `detector export`."""
     p = Parser(prog="foreride detector export", description=__doc__)
     p.add_argument("--weights", type=Path, required=True, help="weights file of `detector train`")
     p.add_argument("--out", type=Path, required=True, help="ONNX file to write")
-    p.add_argument("--data", type=Path, help="folder with images/: to check against torch, and to calibrate")
+    p.add_argument("--data", type=Path, help="folder with images/, for comparison with torch and calibration")
     kind = p.add_mutually_exclusive_group()
-    kind.add_argument("--optimised", action="store_true", help="rewritten for inference (the default)")
-    kind.add_argument("--plain", action="store_true", help="the graph as published")
+    kind.add_argument("--optimised", action="store_true", help="graph optimised for inference (default)")
+    kind.add_argument("--plain", action="store_true", help="graph as published")
     p.add_argument(
         "--precision",
         choices=PRECISIONS,
@@ -130,6 +131,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
         whole = args.precision.startswith("int8")

@@ -1,4 +1,4 @@
-"""Contact sheets of a judged data set: its hardest images, and some as they come."""
+"""Contact sheets of an evaluated data set: its hardest images, and typical ones."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,9 +18,9 @@ def write_sheets(
 ) -> None:
     """Write `hardest.png`, by `mistakes`, and `typical.png`, spread over the images with objects.
 
-    read: gives the image of a name as the detector saw it
+    read: image by name, as the detector saw it
     """
-    ranked = sorted(judged, key=lambda image: -mistakes(image, confidence))  # stable: equals by name
+    ranked = sorted(judged, key=lambda image: -mistakes(image, confidence))  # stable: ties by name
     with_objects = [image for image in judged if len(image.boxes)] or list(judged)
     spread = np.linspace(0, len(with_objects) - 1, min(TILES, len(with_objects))).round().astype(int)
     typical = [with_objects[i] for i in spread]
@@ -31,7 +31,7 @@ def write_sheets(
 
 
 def mistakes(image: Judged, confidence: float) -> float:
-    """How wrong an image went: objects missed, and the scores of what is not there."""
+    """Error score of an image: number of missed objects plus the scores of false detections."""
     found, right = image.result.detections, image.result.hits[0]
     false = found.scores[(found.scores >= confidence) & ~right]
     return float(misses(image.result, confidence).sum() + false.sum())

@@ -1,4 +1,4 @@
-"""Lookups in an ONNX graph under change: who makes a tensor, who reads it, what a constant holds."""
+"""ONNX graph editing: producers and readers of tensors, constants, replacement of nodes."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +12,7 @@ ONE_WIDTH = {"Sigmoid", "Mul", "Add", "Resize", "MaxPool"}
 
 
 class Graph:
-    """The main graph of a model, changed in place.
+    """Main graph of an ONNX model, edited in place.
 
     maker: node by name of its output. readers: nodes by name of an input. constants: arrays by name.
     """
@@ -31,6 +31,7 @@ class Graph:
 
     @property
     def nodes(self) -> list[NodeProto]:
+        """All nodes, in topological order."""
         return list(self.graph.node)
 
     def _index(self) -> None:
@@ -41,23 +42,24 @@ class Graph:
                 self.readers.setdefault(name, []).append(node)
 
     def attribute(self, node: NodeProto, name: str) -> Any:
-        """The value of an attribute, None where it is not set."""
+        """Value of an attribute, None if it is not set."""
         return next((helper.get_attribute_value(a) for a in node.attribute if a.name == name), None)
 
     def set_attribute(self, node: NodeProto, name: str, value: Any) -> None:
+        """Set or replace an attribute."""
         for attribute in [a for a in node.attribute if a.name == name]:
             node.attribute.remove(attribute)
         node.attribute.append(helper.make_attribute(name, value))
 
     def constant(self, name: str, value: NDArray) -> str:
-        """Store an array under a name, numbers with a fraction in single precision; gives the name."""
+        """Store an array under a name, floats in single precision; returns the name."""
         value = value.astype(np.float32) if value.dtype.kind == "f" else value
         self.graph.initializer.append(numpy_helper.from_array(value, name))
         self.constants[name] = value
         return name
 
     def channels(self, name: str) -> int:
-        """Number of channels of a map."""
+        """Number of channels of a feature map."""
         node = self.maker[name]
         if node.op_type == "Conv":
             return self.constants[node.input[1]].shape[0]
@@ -71,7 +73,7 @@ class Graph:
         return self.channels(source)
 
     def line(self, name: str, kinds: Sequence[str]) -> list[NodeProto | None]:
-        """Nodes of these kinds that make `name`, each from the first input of the one before, or Nones."""
+        """Chain of nodes of these kinds ending in `name`, linked by first inputs; Nones if there is none."""
         found: list[NodeProto | None] = []
         for kind in kinds:
             node = self.maker.get(name)
@@ -82,14 +84,14 @@ class Graph:
         return found
 
     def shuffled(self, name: str) -> str | None:
-        """x where `name` is shuffle(x), a reshape to pairs, a transposition and a reshape back; else None."""
+        """x if `name` is shuffle(x) (reshape to pairs, transposition, reshape back), else None."""
         _, swap, pairs = self.line(name, ("Reshape", "Transpose", "Reshape"))
         if pairs is None or swap is None or self.attribute(swap, "perm") != [0, 2, 1, 3, 4]:
             return None
         return pairs.input[0]
 
     def replace(self, old: NodeProto, new: list[NodeProto]) -> None:
-        """Put the new nodes in the place of an old one."""
+        """Replace an old node by new ones."""
         place = list(self.graph.node).index(old)
         del self.graph.node[place]
         for offset, node in enumerate(new):
@@ -97,7 +99,7 @@ class Graph:
         self._index()
 
     def sweep(self) -> None:
-        """Drop nodes and constants that nothing reads."""
+        """Remove nodes and constants without readers."""
         wanted = {output.name for output in self.graph.output}
         for node in reversed(self.nodes):
             if wanted.isdisjoint(node.output):

@@ -1,11 +1,11 @@
-"""The LEDH head (arXiv 2508.01339, section 2.4), YOLOv11's, and the decoding of box distributions.
+"""Detection heads: LEDH (arXiv 2508.01339, section 2.4) and YOLOv11's, with decoding of box distributions.
 
-A box is coded from its anchor point as four distances to its sides in strides, each a distribution over
-`BINS` values (distribution focal loss, Li et al. 2020, eq. 3) that need not be equally far apart. Up and
-down they run from -1 to 14 instead of 0 to 15: a wide, thin bump may lie between two rows of points, and a
-distance of -1 lets a point one stride outside the box still describe it exactly. To the left and right they
-grow with the distance, to 150 strides: objects on a road are seen at a grazing angle, and so the widest
-bump can be left to the finest level, which knows its rows best.
+A box is coded relative to its anchor point as four distances to its sides in strides, each a distribution
+over `BINS` values (distribution focal loss, Li et al. 2020, eq. 3), which need not be equally spaced.
+Vertically they run from -1 to 14 instead of 0 to 15: a wide, thin bump may lie between two rows of points,
+and with a distance of -1 a point one stride outside the box can still describe it exactly. Horizontally their
+spacing grows with the distance, up to 150 strides: objects on a road are seen at a grazing angle, and so the
+widest bump can be left to the finest level, which resolves its rows best.
 """
 
 import math
@@ -26,10 +26,10 @@ SIDE_BINS = (COLUMN_BINS, ROW_BINS, COLUMN_BINS, ROW_BINS)  # left, top, right, 
 
 @dataclass(frozen=True)
 class Predictions:
-    """What the head says of B images at N = Σ H_i·W_i points, levels in order, row by row within a level.
+    """Outputs of the head for B images at N = Σ H_i·W_i points, levels in order, row by row within a level.
 
     class_logits: (B, N, classes)
-    features: per level (B, H_i·W_i, C_i), what the box branch reads; branches: its 1×1 convolutions
+    features: per level (B, H_i·W_i, C_i), inputs of the box branch; branches: its 1×1 convolutions
     """
 
     class_logits: Tensor
@@ -39,8 +39,8 @@ class Predictions:
     def box_logits(self, image: Tensor, point: Tensor) -> Tensor:
         """Box logits (P, 4 · BINS), float32, at P pairs of image and point.
 
-        The branch is a 1×1 convolution, so it can be asked for single points; nothing needs it at all
-        of them: training only near objects, deployment only where the class score is high.
+        The branch is a 1×1 convolution, so it can be evaluated at single points; no caller needs all of them:
+        training only near objects, deployment only where the class score is high.
         """
         logits = self.class_logits.new_zeros(point.shape[0], 4 * BINS, dtype=torch.float32)
         start = 0
@@ -54,15 +54,16 @@ class Predictions:
         return logits
 
     def box_logits_of_one(self, point: Tensor) -> Tensor:
-        """Box logits (P, 4 · BINS) at P points of the only image: each level answers, one is heard.
+        """Box logits (P, 4 · BINS) at P points of the only image.
 
-        For a few hundred points this is cheaper than sorting them by level.
+        Every level is evaluated at all points and the right one selected. For a few hundred points this is
+        cheaper than sorting them by level.
         """
         logits, end = point.new_zeros(1, 1, dtype=torch.float32), 0
         for feature, branch in zip(self.features, self.branches, strict=True):
             start, end = end, end + feature.shape[1]
             inside = (point - start).clamp(0, feature.shape[1] - 1)
-            # Reshaped, as taking image 0 would copy the level.
+            # Reshaped, because indexing image 0 would copy the level.
             rows = feature.reshape(-1, branch.in_channels).index_select(0, inside)
             found = linear(rows, branch.weight.flatten(1), branch.bias)
             logits = torch.where((point >= start)[:, None], found, logits)
@@ -75,9 +76,10 @@ class Predictions:
 
 
 class LEDH(nn.Module):
-    """Per level two grouped 3×3 convolutions shared by a box and a class branch (eq. 8).
+    """Lightweight efficient detection head (LEDH).
 
-    Takes one (B, C_i, H_i, W_i) map per level.
+    Per level two grouped 3×3 convolutions shared by a box and a class branch (eq. 8). Takes one
+    (B, C_i, H_i, W_i) map per level.
     """
 
     def __init__(self, channels: tuple[int, ...], strides: tuple[int, ...], classes: int):
@@ -99,9 +101,10 @@ class LEDH(nn.Module):
 
 
 class DecoupledHead(nn.Module):
-    """YOLOv11's head: per level a box branch of two 3×3 convolutions, a class branch of separable ones.
+    """YOLOv11's decoupled head.
 
-    Takes one (B, C_i, H_i, W_i) map per level.
+    Per level a box branch of two 3×3 convolutions and a class branch of separable ones. Takes one
+    (B, C_i, H_i, W_i) map per level.
     """
 
     def __init__(self, channels: tuple[int, ...], strides: tuple[int, ...], classes: int):
@@ -128,7 +131,7 @@ class DecoupledHead(nn.Module):
 
 
 def rare(stride: int, classes: int) -> float:
-    """Class bias at the frequency of objects: about five in a 640 x 640 image."""
+    """Prior class bias, from the frequency of objects: about five in a 640 x 640 image."""
     return math.log(5 / classes / (640 / stride) ** 2)
 
 
@@ -139,7 +142,10 @@ def _branch(c_in: int, c_out: int, bias: float) -> nn.Conv2d:
 
 
 def _box_branch(c_in: int) -> nn.Conv2d:
-    """At first a box is about four strides to each side: bins far away count by one over their distance."""
+    """Box branch, initialised to about four strides to each side.
+
+    The bias of a bin falls with the logarithm of its distance.
+    """
     branch = _branch(c_in, 4 * BINS, 1.0)
     with torch.no_grad():
         cast(Tensor, branch.bias).unflatten(0, (4, BINS))[::2] -= torch.tensor(COLUMN_BINS).clamp(0).log1p()
@@ -147,7 +153,7 @@ def _box_branch(c_in: int) -> nn.Conv2d:
 
 
 def _rows(x: Tensor) -> Tensor:
-    """(B, C, H, W) to (B, H·W, C)."""
+    """Reshape (B, C, H, W) to (B, H·W, C)."""
     return x.permute(0, 2, 3, 1).flatten(1, 2)
 
 
@@ -170,10 +176,10 @@ def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
 
 
 def encode(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
-    """Distances (..., 4) left, top, right, bottom as places among their bins: the inverse of `decode`.
+    """Distances (..., 4) left, top, right, bottom as fractional bin indices: the inverse of `decode`.
 
-    2.25 is a quarter of the way from the third bin to the fourth. Clamped to what two neighbouring bins
-    can express.
+    2.25 is a quarter of the way from the third bin to the fourth. Clamped to the range that two neighbouring
+    bins can express.
     """
     sides = torch.cat((points - boxes[..., :2], boxes[..., 2:] - points), -1) / stride[..., None]
     bins = sides.new_tensor(SIDE_BINS)

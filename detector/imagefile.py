@@ -1,4 +1,4 @@
-"""Reading one image file, refusing what would silently be something else than its labels describe."""
+"""Image file reader that refuses files that do not match their labels without a warning."""
 
 import io
 from pathlib import Path
@@ -16,11 +16,10 @@ _UPRIGHT = 1
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 RGB of a colour image with 8 bits per channel.
+    """RGB image (H, W, 3) uint8 of a colour file with 8 bits per channel.
 
-    Raises InputError naming a file that is empty, no image, over `images.MAX_PIXELS`, cut short, grey, of
-    more than 8 bits, or turned by its EXIF orientation, which programs that label images may or may not have
-    followed.
+    Raises InputError naming a file that is empty, no image, truncated, grey, of more than 8 bits, or rotated
+    by its EXIF orientation, which labelling programs may or may not have applied.
     """
     data = read_bytes(path, IMAGE_LIMIT)
     image = decode(data, path, cv2.IMREAD_UNCHANGED)
@@ -38,7 +37,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
 
 
 def exif_orientation(data: bytes) -> int:
-    """Orientation 1..8 that an image file's EXIF block asks for; 1 where it says nothing (EXIF 2.32, 4.6)."""
+    """EXIF orientation 1..8 of an image file; 1 if absent (EXIF 2.32, 4.6)."""
     try:
         with Image.open(io.BytesIO(data)) as image:
             asked = int(image.getexif().get(ExifTags.Base.Orientation, _UPRIGHT))
@@ -48,5 +47,5 @@ def exif_orientation(data: bytes) -> int:
 
 
 def _is_grey_png(data: bytes) -> bool:
-    """Whether a PNG is grey, or grey with alpha, which OpenCV reads as colour (ISO 15948, 11.2.2)."""
+    """True for a grey PNG, with or without alpha, which OpenCV reads as colour (ISO 15948, 11.2.2)."""
     return data[:4] == b"\x89PNG" and data[25:26] in (b"\0", b"\4")

@@ -1,4 +1,4 @@
-"""What a training tells on its way: history.jsonl, TensorBoard events, and pictures of what it finds."""
+"""Training log: history.jsonl, TensorBoard events, and images with predictions."""
 
 import json
 import math
@@ -21,17 +21,17 @@ from files.errors import InputError
 from files.reading import read_text, reading
 from files.strict_json import JSON_LIMIT, parse_json
 
-EVERY_STEPS = 20  # between two points of the loss curves
+EVERY_STEPS = 20  # steps between two points of the loss curves
 TILES, COLUMNS = 12, 4
 SURE = 0.25
 
 
 class Journal:
-    """The record of a training in its run folder, gone on with at `passes` image passes.
+    """Training log in a run folder, continued at `passes` image passes.
 
-    history.jsonl holds one line a validation, predictions/ one picture of the same few images each;
-    tensorboard/ events with the loss terms, the learning rate, and what is in the history. What a run before
-    wrote of later passes is forgotten, since its checkpoint does not hold them.
+    history.jsonl has one line for each validation, predictions/ one contact sheet of the same few images
+    each; tensorboard/ events with the loss terms, the learning rate, and the entries of the history. Entries
+    of an earlier run for later passes are dropped, since its checkpoint does not hold them.
     """
 
     def __init__(self, out: Path, passes: int):
@@ -51,7 +51,7 @@ class Journal:
             self.events.close()
 
     def step(self, trainer: Trainer, terms: torch.Tensor) -> None:
-        """Note the loss terms of a step, every few steps."""
+        """Log the loss terms of a step, every `EVERY_STEPS` steps."""
         self.steps += 1
         if self.events and self.steps % EVERY_STEPS == 1:
             for name, value in zip(TERMS, terms.tolist(), strict=False):
@@ -60,9 +60,9 @@ class Journal:
             self.events.add_scalar("learning rate", rate, trainer.passes)
 
     def validation(self, trainer: Trainer, samples: Sequence[Sample], loss: torch.Tensor) -> None:
-        """Append how the model does at the size of the last stage.
+        """Append the metrics of the model at the image size of the last stage.
 
-        loss: the running mean of the terms, of length 0 where no step has been made
+        loss: running mean of the terms, of length 0 before the first step
         """
         stage, passes = trainer.settings.stages[-1], trainer.passes
         summary = validate(trainer, samples, stage)
@@ -91,13 +91,13 @@ class Journal:
         self.events.flush()
 
     def stalled(self, patience: int) -> bool:
-        """Whether the best mAP50-95 of the history is older than its last `patience` lines."""
+        """True if the best mAP50-95 of the history is older than its last `patience` lines."""
         found = [row["map50_95"] or 0.0 for row in read_history(self.history)]
         return len(found) > patience and max(found[:-patience]) >= max(found[-patience:])
 
 
 def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np.ndarray:
-    """A sheet of a few validation images, always the same, with true and found boxes."""
+    """Contact sheet of a few validation images, always the same, with true and detected boxes."""
     deployed = Deployed(trainer.average.model)
     chosen = np.linspace(0, len(samples) - 1, min(TILES, len(samples))).round().astype(int)
     tiles = []
@@ -109,7 +109,7 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
 
 
 def _cut_back(history: Path, passes: int) -> None:
-    """Keep the whole lines of a history that tell of no more than so many passes."""
+    """Drop incomplete history lines, and lines of more than so many passes."""
     kept = []
     for line in read_text(history, JSON_LIMIT).split("\n"):
         try:
@@ -117,12 +117,12 @@ def _cut_back(history: Path, passes: int) -> None:
                 if parse_json(line, str(history))["passes"] <= passes:
                     kept.append(line + "\n")
         except InputError:
-            continue  # half a line, where the disk was full or the program killed
+            continue  # incomplete line, after a full disk or a killed program
     write_text(history, "".join(kept))
 
 
 def _events(folder: Path, passes: int) -> Any:
-    """A TensorBoard writer, without what an earlier run wrote after `passes`; None where it is missing."""
+    """TensorBoard writer, cleared of events after `passes`; None if the package is not installed."""
     try:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError:

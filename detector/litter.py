@@ -1,6 +1,6 @@
-"""Fallen leaves, paper and stones strewn over a road: small, light or dark, and no potholes.
+"""Litter augmentation: leaves, paper and stones on the road, small, light or dark, as hard negatives.
 
-For training: rendered roads are swept clean, and what lies on real ones is easily taken for potholes.
+Rendered roads are clean, and litter on real ones is easily mistaken for potholes.
 """
 
 import cv2
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-FARTHEST_ROW = 0.3  # of the height, above which nothing is laid
+FARTHEST_ROW = 0.3  # highest row of litter, as a share of the image height
 COLOURS = np.array(
     [
         (205, 175, 95),
@@ -27,14 +27,14 @@ CORNERS = 9
 def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray[np.uint8]:
     """A copy of the image (H, W, 3) with 2 to 60 pieces in its lower part, larger toward its bottom.
 
-    strength: 0..1, of their number
+    strength: 0..1, scales their number
     """
     rows, columns = image.shape[:2]
     strewn = image.copy()
     count = 2 + int(58 * strength)
-    kinds = rng.choice(len(COLOURS), size=rng.integers(1, 4))  # one place, a few kinds
+    kinds = rng.choice(len(COLOURS), size=rng.integers(1, 4))  # few kinds per image
     light = np.clip(np.quantile(image[rows // 2 :: 4, ::4], 0.8) / 150, 0.1, 1.05)
-    for height in np.sort(rng.random(count)):  # the farthest first
+    for height in np.sort(rng.random(count)):  # farthest first
         row = (FARTHEST_ROW + (1 - FARTHEST_ROW) * height) * rows
         size = columns * (0.002 + 0.011 * height) * np.exp(rng.normal(0, 0.35))
         outline = _piece(rng) * size + (rng.uniform(0, columns), row)
@@ -47,7 +47,7 @@ def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray
 
 
 def _piece(rng: Generator) -> NDArray[np.float64]:
-    """Outline (CORNERS, 2) of about unit length: an uneven ellipse, turned, then flattened by the view."""
+    """Outline (CORNERS, 2) of about unit length: an irregular ellipse, rotated, then foreshortened."""
     angle = np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
     narrow = rng.uniform(0.25, 0.8)
     radius = np.exp(rng.normal(0, 0.15, CORNERS))

@@ -1,6 +1,7 @@
 """Training batches as a pure function of (samples, seed, position), prepared ahead by threads.
 
-Nothing is drawn from a running generator, so a resumed training sees what an unbroken one would have.
+No state of a random generator is kept between batches, so that a resumed training sees the same batches as an
+uninterrupted one.
 """
 
 from collections import deque
@@ -20,7 +21,10 @@ from detector.schedule import Stage, stage_at, total_passes
 
 @dataclass(frozen=True)
 class Batch:
-    """images (B, 3, H, W) uint8 in channels-last order, truths in its pixels, `passes` seen before it."""
+    """Training batch.
+
+    images (B, 3, H, W) uint8 in channels-last order, truths in its pixels, `passes` completed before it.
+    """
 
     images: Tensor
     truths: Truths
@@ -36,7 +40,7 @@ def make_batch(
     seed: int,
     augmentation: Augmentation = DEFAULT,
 ) -> Batch:
-    """The batch that starts at image pass number `passes`; every epoch is a fresh permutation."""
+    """Batch that starts at image pass number `passes`; every epoch is a fresh permutation."""
     images = np.empty((size, stage.height, stage.width, 3), np.uint8)
     views = []
     for i in range(size):

@@ -1,4 +1,4 @@
-"""The loop of a training: steps, and now and then a look at the validation images and a checkpoint."""
+"""Training loop: steps, with validations and checkpoints at intervals."""
 
 import signal
 import time
@@ -19,7 +19,7 @@ from detector.trainer import Trainer
 
 @dataclass(frozen=True)
 class Routine:
-    """When to write, when to look, and how many threads prepare batches."""
+    """Intervals of checkpoints and validations, early stopping, and loader threads."""
 
     checkpoint_s: float = 120.0
     validate_every: int = 8000
@@ -31,9 +31,9 @@ class Routine:
 def train(
     trainer: Trainer, training: Sequence[Sample], validation: Sequence[Sample], out: Path, how: Routine
 ) -> None:
-    """Run to the end of the last stage (or of patience), writing checkpoints and the history on the way.
+    """Train to the end of the last stage (or of patience), writing checkpoints and the history on the way.
 
-    An interrupt (SIGINT, SIGTERM) writes a checkpoint after the step under way, then ends the program.
+    An interrupt (SIGINT, SIGTERM) writes a checkpoint after the current step, then ends the program.
     """
     settings, total = trainer.settings, total_passes(trainer.settings.stages)
     order = (settings.stages, settings.batch, trainer.passes, settings.seed, how.workers)
@@ -56,7 +56,7 @@ def train(
                     trainer.save(out / "checkpoint.pt")
                     written = time.monotonic()
                 if stopped:
-                    raise SystemExit(f"stopped after {trainer.passes} passes; go on with --resume")
+                    raise SystemExit(f"stopped after {trainer.passes} passes; continue with --resume")
                 if stalled:
                     print(f"no better mAP50-95 in {how.patience} validations: stopping early", flush=True)
                     break
@@ -67,7 +67,7 @@ def train(
 
 @contextmanager
 def _interrupts() -> Iterator[list[int]]:
-    """Collect SIGINT and SIGTERM in a list instead of ending at once."""
+    """Collect SIGINT and SIGTERM in a list instead of ending the program."""
     stopped: list[int] = []
     signals = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(which, lambda number, _: stopped.append(number)) for which in signals]

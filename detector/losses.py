@@ -1,11 +1,12 @@
-"""The detection loss: box (CIoU, optionally with NWD), class, distribution focal and edge terms.
+"""Detection loss: box (CIoU, optionally with NWD), class, distribution focal and edge terms.
 
 Each term is a sum over the batch divided by the sum of target scores. With C and alpha as in
 arXiv 2508.01339, eq. 10: L_box = (1 - alpha)(1 - NWD) + alpha(1 - CIoU), boxes in strides.
 
-The edge term is ours, for the range to an object, which follows from the rows of its box. Where an edge is
-uncertain, a box too tall by e of a height h has the IoU h / (h + e), one too low by e only (h - e) / h:
-CIoU leans to boxes too tall. An absolute error asks for the median, and weighs no less in a tall box.
+The edge term is ours, for the range to an object, which follows from the rows of its box. For an uncertain
+edge, a box too tall by e of a height h has the IoU h / (h + e), one too low by e only (h - e) / h: CIoU
+favours boxes that are too tall. An absolute error is minimised by the median, and weighs no less in a tall
+box.
 """
 
 from dataclasses import dataclass
@@ -21,9 +22,10 @@ from detector.overlap import ciou, nwd
 
 @dataclass(frozen=True)
 class LossWeights:
-    """Weights of the terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out).
+    """Weights of the loss terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out).
 
-    edge: of the error of top and bottom edge in strides; 5 about matches CIoU on a box of 2.5 strides height
+    edge: weight of the error of top and bottom edge in strides; 5 about matches CIoU on a box 2.5 strides
+    high
     """
 
     box: float = 7.5
@@ -49,9 +51,9 @@ def detection_loss(
     stride: Tensor,
     weights: LossWeights,
 ) -> Tensor:
-    """The four weighted terms (4,): box, class, distribution, edge. Their sum is to be minimised.
+    """Weighted loss terms (4,), to be summed and minimised: box, class, distribution, edge.
 
-    points, stride: as `anchor_points` gives them for the size of the images.
+    points, stride: those of `anchor_points` for the size of the images.
     """
     wanted = truths.where(truths.classes >= 0)
     matched = assign(predictions, points, stride, wanted)
@@ -77,7 +79,7 @@ def _label_loss(logits: Tensor, matched: Assignment, truths: Truths, ignored: Te
 
 
 def _ignored(truths: Truths, points: Tensor, stride: Tensor, like: Tensor) -> Tensor:
-    """(B, N) bool: points around an object too small to be asked for."""
+    """(B, N) bool: points around objects to ignore."""
     ignored = torch.zeros(like.shape[:2], dtype=torch.bool, device=like.device)
     small = truths.where(truths.classes < 0)
     truth, anchor = candidates(small.boxes, points, stride).nonzero(as_tuple=True)
@@ -107,12 +109,12 @@ def _box_losses(
 
 
 def edge_loss(guess: Tensor, target: Tensor, stride: Tensor) -> Tensor:
-    """(P,) distance of the top edges plus that of the bottom edges, in strides (P,), of boxes (P, 4)."""
+    """(P,) absolute error of top plus bottom edge, in strides (P,), of boxes (P, 4)."""
     return (guess[:, 1::2] - target[:, 1::2]).abs().sum(1) / stride
 
 
 def distribution_focal_loss(logits: Tensor, target: Tensor) -> Tensor:
-    """(P,) mean over the four sides of the cross-entropy to the two bins around the target.
+    """Distribution focal loss (P,): mean over the four sides of the cross-entropy to the two nearest bins.
 
     logits (P, 4 · BINS); target (P, 4) in bins. Li et al., Generalized Focal Loss, 2020, eq. 6.
     """

@@ -1,4 +1,4 @@
-"""Detection metrics: average precision as COCO defines it (arXiv 2508.01339, eq. 11-12), and P, R."""
+"""Detection metrics: COCO average precision (arXiv 2508.01339, eq. 11-12), precision and recall."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,9 +15,10 @@ RECALL_LEVELS = np.linspace(0, 1, 101)
 
 @dataclass(frozen=True)
 class ImageResult:
-    """One image: what was found, what is there, and which finding is right at which IoU level.
+    """Matched detections of one image.
 
-    truth_classes (m,), hits (levels, n) bool, found (m,) index of the detection matched at IoU 0.5 or -1
+    truth_classes (m,): classes of the true objects; hits (levels, n) bool: whether a detection is right at an
+    IoU level; found (m,): index of the detection matched at IoU 0.5, or -1
     """
 
     detections: Detections
@@ -46,7 +47,7 @@ def judge(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResu
 
 
 def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
-    """Mean of the precision envelope at 101 levels of recall, as COCO has it; nan with nothing to find."""
+    """COCO average precision: mean of the precision envelope at 101 recall levels; nan without objects."""
     if truths == 0:
         return float("nan")
     _, precision, recall = precision_recall(scores, hits, truths)
@@ -63,16 +64,16 @@ def precision_recall(scores: NDArray, hits: NDArray, truths: int) -> tuple[NDArr
 
 
 def pooled(results: Sequence[ImageResult], cls: int) -> tuple[NDArray, NDArray, int]:
-    """All detections of a class: scores (n,), hits (levels, n), and how many objects there are to find."""
+    """Detections of one class over all images: scores (n,), hits (levels, n), and the number of objects."""
     scores = np.concatenate([r.detections.scores[r.detections.classes == cls] for r in results])
     hits = np.concatenate([r.hits[:, r.detections.classes == cls] for r in results], 1)
     return scores, hits, sum(int((r.truth_classes == cls).sum()) for r in results)
 
 
 def summarise(results: Sequence[ImageResult], confidence: float) -> dict:
-    """Numbers of a dataset: map50, map50_95, and precision, recall at `confidence` (IoU 0.5), per class too.
+    """Metrics of a data set, also per class: map50, map50_95; precision, recall at `confidence` (IoU 0.5).
 
-    Means are over the classes that occur; a number without anything to count is None.
+    Means are over the classes that occur; a metric without objects or detections to count is None.
     """
     per_class = {name: _class_summary(*pooled(results, i), confidence) for i, name in enumerate(CLASS_NAMES)}
     keys = {"map50": "ap50", "map50_95": "ap50_95", "precision": "precision", "recall": "recall"}

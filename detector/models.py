@@ -1,4 +1,4 @@
-"""SBP-YOLO and the networks on the way to it: YOLOv11n and the ladder of arXiv 2508.01339, Table 1."""
+"""Network architectures: YOLOv11n to SBP-YOLO, the ablation ladder of arXiv 2508.01339, Table 1."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from files.errors import InputError
 
 @dataclass(frozen=True)
 class Layout:
-    """What a network is made of; without any of the four parts it is YOLOv11.
+    """Architecture options of a network; without any of the four parts it is YOLOv11.
 
     p2: a fourth level of stride 4. ledh: the light head. ghost: GhostConv in stages 4 and 5 and before the
     last level. vovgscspc: VoVGSCSPC blocks at strides 16 and 32. width: scale of all channel counts, 0.25
@@ -39,7 +39,7 @@ MODELS = {
 
 
 class Network(nn.Module):
-    """(B, 3, H, W) in 0..1, H and W multiples of 32, to the head's `Predictions`."""
+    """Detection network: (B, 3, H, W) in 0..1, H and W multiples of 32, to the head's `Predictions`."""
 
     def __init__(self, layout: Layout = SBP_YOLO, classes: int = 2):
         super().__init__()
@@ -73,7 +73,7 @@ class Network(nn.Module):
         self.head = (LEDH if layout.ledh else DecoupledHead)(levels, self.strides, classes)
 
     def pyramid(self, image: Tensor) -> list[Tensor]:
-        """The maps that the head reads, one per stride."""
+        """Feature pyramid: inputs of the head, one map per stride."""
         p2 = self.stage2(self.stem(image))
         p3 = self.stage3(p2)
         p4 = self.stage4(p3)
@@ -97,7 +97,7 @@ def _double(x: Tensor) -> Tensor:
 
 
 def build(name: str, classes: int = 2) -> Network:
-    """A fresh network by its name in `MODELS`. Raises InputError naming the names there are."""
+    """Untrained network by its name in `MODELS`. Raises InputError listing the names."""
     if name not in MODELS:
         raise InputError(f"model must be one of {', '.join(MODELS)}, got {name!r}")
     return Network(MODELS[name], classes)

@@ -1,4 +1,4 @@
-"""One view of four images (mosaic, as of YOLOv4: Bochkovskiy et al., arXiv 2004.10934, section 3.3)."""
+"""Mosaic augmentation: four images in one view (Bochkovskiy et al., arXiv 2004.10934, section 3.3)."""
 
 from collections.abc import Sequence
 
@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from detector.crops import View, part_view
 from detector.dataset import Sample
 
-NEAREST_EDGE = 0.3  # the point where the four meet keeps this share of the view from its edges
+NEAREST_EDGE = 0.3  # least distance of the common corner from the view's edges, as a share of its size
 
 
 def mosaic_view(
     samples: Sequence[Sample], width: int, height: int, rng: Generator, min_height_px: float
 ) -> View:
-    """A random part of each of four samples, in the four quarters around a random point."""
+    """Mosaic: a random crop of each of four samples, in the four quarters around a random point."""
     x, y = (int(rng.uniform(NEAREST_EDGE, 1 - NEAREST_EDGE) * length) for length in (width, height))
     image = np.empty((height, width, 3), np.uint8)
     classes: list[NDArray[np.int64]] = []

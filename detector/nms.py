@@ -1,4 +1,4 @@
-"""From a network's candidates to detections: confidence threshold, suppression, fusion of edges."""
+"""Non-maximum suppression: confidence threshold, suppression, and box voting."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 from detector.detection import Detections
 
 OVERLAP = 0.45
-"""IoU above which the lesser box of a class is dropped (0.5: 0.9 points of mAP50 less)."""
+"""IoU above which the lower-scoring box of a class is dropped (0.5: 0.9 points of mAP50 less)."""
 LEAST_CONFIDENCE = 0.001
-"""Least score of a detection that is judged: average precision looks at all thresholds."""
+"""Least score of an evaluated detection: average precision covers all thresholds."""
 
 MOST_CANDIDATES = 10_000
 """Number of candidates that are judged, the best by score, so that the time for an image is bounded."""
@@ -25,7 +25,7 @@ def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
 
 
 def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
-    """Indices of the boxes that stay, best first: none overlaps a better one by more than `iou`.
+    """Indices of the boxes kept, best first: none overlaps a better one by more than `iou`.
 
     At most MOST_KEPT stay; the time grows with their number times that of the boxes.
     """
@@ -39,10 +39,10 @@ def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
 
 
 def fuse(kept: NDArray, boxes: NDArray, scores: NDArray, iou: float) -> NDArray:
-    """The kept boxes (n, 4), each the mean of all boxes (k, 4) that overlap it by more than `iou`.
+    """Box voting: each kept box (n, 4) becomes the mean of all boxes (k, 4) with an IoU to it above `iou`.
 
     Weights are overlap times the root of the score, so the edges average over candidates whose errors differ
-    (box voting: Gidaris & Komodakis, ICCV 2015, section 4.3).
+    (Gidaris & Komodakis, ICCV 2015, section 4.3).
     """
     overlap = iou_matrix(kept, boxes)
     weights = np.where(overlap > iou, overlap * np.sqrt(scores), 0.0)
@@ -50,9 +50,9 @@ def fuse(kept: NDArray, boxes: NDArray, scores: NDArray, iou: float) -> NDArray:
 
 
 def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> Detections:
-    """Detections from candidates: boxes (K, 4), scores (K, classes), each class for itself.
+    """Detections from candidates: boxes (K, 4), scores (K, classes), separately for each class.
 
-    Candidates under the threshold still vote on the edges of the boxes that stay.
+    Candidates below the threshold still vote on the edges of the boxes kept.
     """
     found: list[tuple[float, NDArray, int]] = []
     if len(boxes) > MOST_CANDIDATES:

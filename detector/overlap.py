@@ -1,4 +1,4 @@
-"""How alike two boxes are: IoU, CIoU and NWD, element by element on (..., 4) x0 y0 x1 y1."""
+"""Box similarity: IoU, CIoU and NWD, element by element on (..., 4) x0 y0 x1 y1."""
 
 import math
 
@@ -41,7 +41,7 @@ def nwd(a: Tensor, b: Tensor, scale: float) -> Tensor:
 
 
 def _size(box: Tensor) -> Tensor:
-    """Width and height; none below zero, since a guess may be inside out."""
+    """Width and height, clamped to >= 0, since a predicted box may have reversed edges."""
     return (box[..., 2:] - box[..., :2]).clamp(min=0)
 
 

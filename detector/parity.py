@@ -1,4 +1,4 @@
-"""Whether an ONNX graph gives what torch gives."""
+"""Numerical parity of an ONNX graph with torch."""
 
 import copy
 from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ def parity(model: Network, graph: onnx.ModelProto, images: Sequence[np.ndarray])
 
 
 def runner(graph: onnx.ModelProto) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """A function from an image to the boxes and scores that the graph gives, on one thread."""
+    """Function from an image to the graph's boxes and scores, on one thread."""
     options = ort.SessionOptions()
     options.intra_op_num_threads = 1
     session = ort.InferenceSession(graph.SerializeToString(), options, providers=["CPUExecutionProvider"])
@@ -41,7 +41,7 @@ def runner(graph: onnx.ModelProto) -> Callable[[np.ndarray], tuple[np.ndarray, n
 def difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray], width: int) -> float:
     """Largest difference of a score or of a box side over the image width.
 
-    Each of the first answer's 100 best candidates is held against the nearest candidate of the other,
+    Each of the first result's 100 best candidates is compared with the nearest candidate of the other,
     since rounding may swap candidates of nearly equal score.
     """
     ours, theirs = _candidates(*one, width)[:100], _candidates(*other, width)
@@ -49,6 +49,6 @@ def difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.n
 
 
 def _candidates(boxes: np.ndarray, scores: np.ndarray, width: int) -> np.ndarray:
-    """Rows of box over image width, and scores; the likeliest first."""
+    """Rows of box over image width, and scores, best first."""
     order = np.argsort(-scores.max(1), kind="stable")
     return np.concatenate((boxes / width, scores), 1)[order]

@@ -1,4 +1,4 @@
-"""Images with their true and found boxes, and sheets of them."""
+"""Annotated images with true and detected boxes, and contact sheets of them."""
 
 from collections.abc import Sequence
 
@@ -22,9 +22,10 @@ def tile(
     name: str = "",
     width: int = 480,
 ) -> NDArray[np.uint8]:
-    """The image (H, W, 3) RGB, `width` pixels wide, with a caption below; found boxes from `confidence` on.
+    """Annotated image, `width` pixels wide, with a caption; detections from a score of `confidence` on.
 
-    boxes (n, 4): the true ones, result: what was found of them, both in the image's pixels.
+    image: (H, W, 3) RGB. boxes (n, 4): the true ones; result: their matched detections, both in the image's
+    pixels.
     """
     scale = width / image.shape[1]
     size = (width, round(image.shape[0] * scale))
@@ -46,13 +47,13 @@ def tile(
 
 
 def misses(result: ImageResult, confidence: float) -> NDArray[np.bool_]:
-    """(m,) which of the true objects no detection from `confidence` on has found."""
+    """(m,) bool: true objects without a detection of a score of at least `confidence`."""
     scores = np.append(result.detections.scores, 0.0)
     return scores[result.found] < confidence
 
 
 def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArray[np.uint8]:
-    """Tiles of one width, row by row, below a line of title and the key of colours."""
+    """Contact sheet: tiles of one width, row by row, below a title and the colour key."""
     width = tiles[0].shape[1]
     rows = []
     for start in range(0, len(tiles), columns):
@@ -69,18 +70,18 @@ def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArr
 
 
 def png(image: NDArray[np.uint8]) -> bytes:
-    """An RGB image as the bytes of a PNG file."""
+    """RGB image encoded as PNG."""
     return cv2.imencode(".png", image[..., ::-1])[1].tobytes()
 
 
 def _rectangle(image: NDArray, box: NDArray, colour: tuple[int, int, int]) -> None:
-    """The box, drawn just outside its edges so that thin objects stay in sight."""
+    """Box, drawn just outside its edges so that thin objects stay visible."""
     (x0, y0), (x1, y1) = np.floor(box[:2]).astype(int) - 1, np.ceil(box[2:]).astype(int)
     cv2.rectangle(image, (int(x0), int(y0)), (int(x1), int(y1)), colour, 1)
 
 
 def _text(image: NDArray, text: str, at: Sequence[float], colour: tuple[int, int, int]) -> None:
-    """Letters in that colour on a dark ground, kept within the image on the left and above."""
+    """Text in that colour on a dark ground, kept within the left and top border."""
     (width, height), below = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.38, 1)
     x, y = max(int(at[0]), 0), max(int(at[1]), height + 1)
     cv2.rectangle(image, (x, y - height - 1), (x + width, y + below // 2), (24, 24, 24), -1)

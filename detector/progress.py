@@ -1,4 +1,4 @@
-"""Progress of a long run: a bar with the time left on a terminal, a line now and then elsewhere."""
+"""Progress of a long run: a bar with the time left on a terminal, elsewhere a line at intervals."""
 
 import sys
 import time
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Progress:
-    """Shows how many of `total` image passes are done, from `start` on."""
+    """Progress display of `total` image passes, from `start` on."""
 
     def __init__(self, total: int, start: int = 0, every_s: float = 20.0):
         self.total, self.start, self.every_s = total, start, every_s
@@ -26,6 +26,7 @@ class Progress:
             self.bar.stop()
 
     def show(self, done: int, note: str) -> None:
+        """Update the display to `done` passes."""
         if self.bar:
             self.bar.update(self.bar.task_ids[0], completed=done, description=note)
         elif time.monotonic() - self.told > self.every_s:

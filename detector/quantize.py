@@ -1,6 +1,6 @@
-"""Smaller numbers in an exported graph: weights in half precision, or static 8-bit integers (QDQ).
+"""Reduced precision of an exported graph: weights in half precision, or static 8-bit integers (QDQ).
 
-Needs the package onnx (extra: training); what it writes needs onnxruntime only.
+Needs the package onnx (extra: training); the result needs onnxruntime only.
 """
 
 import logging
@@ -22,17 +22,17 @@ from onnxruntime.quantization import (
 from onnxruntime.quantization.shape_inference import quant_pre_process
 
 QUANTIZED = ["Conv", "Sigmoid", "Mul", "Concat", "Resize", "MaxPool", "Add"]
-"""What onnxruntime computes in whole numbers: going back and forth would cost it more than is won."""
+"""Operators quantised for onnxruntime: conversions between them would cost more than they save."""
 IN_FLOAT = ("/stem/", "/attention/", "/head/label", "/head/shared")
 """Parts that stay in single precision: the first convolution, attention and the head, as onnxruntime has no
 fast 8-bit convolution of a few channels or small groups."""
 CLASSES = ("/head/label",)
-"""What stays in float where only convolutions are quantised: in 8 bits these cost 0.5 points of mAP50, the
-stem and the rest of the head nothing that could be measured."""
+"""Parts in float where only convolutions are quantised: in 8 bits they cost 0.5 points of mAP50; for the stem
+and the rest of the head no loss could be measured."""
 
 
 def halved(model: ModelProto) -> ModelProto:
-    """A copy that stores its weights in half precision and computes in single: half the size, not faster."""
+    """Copy with weights stored in half precision and computed in single: half the size, no faster."""
     copy = ModelProto()
     copy.CopyFrom(model)
     casts = []
@@ -50,7 +50,7 @@ def halved(model: ModelProto) -> ModelProto:
 
 
 class Images(CalibrationDataReader):
-    """Hands images (H, W, 3) uint8 to the calibration, one at a time."""
+    """Calibration reader: images (H, W, 3) uint8, one at a time."""
 
     def __init__(self, images: Sequence[NDArray[np.uint8]]):
         self.rest: Iterator[NDArray[np.uint8]] = iter(images)
@@ -66,11 +66,11 @@ def quantized(
     convolutions_only: bool = False,
     in_float: Sequence[str] | None = None,
 ) -> ModelProto:
-    """A copy with 8-bit weights and activations, ranges taken from `images`, all of one size.
+    """Copy with 8-bit weights and activations, ranges taken from `images`, all of one size.
 
-    convolutions_only: take inputs and weights of convolutions as whole numbers, but their sums and SiLU in
-    float, as OpenVINO does in one step. in_float: parts of the names of nodes that stay in single precision,
-    by default as measured to be best.
+    convolutions_only: quantise inputs and weights of convolutions, but keep their sums and SiLU in float,
+    which OpenVINO fuses into one step. in_float: parts of the names of nodes that stay in single precision,
+    by default those measured to be best.
     """
     kinds = ["Conv"] if convolutions_only else QUANTIZED
     if in_float is None:
@@ -103,6 +103,6 @@ def quantized(
 
 
 def _stays(node: onnx.NodeProto, in_float: Sequence[str]) -> bool:
-    """Whether a node stays in float: by name, or as it computes no feature of the image."""
+    """True for a node that stays in float: by name, or because it computes no feature of the image."""
     names = (node.name, *node.output)
     return any(part in name for part in in_float for name in names) or not any("/model/" in n for n in names)

@@ -1,8 +1,8 @@
-"""The chief numbers of an evaluation as text."""
+"""Text report of an evaluation."""
 
 
 def report(summary: dict) -> str:
-    """The chief numbers as a few lines of text."""
+    """Summary of an evaluation as a few lines of text."""
     lines = [f"{summary['images']} images, threshold {summary['confidence']:g}"]
     lines.append(f"{'':12}  AP50  AP50-95  P      R")
     keys = ("ap50", "ap50_95", "precision", "recall")
@@ -27,7 +27,7 @@ def report(summary: dict) -> str:
 
 
 def _condition_lines(rows: dict) -> list[str]:
-    """The conditions of the paper's Fig. 9 as a table."""
+    """Table of the conditions of the paper's Fig. 9."""
     if not rows:
         return []
     lines = [f"{'':12}  mAP50  AP50-95  P      R      images"]

@@ -1,9 +1,9 @@
-"""An ONNX graph rewritten for inference: equal outputs, less work (`foreride detector export --optimised`).
+"""ONNX graph optimisation for inference: equal outputs, less work (`foreride detector export --optimised`).
 
 The input of a 1×1 convolution is often itself linear in other maps: a concatenation, an upsampled map, the
 sum of a residual, a channel shuffle, a 1×1 depthwise convolution. As W·(a, b) = W_a·a + W_b·b, each such
-convolution becomes a sum of 1×1 convolutions of the maps below: what the linear steps did is in the weights,
-and a map of half the resolution is convolved before it is upsampled, at a quarter of the cost.
+convolution becomes a sum of 1×1 convolutions of the maps below: the linear steps are absorbed into the
+weights, and a map of half the resolution is convolved before it is upsampled, at a quarter of the cost.
 """
 
 from dataclasses import dataclass, field
@@ -20,21 +20,22 @@ Chain = tuple[str, ...]
 
 @dataclass
 class Terms:
-    """Σ W·x + bias: weights by chain of upsamplings and map x."""
+    """Linear expression Σ W·x + bias: weights by chain of upsamplings and map x."""
 
     bias: NDArray
     weights: dict[Chain, dict[str, NDArray]] = field(default_factory=dict)
 
     def add(self, chain: Chain, name: str, weight: NDArray) -> None:
+        """Add W · (map called name) under a chain of upsamplings."""
         maps = self.weights.setdefault(chain, {})
         maps[name] = maps[name] + weight if name in maps else weight
 
 
 def rewrite(model: ModelProto, join: bool = False) -> ModelProto:
-    """A copy of the model with fewer and cheaper nodes; outputs differ by rounding only.
+    """Optimised copy of the model with fewer and cheaper nodes; outputs differ by rounding only.
 
-    join: concatenate maps of the same resolution and convolve them at once, as suits whole numbers, whose
-    sums would have to be rounded one by one.
+    join: concatenate maps of the same resolution and convolve them at once, which suits integer arithmetic,
+    where each partial sum would have to be rounded.
     """
     copy = ModelProto()
     copy.CopyFrom(model)
@@ -50,7 +51,7 @@ def rewrite(model: ModelProto, join: bool = False) -> ModelProto:
 
 
 def _first_convolution_of_bytes(graph: Graph, node: NodeProto) -> None:
-    """Conv(scale · cast(image as C×H×W)) → Conv of the bytes as they lie, rows of pixels of C values.
+    """Conv(scale · cast(image as C×H×W)) → Conv of the uint8 image as stored, rows of pixels of C values.
 
     A k×k convolution of C channels is a k×(k·C) one of a single channel, C·stride to the right at a time.
     """
@@ -123,7 +124,7 @@ def _expand_convolutions(graph: Graph, node: NodeProto, join: bool) -> None:
 
 
 def _join(terms: Terms, out: str) -> list[NodeProto]:
-    """Make the maps of each resolution one; gives the nodes that concatenate them."""
+    """Concatenate the maps of each resolution; returns the nodes that do it."""
     nodes = []
     for chain, maps in terms.weights.items():
         if len(maps) > 1:
@@ -134,7 +135,7 @@ def _join(terms: Terms, out: str) -> list[NodeProto]:
 
 
 def _collect(graph: Graph, terms: Terms, chain: Chain, name: str, weight: NDArray) -> None:
-    """Add W · (the map called name) to the terms, as W · (what it is made of) where that is linear."""
+    """Add W · (map called name) to the terms, expanded into its source maps where these are linear."""
     node = graph.maker.get(name)
     kind = node.op_type if node is not None else "input"
     source = graph.shuffled(name)
@@ -159,7 +160,7 @@ def _collect(graph: Graph, terms: Terms, chain: Chain, name: str, weight: NDArra
 
 
 def _sum(graph: Graph, old: NodeProto, terms: Terms) -> list[NodeProto]:
-    """Nodes that add up the terms under the name of the old convolution's output; coarse maps first."""
+    """Nodes that sum the terms under the name of the old convolution's output; coarse maps first."""
     out, nodes, total = old.output[0], [], ""
     for chain in sorted(terms.weights, key=len, reverse=True):
         subtotal = "" if chain else total
@@ -197,7 +198,7 @@ def _unshuffled(weight: NDArray) -> NDArray:
 def _convolution(
     graph: Graph, like: NodeProto, source: str, weight: NDArray, out: str, bias: NDArray | None = None
 ) -> NodeProto:
-    """A convolution with the attributes (and, unless given, the bias) of another one."""
+    """Convolution with the attributes (and, unless given, the bias) of another one."""
     node = NodeProto()
     node.CopyFrom(like)
     node.name = node.output[0] = out

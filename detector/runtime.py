@@ -1,4 +1,4 @@
-"""Run an exported SBP-YOLO on images: onnxruntime, NumPy and OpenCV, no torch."""
+"""Inference runtime for an exported SBP-YOLO: onnxruntime, NumPy and OpenCV, no torch."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -24,14 +24,14 @@ MOST_VALUE = 1e6
 """Maximum magnitude of what a network may answer."""
 MODEL_LIMIT = 512 << 20
 """Maximum size of a model file: 512 MiB."""
-LEAST = 64  # smaller images hold fewer points than the network gives candidates
+LEAST = 64  # smaller images have fewer anchor points than the network returns candidates
 GREY = 114
-KEPT_SIZES = 3  # image sizes for which a session is kept ready
+KEPT_SIZES = 3  # number of image sizes with a cached session
 
 
 @dataclass(frozen=True)
 class Fit:
-    """How an image was laid into the network's input: scaled, then grey bars at the right and below."""
+    """Letterbox transform into the network's input: scale, with grey padding at the right and bottom."""
 
     scale: float
     width: int
@@ -39,12 +39,12 @@ class Fit:
 
 
 class Detector:
-    """SBP-YOLO on one image at a time: `Detector()(image) -> Detections`.
+    """SBP-YOLO detector for one image at a time: `Detector()(image) -> Detections`.
 
     weights: an ONNX file written by `detector export`; the shipped one by default
-    threads: of the runtime. backend: a name in `backends.BACKENDS`
-    confidence, iou: least score kept, and overlap above which the lesser box of a class is dropped
-    Raises InputError where the file is absent, broken or of another kind, or the backend is not installed.
+    threads: threads of the runtime. backend: a name in `backends.BACKENDS`
+    confidence, iou: least score kept, and overlap above which the lower-scoring box of a class is dropped
+    Raises InputError if the file is absent, broken or of another kind, or the backend is not installed.
     """
 
     def __init__(
@@ -73,8 +73,8 @@ class Detector:
     def __call__(self, image: NDArray[np.uint8]) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
-        An image whose sides are multiples of 32 from 64 on goes in as it is; any other is scaled so that
-        its longer side has the training width, and padded. The rows of wide bumps are found again in the
+        An image whose sides are multiples of 32 and >= 64 is used as it is; any other is scaled so that its
+        longer side has the training width, and padded. Top and bottom edges of wide bumps are refined in the
         image. Raises InputError for another kind of array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
@@ -86,7 +86,7 @@ class Detector:
         return sharpen(image, found)
 
     def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """The network alone: boxes (K, 4) in pixels and scores (K, classes) of an image that fits it."""
+        """Raw network output: boxes (K, 4) in pixels and scores (K, classes) of an image of a valid size."""
         size = image.shape[1], image.shape[0]
         if size not in self._sessions:
             self._sessions[size] = open_network(self.path, self.backend, self.threads, size)
@@ -114,7 +114,7 @@ class Detector:
 
 
 def fit_for(width: int, height: int, longest: int) -> Fit:
-    """The layout for an image of that size."""
+    """Letterbox transform for an image of that size."""
     if width % STRIDE == 0 and height % STRIDE == 0 and min(width, height) >= LEAST:
         return Fit(1.0, width, height)
     scale = longest / max(width, height)
@@ -122,7 +122,7 @@ def fit_for(width: int, height: int, longest: int) -> Fit:
 
 
 def lay_out(image: NDArray[np.uint8], fit: Fit) -> NDArray[np.uint8]:
-    """The network's input (fit.height, fit.width, 3) for an image."""
+    """Letterboxed image: the network's input (fit.height, fit.width, 3)."""
     if fit.scale == 1 and image.shape[:2] == (fit.height, fit.width):
         return np.ascontiguousarray(image)
     columns = min(round(image.shape[1] * fit.scale), fit.width)
@@ -138,7 +138,7 @@ def _up(length: float) -> int:
 
 
 def read_metadata(path: Path) -> dict[str, str]:
-    """What a model file says of itself. Raises InputError unless it speaks as `detector.export` writes it."""
+    """Metadata of a model file. Raises InputError unless it has the interface of `detector.export`."""
     read_bytes(path, MODEL_LIMIT)
     session = open_session(path)
     inputs = [(i.name, i.type) for i in session.get_inputs()]

@@ -1,4 +1,4 @@
-"""How long to train at which image size, and the learning rate over the passes."""
+"""Training schedule: image sizes by stage, and the learning rate over the passes."""
 
 import math
 import re
@@ -9,7 +9,7 @@ from files.errors import InputError
 
 @dataclass(frozen=True)
 class Stage:
-    """`passes` image passes at `width` x `height` pixels."""
+    """Training stage: `passes` image passes at `width` x `height` pixels."""
 
     width: int
     height: int
@@ -20,12 +20,12 @@ class Stage:
 
 
 def parse_stages(text: str) -> tuple[Stage, ...]:
-    """Stages from `320x192:60000,640x384:15000`. Raises InputError."""
+    """Stages from text such as `320x192:60000,640x384:15000`. Raises InputError."""
     stages = []
     for part in text.split(","):
         match = re.fullmatch(r"(\d+)x(\d+):(\d+)", part.strip())
         if not match:
-            raise InputError(f"--stages: expected WIDTHxHEIGHT:PASSES[,...], got {part.strip()!r}")
+            raise InputError(f"--stages: must be WIDTHxHEIGHT:PASSES[,...], got {part.strip()!r}")
         width, height, passes = map(int, match.groups())
         if width % 32 or height % 32 or not width or not height or not passes:
             raise InputError(
@@ -36,7 +36,7 @@ def parse_stages(text: str) -> tuple[Stage, ...]:
 
 
 def stage_at(stages: tuple[Stage, ...], passes: int) -> Stage:
-    """The stage under way after so many passes; the last one when all are done."""
+    """Current stage after so many passes; the last one when all are done."""
     for stage in stages:
         passes -= stage.passes
         if passes < 0:
@@ -45,11 +45,12 @@ def stage_at(stages: tuple[Stage, ...], passes: int) -> Stage:
 
 
 def total_passes(stages: tuple[Stage, ...]) -> int:
+    """Number of image passes of all stages."""
     return sum(stage.passes for stage in stages)
 
 
 def work_done(stages: tuple[Stage, ...], passes: int) -> float:
-    """Share 0..1 of all pixels that have been seen after so many passes."""
+    """Share 0..1 of all pixels processed after so many passes."""
     seen = total = 0
     for stage in stages:
         pixels = stage.width * stage.height
@@ -60,12 +61,12 @@ def work_done(stages: tuple[Stage, ...], passes: int) -> float:
 
 
 DECAYS = {"linear": lambda done: 1 - done, "cosine": lambda done: (1 + math.cos(math.pi * done)) / 2}
-"""What is left of the learning rate when a share 0..1 of the work is done."""
+"""Decay factor of the learning rate when a share 0..1 of the work is done."""
 
 
 def rate_factor(
     stages: tuple[Stage, ...], passes: int, warmup: int, decay: str = "linear", floor: float = 0.01
 ) -> float:
-    """Learning rate over its peak: linear warm-up over `warmup` passes, decay with the pixels seen."""
+    """Learning rate over its peak: linear warm-up over `warmup` passes, decay with the pixels processed."""
     rise = min(1.0, (passes + 1) / max(warmup, 1))
     return rise * (floor + (1 - floor) * DECAYS[decay](work_done(stages, passes)))

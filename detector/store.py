@@ -1,4 +1,4 @@
-"""A data set for training: checked as a whole, kept in memory as far as allowed, read again beyond that."""
+"""Training data set: checked as a whole, cached in memory up to a limit, beyond that read again."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ from detector.imagefile import read_image
 
 
 class Entry(NamedTuple):
-    """A sample whose image may have been left on the disk (image None)."""
+    """Sample whose image may have been left on disk (image None)."""
 
     path: Path
     image: NDArray[np.uint8] | None
@@ -21,7 +21,7 @@ class Entry(NamedTuple):
 
 
 class Store(Sequence[Sample]):
-    """Samples by their number, images no longer than `longest` pixels on their longer side."""
+    """Samples by index, images of at most `longest` pixels on their longer side."""
 
     def __init__(self, entries: Sequence[Entry], longest: int):
         self.entries, self.longest = entries, longest

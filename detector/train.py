@@ -1,9 +1,9 @@
-"""Train SBP-YOLO on a folder of labelled images: `foreride detector train --data DIR --out RUN`.
+"""Training of SBP-YOLO on a folder of labelled images: `foreride detector train --data DIR --out RUN`.
 
-DIR holds train/ and val/, each with images/ and labels/. RUN receives config.json, checkpoint.pt (resume
-with `--resume`), history.jsonl (validation after every so many passes), predictions/ (what is found in a few
-images, at each validation), tensorboard/ (`tensorboard --logdir RUN`) and, at the end, curves.png and
-weights.pt. The same command runs on a CPU and on a GPU.
+DIR holds train/ and val/, each with images/ and labels/. RUN receives config.json, checkpoint.pt (resume with
+`--resume`), history.jsonl (periodic validations), predictions/ (detections in a few images, at each
+validation), tensorboard/ (`tensorboard --logdir RUN`) and, at the end, curves.png and weights.pt. The same
+command runs on a CPU and on a GPU.
 """
 
 import argparse
@@ -33,24 +33,23 @@ from files.errors import InputError
 
 
 def parser() -> argparse.ArgumentParser:
+    """Command line of `detector train`."""
     p = Parser(prog="foreride detector train", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
     p.add_argument("--out", type=Path, required=True, help="folder for checkpoint, history and weights")
     p.add_argument("--stages", default="320x192:60000,640x384:15000", help="WIDTHxHEIGHT:PASSES[,...]")
-    p.add_argument("--skip-bad", action="store_true", help="leave out files that cannot be used")
-    p.add_argument("--model", choices=MODELS, default="sbp-yolo", help="what to train")
+    p.add_argument("--skip-bad", action="store_true", help="leave out unusable files")
+    p.add_argument("--model", choices=MODELS, default="sbp-yolo", help="architecture to train")
     p.add_argument("--batch", type=int, default=16)
     p.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of AdamW")
-    p.add_argument("--decay", choices=DECAYS, default="linear", help="of the learning rate after its warm-up")
+    p.add_argument("--decay", choices=DECAYS, default="linear", help="of the rate, after its warm-up")
     p.add_argument("--nwd-alpha", type=float, default=1.0, help="share of CIoU in the box loss; 1 = no NWD")
     p.add_argument("--nwd-scale", type=float, default=12.8, help="the constant C of the NWD, in strides")
-    p.add_argument("--edge-weight", type=float, default=0.0, help="of top and bottom edge's error in strides")
+    p.add_argument("--edge-weight", type=float, default=0.0, help="weight of the row edge error (strides)")
     p.add_argument("--mosaic", type=float, default=0.0, help="share of views made of four images")
+    p.add_argument("--weather", type=float, default=0.0, help="share of views with added rain, snow or fog")
     p.add_argument(
-        "--weather", type=float, default=0.0, help="share of views with rain, snow or fog laid over"
-    )
-    p.add_argument(
-        "--litter", type=float, default=0.0, help="share of views with leaves and stones on the road"
+        "--litter", type=float, default=0.0, help="share of views with leaves and stones added to the road"
     )
     p.add_argument("--plain-last", type=float, default=0.1, help="share of passes at the end without mosaic")
     p.add_argument("--teacher", type=Path, help="weights file of a larger model to learn from (BCKD and CWD)")
@@ -58,20 +57,21 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--distil-features", type=float, default=0.5, help="weight of CWD; 0 = none")
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--init", type=Path, help="weights file to start from")
-    p.add_argument("--resume", action="store_true", help="go on from the checkpoint in --out")
+    p.add_argument("--resume", action="store_true", help="continue from the checkpoint in --out")
     p.add_argument("--device", default="auto", help="auto, cpu or cuda")
     p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")
     p.add_argument("--threads", type=int, default=2, help="threads of torch on a CPU")
-    p.add_argument("--memory-mib", type=float, default=2048, help="of decoded images; others are read again")
+    p.add_argument("--memory-mib", type=float, default=2048, help="for decoded images; others are read again")
     p.add_argument("--workers", type=int, default=1, help="threads that prepare batches")
     p.add_argument(
-        "--patience", type=int, default=0, help="stop after so many validations that are no better"
+        "--patience", type=int, default=0, help="stop after N validations without improvement; 0 = never"
     )
     p.add_argument("--validate-every", type=int, default=8000, help="passes between two validations")
     return p
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
+    """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
         run(args)
@@ -115,17 +115,17 @@ def _device(asked: str) -> str:
     if asked not in ("auto", "cpu", "cuda"):
         raise InputError(f"--device must be auto, cpu or cuda, got {asked!r}")
     if asked == "cuda" and not cuda:
-        raise InputError("--device cuda: torch finds no CUDA device here")
+        raise InputError("--device cuda: no CUDA device available to torch")
     return asked if asked != "auto" else "cuda" if cuda else "cpu"
 
 
 def run(args: argparse.Namespace) -> None:
-    """Train as the command line says. Raises InputError."""
+    """Train as specified by the command line. Raises InputError."""
     settings = _settings(args)
     chosen = _device(args.device)
     checkpoint = args.out / "checkpoint.pt"
     if checkpoint.exists() and not args.resume:
-        raise InputError(f"{checkpoint}: already there; add --resume to go on or choose another --out")
+        raise InputError(f"{checkpoint}: already exists; add --resume to continue or choose another --out")
     torch.set_num_threads(args.threads)
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
     training = load_store(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)

@@ -1,4 +1,4 @@
-"""A model in training: what decides the result, one step, checkpoints, and how it does on whole images."""
+"""Trainer: settings, optimiser step, checkpoints, and validation on whole images."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ TERMS = ("box", "class", "distribution", "edge", "distilled logits", "distilled 
 
 @dataclass(frozen=True)
 class Settings:
-    """What decides the result of a training, apart from the images."""
+    """Training settings: all that determines the result, apart from the images."""
 
     stages: tuple[Stage, ...]
     model: str = "sbp-yolo"
@@ -45,7 +45,7 @@ class Settings:
 
 
 class Trainer:
-    """A model in training, its average, its optimiser, and how many image passes they have seen."""
+    """Model in training, with its average, its optimiser, and the number of image passes."""
 
     def __init__(
         self, settings: Settings, device: torch.device, init: Path | None = None, teacher: Path | None = None
@@ -67,7 +67,7 @@ class Trainer:
         self._grid: dict[Stage, tuple[torch.Tensor, torch.Tensor]] = {}
 
     def step(self, batch: Batch) -> torch.Tensor:
-        """One update; gives the loss terms: four, and two more with a teacher."""
+        """One optimiser step; returns the loss terms: four, and two more with a teacher."""
         settings = self.settings
         factor = rate_factor(settings.stages, self.passes, settings.warmup, settings.decay)
         for group in self.optimiser.param_groups:
@@ -91,15 +91,18 @@ class Trainer:
         return terms.detach()
 
     def autocast(self) -> torch.autocast:
+        """Autocast context of the training precision."""
         return torch.autocast(self.device.type, torch.bfloat16, enabled=self.settings.precision == "bf16")
 
     def grid(self, stage: Stage) -> tuple[torch.Tensor, torch.Tensor]:
+        """Anchor points and strides of a stage's image size, cached."""
         if stage not in self._grid:
             points, stride = anchor_points(stage.height, stage.width, self.model.strides)
             self._grid[stage] = points.to(self.device), stride.to(self.device)
         return self._grid[stage]
 
     def save(self, path: Path) -> None:
+        """Write a checkpoint."""
         content = {
             "model": self.model.state_dict(),
             "average": self.average.model.state_dict(),
@@ -112,6 +115,7 @@ class Trainer:
         save(path, content)
 
     def restore(self, path: Path) -> None:
+        """Restore a checkpoint. Raises InputError if it is of another kind of run."""
         keys = ("model", "average", "optimiser", "passes")
         content = load(path, (*keys, "aligned") if self.distillation else keys)
         try:
@@ -123,13 +127,13 @@ class Trainer:
         except (RuntimeError, ValueError):
             made = content.get("model_name", DEFAULT_MODEL)
             raise InputError(
-                f"{path}: that run trains a {made}, with a teacher or without; asked for is another kind"
+                f"{path}: the model must be {made}, with or without a teacher as in the run that wrote it"
             ) from None
         self.passes = content["passes"]
 
 
 def _groups(model: nn.Module, weight_decay: float) -> list[dict]:
-    """Decay for convolution weights only, not for norms and biases."""
+    """Parameter groups: weight decay for convolution weights only, not for norms and biases."""
     decayed = [p for p in model.parameters() if p.ndim > 1]
     others = [p for p in model.parameters() if p.ndim <= 1]
     return [{"params": decayed, "weight_decay": weight_decay}, {"params": others, "weight_decay": 0.0}]
@@ -142,7 +146,7 @@ def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confiden
 
 
 def look(trainer: Trainer, deployed: Deployed, sample: Sample, stage: Stage) -> tuple[View, ImageResult]:
-    """The whole image at a stage's size, and what is found of the objects in it that are asked for."""
+    """Whole image at a stage's size, and the matched detections of its objects that are not ignored."""
     view = whole_view(sample, stage.width, stage.height)
     with torch.inference_mode(), trainer.autocast():
         boxes, scores = deployed(torch.from_numpy(view.image).to(trainer.device)[None])

@@ -1,8 +1,8 @@
-"""Rain, snow, fog and motion blur laid over an image: for training, and for the paper's Fig. 9 c.
+"""Weather effects on images: rain, snow, fog and motion blur, for training and for the paper's Fig. 9 c.
 
-Every function takes an image (H, W, 3) uint8, a strength 0..1 and a generator, and gives a new image. Own
-ones, since nothing maintained serves: libraries with a permissive licence that know these effects are
-archived, or draw from one generator for the whole process, and a batch would depend on its neighbours.
+Every function takes an image (H, W, 3) uint8, a strength 0..1 and a generator, and returns a new image. They
+are implemented here because libraries with a permissive licence that offer these effects are archived, or
+draw from one generator for the whole process, so that a batch would depend on its neighbours.
 """
 
 import cv2
@@ -16,10 +16,10 @@ FARTHEST = 7.0
 
 
 def fog(image: Image, strength: float, rng: Generator) -> Image:
-    """Contrast lost with distance after Koschmieder: I·t + A·(1 - t), t = exp(-extinction · distance).
+    """Fog: contrast lost with distance after Koschmieder, I·t + A·(1 - t), t = exp(-extinction · distance).
 
-    The distance is that of a plane road with its horizon somewhere above the middle, in units of that at the
-    image's bottom, and no more than `FARTHEST`: what is labelled must stay in sight.
+    The distance is that of a plane road with its horizon somewhere above the middle, in units of the distance
+    at the image's bottom, and at most `FARTHEST`, so that labelled objects stay visible.
     """
     rows = image.shape[0]
     horizon = rng.uniform(-0.1, 0.45)
@@ -32,17 +32,17 @@ def fog(image: Image, strength: float, rng: Generator) -> Image:
 
 
 def rain(image: Image, strength: float, rng: Generator) -> Image:
-    """Streaks of drops, all nearly along one direction, in light dulled by the drops too far to be seen."""
+    """Rain: nearly parallel streaks of drops, in light dulled by drops too far away to be resolved."""
     rows, columns = image.shape[:2]
     slant = rng.normal(0, 12) * DEGREES
     count = int((100 + 500 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
-    near = rng.random(count) ** 3  # most drops are far: short and faint
+    near = rng.random(count) ** 3  # most drops are far away: short and faint
     length = (0.01 + 0.09 * near) * rows
     angle = slant + rng.normal(0, 2, count) * DEGREES
     start = rng.random((count, 2)) * (columns, rows)
     end = start + length[:, None] * np.stack((np.sin(angle), np.cos(angle)), 1)
     veil: Image = np.zeros((rows, columns), np.uint8)
-    for part in np.array_split(np.argsort(near), 4):  # four brightnesses, the nearest on top
+    for part in np.array_split(np.argsort(near), 4):  # four brightness levels, the nearest on top
         if len(part):
             shade = 60 + 150 * float(near[part].mean())
             lines = np.stack((start[part], end[part]), 1) * 16
@@ -53,7 +53,7 @@ def rain(image: Image, strength: float, rng: Generator) -> Image:
 
 
 def snow(image: Image, strength: float, rng: Generator) -> Image:
-    """Falling flakes, those near blurred and drawn out, over a road that turns white where it is light."""
+    """Snow: falling flakes, near ones blurred and elongated, over a road that turns white in light areas."""
     rows, columns = image.shape[:2]
     count = int((150 + 750 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
     near = rng.random(count) ** 4
@@ -66,15 +66,15 @@ def snow(image: Image, strength: float, rng: Generator) -> Image:
     veil = cv2.filter2D(veil, -1, _line(length, angle)).astype(np.uint8, copy=False)
     window = rows // 40 + 1, rows // 40 + 1
     level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), window).astype(np.uint8, copy=False)
-    cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # of each grey level
+    cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # coverage of each grey level
     lying = _over(image, cover.astype(np.uint8)[level], 0.5 * strength, _lit(image, 235.0))
     return _over(fog(lying, 0.4 * strength, rng), veil, 0.85, _lit(image, 245.0))
 
 
 def motion_blur(image: Image, strength: float, rng: Generator) -> Image:
-    """The mean along a line of 3 to 15 pixels (at 640 columns): what a car's motion and shaking draw out.
+    """Motion blur along a line of 3 to 15 pixels (at 640 columns), from the car's motion and vibration.
 
-    Mostly upright, since the road flows down through the image.
+    Mostly vertical, since the road moves downwards through the image.
     """
     length = (3 + 12 * strength) * image.shape[1] / 640
     angle = 90 + rng.normal(0, 30)
@@ -82,7 +82,7 @@ def motion_blur(image: Image, strength: float, rng: Generator) -> Image:
 
 
 def _line(length: float, angle_deg: float) -> NDArray[np.float32]:
-    """A filter that averages along a line of so many pixels."""
+    """Filter kernel that averages along a line of so many pixels."""
     reach = int(np.ceil(length / 2))
     size, scale = 2 * reach + 1, 16
     half = length / 2 * np.array([np.cos(angle_deg * DEGREES), np.sin(angle_deg * DEGREES)])
@@ -93,17 +93,17 @@ def _line(length: float, angle_deg: float) -> NDArray[np.float32]:
 
 
 def _lit(image: Image, white: float) -> float:
-    """How light something white is in an image: less at night."""
+    """Grey level of a white object in the image's light: lower at night."""
     return min(white, 60.0 + 1.5 * _shade(image, 0.9))
 
 
 def _shade(image: NDArray[np.uint8], share: float) -> float:
-    """The grey level below which that share of an image lies."""
+    """Quantile of the grey levels of an image."""
     return float(np.quantile(image[::4, ::4], share))
 
 
 def _over(image: Image, veil: NDArray[np.uint8], opacity: float, shade: float) -> Image:
-    """A layer of one grey shade over the image, as dense as the veil (0..255) says, times the opacity."""
+    """Layer of one grey level over the image, with the opacity of the veil (0..255) times `opacity`."""
     share = veil[..., None] * np.float32(opacity / 255)
     return _bytes(image + (np.float32(shade) - image) * share)
 

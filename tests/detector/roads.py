@@ -1,4 +1,4 @@
-"""Small made-up roads: grey pictures with a white bar (bump) or a dark blob (pothole)."""
+"""Synthetic test roads: grey images with a white bar (bump) or a dark blob (pothole)."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from detector.dataset import Sample
 
 
 def draw(rng: np.random.Generator, width: int = 128, height: int = 96) -> tuple[np.ndarray, np.ndarray]:
-    """An image and its labels (n, 5): class, then the box x0 y0 x1 y1 in pixels."""
+    """Image and its labels (n, 5): class, then the box x0 y0 x1 y1 in pixels."""
     image = rng.integers(90, 120, (height, width, 3), dtype=np.uint8)
     y, x, w = int(rng.integers(8, 40)), int(rng.integers(4, 40)), int(rng.integers(50, 80))
     image[y : y + 8, x : x + w] = 240
@@ -21,7 +21,7 @@ def draw(rng: np.random.Generator, width: int = 128, height: int = 96) -> tuple[
 
 
 def made(seed: int) -> Sample:
-    """Such a picture at 256 x 192 in plain colours, labelled, in memory."""
+    """Labelled sample of such an image at 256 x 192 in plain colours, in memory."""
     image, rows = draw(np.random.default_rng(seed), 256, 192)
     image[:] = 110
     for cls, x0, y0, x1, y1 in rows.astype(int):
@@ -32,7 +32,7 @@ def made(seed: int) -> Sample:
 
 
 def write(folder: Path, count: int, seed: int = 0) -> Path:
-    """A dataset folder of such pictures, with objects.jsonl left out."""
+    """Data set folder of such images, without objects.jsonl."""
     rng = np.random.default_rng(seed)
     (folder / "images").mkdir(parents=True)
     (folder / "labels").mkdir()

@@ -1,4 +1,4 @@
-"""Task-aligned assignment: every object is taught, and ties are settled as documented."""
+"""Task-aligned assignment: every object gets points, and ties are resolved as documented."""
 
 import pytest
 
@@ -68,7 +68,7 @@ def test_the_best_point_gets_the_best_overlap_as_its_score() -> None:
     matched = assign(everywhere(box_logits, class_logits), POINTS, STRIDE, wanted)
     assert 0 < matched.score.max() <= 1
     assert (matched.score >= 0).all()
-    class_logits[0, matched.anchor[0], 1] = 5.0  # a surer point is better aligned
+    class_logits[0, matched.anchor[0], 1] = 5.0  # a point with a higher score is better aligned
     again = assign(everywhere(box_logits, class_logits), POINTS, STRIDE, wanted)
     assert again.score[again.anchor == matched.anchor[0]].item() == again.score.max()
 

@@ -1,4 +1,4 @@
-"""Random views keep boxes on their objects."""
+"""Data augmentation keeps boxes on their objects."""
 
 from collections.abc import Callable
 

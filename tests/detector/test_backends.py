@@ -1,4 +1,4 @@
-"""Other runtimes than onnxruntime on the CPU: what they answer, and what is said where they are missing."""
+"""Inference backends: results, and messages if a backend is not installed."""
 
 import importlib.util
 import os

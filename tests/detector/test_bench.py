@@ -1,4 +1,4 @@
-"""The rows of a comparison, without judging the times."""
+"""Benchmark cases and command line; times are not tested."""
 
 import json
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         (["--threads", "x"], "--threads: must be whole numbers >= 1, got 'x'"),
         (["--threads", "0"], "--threads: must be whole numbers >= 1, got '0'"),
         (["--runs", "0"], "--runs must be >= 1, got 0"),
-        (["--graphs", "plain", "--precisions", "int8"], "no row is left to time"),
+        (["--graphs", "plain", "--precisions", "int8"], "no case to time"),
     ],
 )
 def test_bad_options_are_told_before_anything_is_timed(

@@ -1,4 +1,4 @@
-"""Recall, edge errors and false alarms of cases that can be counted by hand."""
+"""Recall, edge errors and false alarms in cases counted by hand."""
 
 from pathlib import Path
 

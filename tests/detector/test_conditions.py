@@ -1,4 +1,4 @@
-"""Which image belongs to which condition, and what is counted there."""
+"""Imaging conditions: assignment of images and their metrics."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ NOON = {"light": "noon", "weather": "dry", "low_sun": False, "motion_blur_px": 0
 
 
 def judged(name: str, found: bool) -> Judged:
-    """An image with one bump, found or not."""
+    """Evaluated image with one bump, detected or not."""
     answer = Detections(BOX, np.array([0.9]), np.array([0])) if found else no_detections()
     return Judged(name, 100, BOX, judge(answer, BOX, np.array([0])))
 

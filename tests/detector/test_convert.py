@@ -1,4 +1,4 @@
-"""YOLO and COCO, there and back; COCO files as pycocotools' documentation describes them."""
+"""Conversion between YOLO and COCO; COCO files as in pycocotools' documentation."""
 
 import json
 from pathlib import Path

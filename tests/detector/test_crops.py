@@ -1,4 +1,4 @@
-"""Parts of images: what is shown, and which objects are asked for."""
+"""Crops of images, and the objects to train on in them."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Reading labelled folders, and what is said of bad files."""
+"""Data set folders: labels, and messages for bad files."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Distillation terms in cases that can be worked out, and that a student comes closer to its teacher."""
+"""Distillation terms in closed form, and a student that converges to its teacher."""
 
 import math
 from pathlib import Path
@@ -25,7 +25,7 @@ NONE = Truths(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long)
 
 
 def saying(class_logits: torch.Tensor, box_logits: torch.Tensor) -> Predictions:
-    """Predictions with these logits: an identity for a branch."""
+    """Predictions with these logits, through an identity branch."""
     branch = torch.nn.Conv2d(64, 64, 1, bias=False)
     branch.weight.data = torch.eye(64)[..., None, None]
     return Predictions(class_logits, [box_logits], [branch])
@@ -70,7 +70,7 @@ def test_box_term_vanishes_where_the_boxes_agree_and_is_weighed_by_the_doubt() -
     sure, _ = bckd(saying(class_logits, sides), saying(class_logits, far), truth, POINTS, STRIDE)
     assert same.item() == pytest.approx(0, abs=1e-5)
     assert apart.item() > 0.05
-    assert sure.item() == 0  # both say the same of the classes: nothing to learn here
+    assert sure.item() == 0  # equal class scores: zero loss
 
 
 def test_maps_of_other_widths_are_aligned() -> None:

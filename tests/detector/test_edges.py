@@ -1,4 +1,4 @@
-"""Rows of wide bumps found again in images whose edges are known."""
+"""Edge refinement of wide bumps in images with known edges."""
 
 import cv2
 import numpy as np
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from detector.detection import Detections
 from detector.edges import sharpen
 
-FINE = 8  # the images are drawn so much larger, then shrunk: edges between two rows
+FINE = 8  # supersampling factor of the drawn images: edges at fractional rows
 
 
 def scene(top: float, bottom: float, slope: float = 0.0, noise: float = 3.0) -> np.ndarray:

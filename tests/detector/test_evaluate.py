@@ -1,4 +1,4 @@
-"""Scoring a folder: metrics, lane masks and recall by distance, with made-up detectors."""
+"""Evaluation of a folder: metrics, lane masks and recall by distance, with synthetic detectors."""
 
 import json
 from functools import partial
@@ -17,7 +17,7 @@ from tests.detector.roads import write
 
 
 def oracle(folder: Path):
-    """Answers with the labels of the folder, image by image."""
+    """Detector that returns the labels of the folder, image by image."""
     samples = read_samples(folder)
 
     def detect(image: np.ndarray) -> Detections:

@@ -1,4 +1,4 @@
-"""Exported ONNX against torch, at sizes it was not traced with."""
+"""ONNX export against torch, at sizes other than the traced one."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What the sheets of images show: colours where the boxes are, the worst image first."""
+"""Contact sheets: colours of the boxes, hardest image first."""
 
 from pathlib import Path
 
@@ -49,7 +49,7 @@ def test_boxes_follow_the_size_of_the_tile() -> None:
 def test_mistakes_count_what_is_missed_and_what_is_not_there() -> None:
     assert mistakes(judged(TRUTH.tolist(), [0.9, 0.9], [0, 1]), 0.5) == 0
     assert mistakes(judged([], [], []), 0.5) == 2
-    assert mistakes(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]), 0.5) == 1  # found, but too unsure
+    assert mistakes(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]), 0.5) == 1  # found, but below the threshold
     assert mistakes(judged([[40, 40, 140, 60]], [0.75], [1]), 0.5) == 2.75  # the other class
     assert misses(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]).result, 0.5).tolist() == [False, True]
 

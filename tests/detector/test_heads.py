@@ -12,7 +12,7 @@ from detector.heads import BINS, COLUMN_BINS, ROW_BINS, anchor_points, decode, e
 
 
 def sharp(bins: tuple[int, int, int, int]) -> torch.Tensor:
-    """Logits whose whole mass lies in one bin a side."""
+    """Logits with the whole mass in one bin per side."""
     logits = torch.full((4, BINS), -1e4)
     logits[range(4), list(bins)] = 1e4
     return logits.flatten()

@@ -1,4 +1,4 @@
-"""Image files that a reader would take for something else."""
+"""Image files that decoders would misread without a warning."""
 
 import io
 import struct
@@ -37,7 +37,7 @@ def written(mode: str) -> bytes:
 
 
 def damaged(data: bytes) -> bytes:
-    """Some bytes in the middle of a file lost."""
+    """File with some bytes in the middle lost."""
     return data[: len(data) // 2] + bytes(40) + data[len(data) // 2 + 40 :]
 
 

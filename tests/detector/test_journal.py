@@ -1,4 +1,4 @@
-"""What a run folder tells of a training."""
+"""Training log of a run folder."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""What lies on a road: where, how large, how light."""
+"""Litter augmentation: positions, sizes and brightness."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ ROAD = np.full((192, 320, 3), 110, np.uint8)
 
 
 def changed(image: np.ndarray, strength: float, seed: int) -> np.ndarray:
-    """(H, W) bool: where pieces and their shadows lie."""
+    """(H, W) bool: pixels of pieces and their shadows."""
     return (litter(image, strength, np.random.default_rng(seed)) != image).any(2)
 
 

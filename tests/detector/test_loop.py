@@ -1,4 +1,4 @@
-"""Whole short trainings: the same twice over, the same when broken off and resumed, stopped when stalled."""
+"""Whole short trainings: repeatable, identical after interruption and resume, stopped when stalled."""
 
 import json
 import os
@@ -28,7 +28,7 @@ def data(tmp_path: Path) -> Path:
 
 
 def trained(data: Path, out: Path, *more: str) -> dict[str, torch.Tensor]:
-    """The weights after the command, run in the precision of real trainings."""
+    """Weights after the command, run in the precision of real trainings."""
     words = ["--data", str(data), "--out", str(out), "--stages", f"96x64:{PASSES}", *WORDS, *more]
     assert main(words) == 0
     return load(out / "weights.pt", ("weights",))["weights"]
@@ -65,7 +65,7 @@ def test_a_run_broken_off_and_resumed_ends_as_an_unbroken_one(
     before = signal.getsignal(which)
     with monkeypatch.context() as patch:
         patch.setattr(Trainer, "step", interrupted)
-        with pytest.raises(SystemExit, match="stopped after 6 passes; go on with --resume"):
+        with pytest.raises(SystemExit, match="stopped after 6 passes; continue with --resume"):
             trained(data, tmp_path / "broken")
     assert signal.getsignal(which) == before
     assert not (tmp_path / "broken" / "weights.pt").exists()
@@ -90,7 +90,7 @@ def test_an_interrupt_while_the_last_validation_of_patience_runs_is_heeded(
             os.kill(os.getpid(), signal.SIGINT)
 
     monkeypatch.setattr(Journal, "validation", interrupted)
-    with pytest.raises(SystemExit, match="stopped after 4 passes; go on with --resume"):
+    with pytest.raises(SystemExit, match="stopped after 4 passes; continue with --resume"):
         trained(data, tmp_path / "run", "--patience", "1", "--validate-every", "2", "--rate", "1e-9")
     assert not (tmp_path / "run" / "weights.pt").exists()
 

@@ -1,4 +1,4 @@
-"""The terms of the loss in cases that can be worked out."""
+"""Terms of the detection loss in closed form."""
 
 import math
 
@@ -65,7 +65,7 @@ def test_points_around_a_tiny_object_are_left_alone() -> None:
 
 
 def certain(box: torch.Tensor) -> torch.Tensor:
-    """Logits (1, N, 64) with which every point tells of this box."""
+    """Logits (1, N, 64) with which every point predicts this box."""
     side = encode(box.expand(len(POINTS), 4), POINTS, STRIDE)
     lower = side.floor().long()
     share = torch.zeros(len(POINTS), 4, BINS).scatter(2, lower[..., None], (lower + 1 - side)[..., None])

@@ -1,4 +1,4 @@
-"""Average precision, precision and recall in cases small enough to work out by hand."""
+"""Average precision, precision and recall in cases worked out by hand."""
 
 import math
 
@@ -30,7 +30,7 @@ def test_average_precision_of_the_perfect_the_blind_and_the_empty() -> None:
 
 def test_an_object_is_found_once() -> None:
     result = judge(found([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0]))
-    # the surer one counts (IoU 81/119 = 0.68), the other is wrong although it fits better
+    # the higher score counts (IoU 81/119 = 0.68), the other is wrong although it fits better
     assert result.hits[0].tolist() == [False, True]
     assert result.hits[4].tolist() == [True, False]  # IoU 0.7
     assert result.found.tolist() == [1]

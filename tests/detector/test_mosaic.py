@@ -1,4 +1,4 @@
-"""A view of four images: each in its own quarter, with its own boxes."""
+"""Mosaic augmentation: each image in its own quarter, with its own boxes."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What becomes whole numbers, and what does not."""
+"""Quantised and float parts of an 8-bit graph."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The rewritten graph against the plain one: the same answers from less work."""
+"""Optimised graph against the plain one: equal outputs with less work."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def network(name: str) -> Network:
 
 
 def images(count: int) -> list[np.ndarray]:
-    """Small made-up roads."""
+    """Small synthetic roads."""
     rng = np.random.default_rng(1)
     return [draw(rng, 160, 160)[0] for _ in range(count)]
 

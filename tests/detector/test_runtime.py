@@ -1,4 +1,4 @@
-"""The ONNX runtime against torch, and what it says of files that are not ours."""
+"""Inference runtime against torch, and messages for foreign model files."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Stages and learning rate."""
+"""Training stages and learning rate."""
 
 import pytest
 

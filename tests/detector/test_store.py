@@ -1,4 +1,4 @@
-"""Samples are the same whether they stayed in memory or are read again."""
+"""Training data set: equal samples from memory and from disk."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Weather laid over images, held against what it does to light."""
+"""Weather effects against their optical models."""
 
 from collections.abc import Callable
 

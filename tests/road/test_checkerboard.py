@@ -72,7 +72,7 @@ def test_the_mounting_is_read_from_a_board_on_the_road(pitch, roll):
 
 
 def test_too_few_views_are_refused(views):
-    with pytest.raises(InputError, match="at least 4 photographs"):
+    with pytest.raises(InputError, match="photographs of the whole board must be >= 4, got 3"):
         calibrate(views[:3], BOARD, 640, 384)
 
 

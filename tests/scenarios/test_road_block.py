@@ -58,7 +58,7 @@ def test_way_over_short_obstacles_is_a_field(tmp_path):
     ("road", "message"),
     [
         ("{file: none.csv}", r"mine\.yaml: road\.file: none\.csv: cannot be read"),
-        ("{file: drive.csv, length_m: 99}", r"road\.length_m must be <= 40 m as"),
+        ("{file: drive.csv, length_m: 99}", r"road\.length_m must be <= 40 m \(end of"),
         ("{file: 3}", r"road"),
         ("{length_m: 50, chains: 3}", r"road\.chains must be a list, got 3"),
         ("{length_m: 50, chains: [{count: 2}]}", r"road\.chains\[0\]\.feature is missing"),
