@@ -1,1 +1,1 @@
-"""From boxes and ego motion to the road height ahead of each wheel, with its uncertainty."""
+"""Road preview: height ahead of each wheel, with uncertainty, from detections and ego motion."""

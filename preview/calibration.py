@@ -1,11 +1,11 @@
-"""What all objects share: errors of the camera's mounting and of the detector's rows, learned from object
-to object.
+"""Kalman filter of camera mounting errors and detector edge bias, updated once per object.
 
-States: pitch offset b of the mounting (rad), its height error z (m), and how far down the detector draws the
-bottom edges of each class, d (px). A bottom edge d too low looks like a camera turned up by d / f at every
-distance (the factor cos² of the angle to the optical axis, above 0.9 from 3 m on, is left out). Top edges
-tell the two apart, but weakly, since they first tell how long an object is. So a shift that all classes share
-goes mostly to the pitch, the less known of the two; learned for sure is the difference between the classes.
+States: pitch offset b of the mounting (rad), its height error z (m), and the downward bias d (px) of the
+detected bottom edges of each class. A bottom edge d too low looks like a camera pitched up by d / f at every
+distance (the factor cos² of the angle to the optical axis, above 0.9 from 3 m on, is neglected). Top edges
+separate the two, but only weakly, since they mainly determine the length of an object. A bias that all
+classes share is therefore mostly assigned to the pitch, the less certain of the two; only the difference
+between the classes is well determined.
 """
 
 from typing import NamedTuple
@@ -16,21 +16,21 @@ from preview.settings import Settings
 
 Array = np.ndarray
 MOUNTING = slice(0, 2)
-ROWS = slice(2, 4)  # of speed bumps and of potholes
+ROWS = slice(2, 4)  # bottom-edge bias of speed bumps and of potholes
 
 
 class Gaussian(NamedTuple):
-    """Of one object: pitch offset b (rad), ground height z (m), error of bottom edges d / f (rad)."""
+    """Shared states of one object: pitch offset b (rad), ground height z (m), edge bias d / f (rad)."""
 
     mean: Array
     covariance: Array
 
 
 class Calibration:
-    """Kalman filter of mounting and detector, mean (4,) and covariance (4, 4), one step an object.
+    """Kalman filter of mounting and detector bias, mean (4,) and covariance (4, 4), one step per object.
 
-    Each object adds deviations of its own (road grade and roughness there, the detector's notion of an edge),
-    so the prior that it gets is wider than what is known of the mounting. focal_px: of the camera.
+    Each object adds deviations of its own (road grade and roughness there, the detector's edge convention),
+    so the prior of an object is wider than the uncertainty of the mounting. focal_px: of the camera.
     """
 
     def __init__(self, settings: Settings, focal_px: float) -> None:
@@ -38,20 +38,20 @@ class Calibration:
         own_pitch, own_height = np.deg2rad(settings.offset_track_sigma_deg), settings.edge_height_sigma_m
         self._own = np.diag([own_pitch, own_height, 0.0]) ** 2
         self._rad_per_px = 1.0 / focal_px
-        self._taken_off = np.array(settings.bottom_bias_px)  # of every box before it is looked at
+        self._taken_off = np.array(settings.bottom_bias_px)  # bias already subtracted from every box
         self.mean = np.array([0.0, 0.0, *settings.bottom_bias_px])
         self.covariance = np.diag([pitch, height, *settings.edge_sigma_px]) ** 2
 
     def prior(self, cls: int) -> Gaussian:
-        """Return what a fit may assume of an object of class `cls`."""
+        """Prior of the shared states of an object of class `cls`."""
         shows, known = self._shown(cls)
         return Gaussian(shows @ self.mean + known, shows @ self.covariance @ shows.T + self._own)
 
     def learn(self, posterior: Gaussian, cls: int) -> None:
-        """Take in what a fit found of an object of class `cls`, less the prior that it already contained."""
+        """Update with the posterior of an object of class `cls`, less the prior that it contains."""
         prior = self.prior(cls)
         before, after = np.linalg.inv(prior.covariance), np.linalg.inv(posterior.covariance)
-        # What the object's boxes and strikes alone say; a trace of the prior keeps it invertible.
+        # Information of the object's boxes and strikes alone; a trace of the prior keeps it invertible.
         said = after - before + 1e-6 * np.diag(np.diag(before))
         value = np.linalg.solve(said, after @ posterior.mean - before @ prior.mean)
         shows, known = self._shown(cls)
@@ -62,7 +62,7 @@ class Calibration:
         self.covariance = 0.5 * (updated + updated.T)
 
     def _shown(self, cls: int) -> tuple[Array, Array]:
-        """Return (H, k): H states + k is what boxes of class `cls` show, as a `Gaussian` counts it."""
+        """(H, k): H states + k are the shared states seen by boxes of class `cls`, as in `Gaussian`."""
         shows, known = np.eye(3, 4), np.zeros(3)
         shows[2] = 0.0
         shows[2, 2 + cls] = self._rad_per_px

@@ -1,4 +1,4 @@
-"""From tracks to the road ahead of each wheel."""
+"""Composition of the road preview of each wheel from confirmed tracks."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from preview.settings import Settings
 from preview.shape import tyre_profile
 from preview.track import Track
 
-_LEAST_OVERLAP = 0.02  # below this probability a wheel does not meet the object at all
+_LEAST_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
 
 
 def compose(
@@ -22,10 +22,10 @@ def compose(
     time_s: float,
     age_s: float,
 ) -> RoadPreview:
-    """Return the preview of a car whose odometer reads `x_m`, wheels at `axle_x_m` and `wheel_y_m` from it.
+    """Road preview of a car with odometer reading `x_m` and wheels at `axle_x_m` and `wheel_y_m` from it.
 
-    Height is what the tyre will feel if the object is real, scaled by the probability that the wheel runs
-    over it; `existence` is the probability that it is real. Tracks not yet confirmed are left out.
+    Height is the effective height under the tyre if the object is real, times the probability that the wheel
+    runs over it; `existence` is the probability that it is real. Unconfirmed tracks are left out.
     """
     shape = (len(axle_x_m), len(distance_m))
     height, existence, position_sigma = np.zeros(shape), np.zeros(shape), np.zeros(shape)
@@ -41,7 +41,7 @@ def compose(
             beyond = distance_m + x_m + axle - section.start_m
             felt = meets * np.interp(beyond, at, profile)
             near = (beyond > -2 * sigma) & (beyond < section.length_m + 2 * sigma)
-            # Two tracks on one spot are one object seen twice: the larger one stands for both.
+            # Overlapping tracks are one object tracked twice: the larger one represents both.
             taken = (felt != 0) | near
             taken &= np.abs(felt) >= np.abs(height[wheel])
             height[wheel, taken] = felt[taken]

@@ -1,4 +1,4 @@
-"""Hit feedback: the front wheel's strike tells where an object really was."""
+"""Wheel-strike correction: the front wheel's measured road profile locates an object's near edge."""
 
 from collections import deque
 
@@ -10,38 +10,38 @@ from preview.shape import tyre_profile
 from preview.track import Section, Track
 
 _STEP_M = 0.01
-_BEFORE_M = 0.5  # road before the object that gives the level
-_FLANK_M = 0.6  # of the object's near part at most, before a light wheel takes off
-_CLIP_M = 0.02  # the tyre's static deflection: deeper than this a wheel hangs in the air and feels nothing
+_BEFORE_M = 0.5  # length of road before the object that defines the level
+_FLANK_M = 0.6  # greatest length of the near flank used: beyond it a light wheel may lift off
+_CLIP_M = 0.02  # static tyre deflection: below it the wheel loses contact
 _LEAST_EXPLAINED = 0.6
 _KEPT_M = 12.0
 
 
 class FrontWheel:
-    """Road height that the front wheel has met, over the position of its contact centre."""
+    """Road profile measured by the front wheel, over the position of its contact centre."""
 
     def __init__(self, y_m: float, settings: Settings) -> None:
         self.y_m, self.settings = y_m, settings
         self._path: deque[tuple[float, float]] = deque()
 
     def update(self, x_m: float, road_height_m: float) -> None:
-        """Append one sample; x_m may not fall back."""
+        """Append one sample; x_m must not decrease."""
         self._path.append((x_m, road_height_m))
         while self._path[0][0] < x_m - _KEPT_M:
             self._path.popleft()
 
     def due(self, track: Track) -> bool:
-        """Tell whether the wheel has just passed the near flank of a confirmed track not yet compared."""
+        """True once the wheel has passed the near flank of a confirmed track not yet compared."""
         if track.struck or not track.confirmed:
             return False
         section = track.section(self.y_m)
         return self._path[-1][0] > section.start_m + _flank_m(section) + self.settings.hit_gate_m
 
     def compare(self, track: Track) -> Direct | None:
-        """Return the near edge as the wheel felt it, or None if it did not feel the object.
+        """Near edge by matching the measured profile, or None if the wheel did not run over the object.
 
-        The tyre profile slides over the measured height; both are clipped to what a tyre can follow. A match
-        must explain most of what was measured, with a shift that the fit's sigma allows.
+        The tyre profile is shifted along the measured height; both are clipped to what a tyre can follow. A
+        match must explain most of the measured profile, with a shift that the fit's sigma allows.
         """
         if track.overlap(self.y_m) < 0.5:
             return None

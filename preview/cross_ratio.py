@@ -1,10 +1,10 @@
-"""Distance by the cross-ratio of three marks on the road: a rival that needs no intrinsics and no angles.
+"""Cross-ratio ranging: distance from three marks on the road, without intrinsics or angles.
 
-Perspective keeps the cross-ratio of four points of a line. Three marks ahead whose distances were taped once,
-with the car at rest, and the row of a fourth point therefore give its distance (Nienaber, Kroon, Booysen, A
+Projection preserves the cross-ratio of four collinear points. Three marks ahead at distances measured once
+with the car at rest, and the row of a fourth point, therefore give its distance (Nienaber, Kroon, Booysen, A
 comparison of low-cost monocular vision techniques for pothole distance estimation, IEEE SSCI 2015, who
-recommend it for a fixed camera and points almost straight ahead). What pitch and heave do meanwhile, and what
-earlier frames said, it cannot know.
+recommend it for a fixed camera and points almost straight ahead). Pitch, heave and earlier frames are not
+considered; the method serves for comparison.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ class Marks(NamedTuple):
 
 
 def marks_of(camera: Camera, mount: CameraMount, distances_m: tuple[float, float, float] = MARKS_M) -> Marks:
-    """Rows at which a car at rest on a plane sees marks at `distances_m`, behind an ideal lens."""
+    """Rows of marks at `distances_m` seen by a car at rest on a plane, behind a distortion-free lens."""
     pose = pose_of(mount, 0.0, 0.0, 0.0)
     points = [(pose.x + distance, pose.y, 0.0) for distance in distances_m]
     near, middle, far = project(camera.pinhole, pose, points)[:, 1].tolist()
@@ -34,7 +34,7 @@ def marks_of(camera: Camera, mount: CameraMount, distances_m: tuple[float, float
 
 
 def distance(marks: Marks, row: ArrayLike) -> Array:
-    """Distance (m) of the road seen in `row`; nan at and above the horizon that the marks imply."""
+    """Distance (m) of the road point in `row`; nan at and above the horizon implied by the marks."""
     row = np.asarray(row, float)
     (r1, r2, _), (d1, d2, _) = marks.rows, marks.distances_m
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -43,20 +43,20 @@ def distance(marks: Marks, row: ArrayLike) -> Array:
 
 
 def distance_sigma(marks: Marks, row: float, pixel_sigma: float) -> float:
-    """Standard deviation (m) of that distance, of a row known to `pixel_sigma`: nothing else is in it."""
+    """Standard deviation (m) of the distance from a row noise of `pixel_sigma` alone."""
     (r1, r2, _), (d1, d2, _) = marks.rows, marks.distances_m
     slope = _ratio(marks) * (d2 - d1) * (r2 - r1) / _below_horizon(marks, row) ** 2
     return float(abs(slope) * pixel_sigma)
 
 
 def _ratio(marks: Marks) -> float:
-    """The k of (row - r1) (d - d2) = k (row - r2) (d - d1): equal cross-ratios, in rows and on the road."""
+    """Factor k in (row - r1) (d - d2) = k (row - r2) (d - d1), by equal cross-ratios in image and road."""
     (r1, r2, r3), (d1, d2, d3) = marks
     return (d3 - d2) / (d3 - d1) * (r3 - r1) / (r3 - r2)
 
 
 def _below_horizon(marks: Marks, row: ArrayLike) -> Array:
-    """A measure, linear in the row, of how far it is from the marks' horizon, where it is 0."""
+    """Linear function of the row that is 0 at the horizon implied by the marks."""
     r1, r2, _ = marks.rows
     row = np.asarray(row, float)
     return (row - r1) - _ratio(marks) * (row - r2)

@@ -1,4 +1,4 @@
-"""Where a pixel meets the road: ground-plane distance under pitch and heave, and how sure that is.
+"""Ground-plane ranging: distance of a pixel's road point under pitch and heave, with covariance.
 
 Angles of depression are measured in the vertical plane along the road, positive downwards. For a camera
 without roll and yaw every point of a line across the road falls on one image row, and then
@@ -17,30 +17,30 @@ Array = np.ndarray
 
 
 class GroundPoints(NamedTuple):
-    """Points on the road: position (n, 2), world x y in m; covariance (n, 2, 2). nan above the horizon."""
+    """Road points: position (n, 2), world x y in m; covariance (n, 2, 2), m². nan above the horizon."""
 
     position: Array
     covariance: Array
 
 
 def depression(camera: Camera, row: ArrayLike) -> Array:
-    """Return the angle (rad) of an image row below the optical axis."""
+    """Angle (rad) of an image row below the optical axis."""
     return np.arctan2(np.asarray(row, float) - camera.cy, camera.focal_px)
 
 
 def depression_sigma(camera: Camera, row: ArrayLike, pixel_sigma: float) -> Array:
-    """Return the standard deviation (rad) of that angle when the row is known to `pixel_sigma`."""
+    """Standard deviation (rad) of that angle for a row noise of `pixel_sigma`."""
     below = (np.asarray(row, float) - camera.cy) / camera.focal_px
     return pixel_sigma / camera.focal_px / (1.0 + below**2)
 
 
 def row_of(camera: Camera, angle: ArrayLike) -> Array:
-    """Return the image row of an angle (rad, below pi/2) below the optical axis: inverse of `depression`."""
+    """Image row of an angle (rad, below pi/2) below the optical axis: inverse of `depression`."""
     return camera.cy + camera.focal_px * np.tan(np.asarray(angle, float))
 
 
 def distance_of(height_m: ArrayLike, angle: ArrayLike) -> Array:
-    """Return the distance (m) of a plane `height_m` below the camera, seen `angle` below level, else nan."""
+    """Distance (m) of a plane `height_m` below the camera, seen `angle` below level, else nan."""
     angle = np.asarray(angle, float)
     with np.errstate(divide="ignore"):
         return np.where(angle > 0, np.asarray(height_m, float) / np.tan(angle), np.nan)
@@ -55,7 +55,7 @@ def locate(
     height_sigma: float,
     z: float = 0.0,
 ) -> GroundPoints:
-    """Return the points of the plane at height `z` seen at `pixels` (n, 2), with first-order covariance.
+    """Intersections of the rays of `pixels` (n, 2) with the plane at height `z`, with first-order covariance.
 
     pixel_sigma (px, both axes, behind the lens), pitch_sigma (rad) and height_sigma (m, of camera over plane)
     are independent.
@@ -75,7 +75,7 @@ def locate(
 
 
 def _for_a_pixel(camera: Camera, pose: CameraPose, pixels: Array) -> tuple[Array, Array]:
-    """Return how far rays (n, 3) turn for one pixel to the right and one down."""
+    """Derivatives of the ray directions (n, 3) for one pixel to the right and one down."""
     if camera.is_pinhole:
         sides = (-pose.rotation[:, axis] / camera.focal_px for axis in (1, 2))
         right, down = (np.broadcast_to(side, (len(pixels), 3)) for side in sides)

@@ -1,7 +1,7 @@
-"""What the detector means by an edge: the systematic shift of its boxes' rows, by class.
+"""Detector edge bias: systematic shift of the rows of detected boxes, by class.
 
-Bumps: of the boxes of drives toward `bump_8x40_30` and `hump_flat_30` (seeds 0 and 1, from 15 m on), whose
-rows `detector.edges` has found again in the image. Potholes: medians over rendered validation images.
+Bumps: measured on drives toward `bump_8x40_30` and `hump_flat_30` (seeds 0 and 1, from 15 m on), with rows
+refined by `detector.edges`. Potholes: medians over rendered validation images.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ TOP_BIAS_PX = (0.2, 0.1)
 
 
 def edge_bias(classes: np.ndarray, top_px: tuple[float, float], bottom_px: tuple[float, float]) -> np.ndarray:
-    """Return the shift (n, 4) of boxes xyxy of these classes (n,), rows counted downwards."""
+    """Shift (n, 4) of boxes xyxy of these classes (n,), rows counted downwards."""
     shift = np.zeros((len(classes), 4))
     shift[:, 1], shift[:, 3] = np.take(top_px, classes), np.take(bottom_px, classes)
     return shift

@@ -1,10 +1,10 @@
-"""Road height measured along an object in the last frames, and what it says of a fitted shape.
+"""Height-profile likelihood: height samples of the last frames and their normal equations for a shape.
 
-A sample belongs to a line of sight: where that would meet the road plane, and how high over the plane it
-ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so crests hide what is
-behind them and rims the floor of holes. What spoils many samples alike is marginalised with Gaussian priors
-(Schur complement): the plane that a frame found may lie a little off and slope a little; ground at the object
-may do so in all frames; a table's ramps may be of another length; and all positions may be shifted alike.
+A sample belongs to a line of sight: the point where it would meet the road plane, and the height over the
+plane at which it ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so
+crests hide the road behind them and rims the floor of holes. Errors common to many samples are marginalised
+with Gaussian priors (Schur complement): offset and slope of the plane that a frame found; offset and slope of
+the ground at the object in all frames; the ramp length of a table; and a common shift of all positions.
 """
 
 from collections import deque
@@ -17,25 +17,26 @@ from preview.shape import RAMP, TABLE, Kind, relief
 
 Array = np.ndarray
 _FRAMES = 8
-_CORRELATION = 1.5  # inflation of variance: windows overlap, and frames see the same texture
+_CORRELATION = 1.5  # variance inflation: windows overlap, and frames see the same texture
 _LEAST_SIGMA_M = 0.003
 _FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
-_RAMP_SIGMA = 0.018  # of a table's ramps, as a share of its length
-_ROBUST = 3.0  # standard deviations of a sample that counts half
-_SILHOUETTE = 3.0  # of what lies before and behind a crest windows show one more than the other
+_RAMP_SIGMA = 0.018  # sigma of a table's ramp length, as a share of its length
+_ROBUST = 3.0  # residual in standard deviations with half weight
+_SILHOUETTE = 3.0  # sigma at a crest, over the spread within the smear: windows are biased to one side of it
 _SHARE = np.linspace(0.0, 1.0, 25)
-_BLUR = np.array([-0.33, 0.0, 0.33])  # of a sample's smear
-_STEP = np.array([0.01, 0.01, 0.002, 0.01])  # of central differences by X, L, H, ramp: over what lines jump
+_BLUR = np.array([-0.33, 0.0, 0.33])  # positions within a sample's smear
+_STEP = np.array([0.01, 0.01, 0.002, 0.01])  # by X, L, H, ramp: wide enough to bridge jumps
 _STEPS = np.concatenate([np.zeros((1, 4)), np.kron(np.diag(_STEP), [[1.0], [-1.0]])])
-_SHARED, _FRAME = slice(6, 10), slice(10, 12)  # columns of a table that are marginalised
+_SHARED, _FRAME = slice(6, 10), slice(10, 12)  # marginalised columns of a table
 
 
 class Rows(NamedTuple):
-    """Samples of height, arrays (n,).
+    """Height samples, arrays (n,).
 
-    x_m: where the line of sight meets the plane. z_m, sigma_m: height over the plane at which it ends.
-    smear_m: length of road that the sample mixes. slant: how far the line goes forward for a metre of fall.
+    x_m: intersection of the line of sight with the plane. z_m, sigma_m: height over the plane at which it
+    ends. smear_m: length of road averaged by the sample. slant: forward run of the line of sight per metre of
+    fall.
     """
 
     x_m: Array
@@ -46,9 +47,9 @@ class Rows(NamedTuple):
 
 
 class NearEdge(NamedTuple):
-    """Where the bottom edge of a box meets the plane that its frame found.
+    """Intersection of a box's bottom edge with the plane that its frame found.
 
-    x_m, sigma_m: place; low_m: how much farther it is for each rad that the detector draws edges too low.
+    x_m, sigma_m: position; low_m: change of position per rad of bottom-edge bias.
     """
 
     x_m: float
@@ -58,10 +59,10 @@ class NearEdge(NamedTuple):
 
 @dataclass
 class Elevation:
-    """The samples of the newest frames.
+    """Height samples of the newest frames.
 
-    shift_sigma_m: standard deviation of what shifts all positions. absolute: they rest on triangulation, not
-    on the plane under the wheels.
+    shift_sigma_m: standard deviation of the common shift of all positions. absolute: True if positions are
+    triangulated (stereo), False if they rest on the plane under the wheels.
     """
 
     shift_sigma_m: float
@@ -70,7 +71,7 @@ class Elevation:
     edges: deque[NearEdge] = field(default_factory=lambda: deque(maxlen=_FRAMES))
 
     def add(self, rows: Rows, edge: NearEdge | None = None) -> None:
-        """Take a frame in, its variance inflated."""
+        """Add a frame, its variance inflated."""
         sigma = np.sqrt(_CORRELATION * (rows.sigma_m**2 + _LEAST_SIGMA_M**2))
         self.frames.append(rows._replace(sigma_m=sigma))
         if edge is not None:
@@ -78,13 +79,13 @@ class Elevation:
 
 
 def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Array, float]:
-    """Information (6, 6), gradient (6,) and half the squared error that samples add to a fit.
+    """Information (6, 6), gradient (6,) and half the squared error of the samples, to be added to a fit.
 
     state: [X, b, z, L, H, d] of `preview.fit`; b and z do not matter here.
     """
     rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4], RAMP])
-    steps = _STEPS if kind is TABLE else _STEPS[:-2]  # the others have no ramps
+    steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
     mixed = _mixed(kind, rows, shape + steps)
     levels = mixed.mean(axis=2)
     model = levels[0]
@@ -93,7 +94,7 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
     by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
     one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
-    # The state; what is marginalised: ground, slope, shift, ramp, a frame's ground and slope; what is left.
+    # State; nuisances (ground, slope, shift, ramp, a frame's ground and slope); residual.
     columns = [
         by_x,
         zero,
@@ -124,7 +125,7 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
 
 
 def _edge_terms(edge: NearEdge, state: Array) -> Array:
-    """What one edge adds to the table's square (11, 11): its distance from X, shift and low rows apart."""
+    """Contribution of one near edge to the table's square (11, 11): distance from X, shift, edge bias."""
     residual = edge.x_m + edge.low_m * state[5] - state[0]
     weight = edge.sigma_m**-2 / (1.0 + (residual / (_ROBUST * edge.sigma_m)) ** 2)
     line = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
@@ -132,7 +133,7 @@ def _edge_terms(edge: NearEdge, state: Array) -> Array:
 
 
 def _without(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
-    """The square of a table with the columns `aside` marginalised; `sigmas` are of their prior."""
+    """Square of a table with the columns `aside` marginalised; `sigmas`: their prior."""
     own = square[aside, aside] + np.diag(np.array(sigmas) ** -2.0)
     rest = np.delete(np.arange(len(square)), aside)
     cross = square[aside][:, rest]
@@ -142,26 +143,26 @@ def _without(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
 def seen(
     kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
 ) -> Array:
-    """Height (n,) at which each line of sight meets the shape first, mixed over the smear; 0 beside it."""
+    """Height (n,) at which each line of sight first meets the shape, averaged over the smear; 0 beside it."""
     return _mixed(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
 
 
 def _mixed(kind: Kind, rows: Rows, shapes: Array) -> Array:
-    """The three heights (shapes, n, 3) near, amid and far in the smear that `seen` mixes.
+    """Heights (shapes, n, 3) near, amid and far in the smear that `seen` averages.
 
     shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
     """
     start, length, height, ramp = shapes.T[:, :, None]
     along = start + _SHARE * length
     rises = height * relief(kind, _SHARE, length, ramp)
-    # The line through a point of the shape meets the plane there; hidden points do not advance it.
+    # Intersection with the plane of the line of sight through each point; hidden points do not advance it.
     meets = np.maximum.accumulate(along[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
     wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR
     after = (meets[:, :, None, :] < wanted[:, :, None]).sum(axis=3)
     inside = (after > 0) & (after < len(_SHARE))
     k = np.clip(after, 1, len(_SHARE) - 1)
     low, high = np.take_along_axis(meets, k - 1, axis=2), np.take_along_axis(meets, k, axis=2)
-    # Over a hidden stretch the height jumps: the point where the line emerges counts.
+    # Over a hidden stretch the height jumps: the far end of the stretch counts.
     part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
     number = np.arange(len(shapes))[:, None, None]
     before = rises[number, k - 1]

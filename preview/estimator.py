@@ -1,4 +1,4 @@
-"""The estimator: ego motion and boxes in, `RoadPreview` out."""
+"""Road estimator: ego motion and detections in, `RoadPreview` out."""
 
 from collections.abc import Callable
 from typing import Any
@@ -23,17 +23,17 @@ from preview.tracker import Tracker
 from preview.view import view_of
 from road.camera import Camera, CameraMount, pose_of
 
-_CLEAR_M = 0.3  # around an object, where a wheel may be on it already or still
+_CLEAR_M = 0.3  # margin around an object within which a wheel may be on it
 
 
 class Estimator:
-    """Road ahead of each wheel, from what a car can measure.
+    """Estimator of the road ahead of each wheel from signals that a car can measure.
 
     camera, mount: as calibrated. axle_x_m: wheels relative to the centre of gravity, front first (one for a
     quarter car, two for a half car). wheel_y_m: lateral position of each wheel's path. distance_m: grid of
     the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()`,
-    `events` and `memory()` are of that odometer. memory: what an earlier drive over the same road left.
-    stereo_base_m: distance of a second, equal camera, right of the first and parallel to it; 0 for none.
+    `events` and `memory()` are of that odometer. memory: result of an earlier drive over the same road.
+    stereo_base_m: baseline to a second, equal camera, right of the first and parallel to it; 0 for none.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Estimator:
 
     @property
     def events(self) -> list[dict[str, Any]]:
-        """Log of births, confirmations, strikes, deaths and passings, oldest first."""
+        """Event log: births, confirmations, strikes, deaths and passings, oldest first."""
         return self.tracker.events
 
     def update_motion(
@@ -80,11 +80,11 @@ class Estimator:
         road_height_m: np.ndarray | None = None,
         yaw_rate: float = 0.0,
     ) -> None:
-        """Take in one set of sensor readings; call at the controller's rate, in order of time.
+        """Process one set of sensor readings; call at the controller's rate, in order of time.
 
-        road_height_m: (wheels,) road under the wheels if an observer knows it; otherwise it is derived here.
-        yaw_rate: rad/s, positive to the left, of a car that has the sensor: the wheels' path bends with it;
-        the cars of `vehicle` do not turn.
+        road_height_m: (wheels,) road height under the wheels from an observer; by default derived here.
+        yaw_rate: rad/s, positive to the left, of a car with that sensor: the wheels' path is curved
+        accordingly; the cars of `vehicle` drive straight.
         """
         state = self.motion.update(time_s, measurement, self._on_plane(), yaw_rate)
         if self.motion.turn is not None:
@@ -104,10 +104,10 @@ class Estimator:
         image: np.ndarray | None = None,
         second: np.ndarray | None = None,
     ) -> None:
-        """Take in the boxes of the frame exposed at `exposure_s`, whenever they arrive.
+        """Process the detections of the frame exposed at `exposure_s`, whenever they arrive.
 
         image, second: (H, W, 3) uint8 RGB of the camera and of its stereo partner; heights are measured in
-        them where there is a pair, or where the settings want `parallax`.
+        them with a stereo pair, or if the settings enable `parallax`.
         """
         state = self.motion.at(exposure_s)
         pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad, roll=state.roll_rad)
@@ -120,9 +120,9 @@ class Estimator:
         self._newest_frame_s = max(self._newest_frame_s, exposure_s)
 
     def preview(self, time_s: float, correct: Callable[[Track], Track] | None = None) -> RoadPreview:
-        """Return the road ahead of each wheel as known at `time_s` (`compose` says what its fields mean).
+        """Road preview of each wheel as known at `time_s` (fields as in `compose`).
 
-        correct: what is to be taken for each track in its place.
+        correct: function that substitutes each track.
         """
         tracks = self.tracker.tracks if correct is None else [correct(track) for track in self.tracker.tracks]
         x = self.motion.at(time_s).x_m
@@ -131,7 +131,7 @@ class Estimator:
         return compose(tracks, x, *wheels, self.distance_m, self.settings, time_s, age)
 
     def stats(self) -> list[dict[str, Any]]:
-        """Return one row for each living track: what it is, where, how sure."""
+        """State of every living track, one row each."""
         return [
             {
                 "track": track.identity,
@@ -152,7 +152,7 @@ class Estimator:
         ]
 
     def memory(self) -> Memory:
-        """Return what the next drive over this road may start with."""
+        """Memory for the next drive over this road."""
         return remember(self.tracker.calibration, self.tracker.passed + self.tracker.tracks)
 
     def _strike(self, track: Track, time_s: float) -> None:
@@ -167,7 +167,7 @@ class Estimator:
         self.tracker.log("struck", track, time_s, moved_m=moved)
 
     def _on_plane(self) -> bool:
-        """Tell whether all wheels are off the objects that are known."""
+        """True if no wheel is on a known object."""
         x = self.motion.x_m
         return not any(
             track.confirmed and track.start_m - _CLEAR_M < x + axle < track.end_m + _CLEAR_M

@@ -1,12 +1,13 @@
-"""Gauss-Newton over all boxes of one object: where it is, and what offset the camera's pitch has.
+"""Gauss-Newton fit of one object to all its boxes: position, size and camera pitch offset.
 
 State s = [X, b, z, L, H, d]: near edge X (m), pitch offset b (rad), ground height z at the object over the
-local road plane (m), length L and height or depth H (m), angle d (rad) by which the detector draws bottom
-edges too low. A box seen from a camera at (x_c, h) says
+local road plane (m), length L and height or depth H (m), bottom-edge bias d (rad), positive for detected
+bottom edges that are too low. A box seen from a camera at (x_c, h) gives
     bottom row:  depression + pitch + b - d = atan2(h - z, X - x_c)
     top row:     depression + pitch + b = the smallest atan2(h - z - H p(t), X + t L - x_c) over t in 0..1
-with p the relief of the kind: the top of the box is the silhouette of crest or far edge. Gaussian priors
-close the problem; a Cauchy loss bounds what one wrong box can do (Triggs et al., Bundle adjustment, 2000).
+with p the unit profile of the kind: the top of the box is the silhouette of crest or far edge. Gaussian
+priors regularise the problem; a Cauchy loss bounds the influence of a wrong box (Triggs et al., Bundle
+adjustment, 2000).
 """
 
 from typing import NamedTuple
@@ -20,19 +21,20 @@ from preview.shape import Kind, relief
 
 Array = np.ndarray
 X, OFFSET, GROUND, LENGTH, HEIGHT, LOW = range(6)
-SHARED = np.array([OFFSET, GROUND, LOW])  # of which objects have a part in common
+SHARED = np.array([OFFSET, GROUND, LOW])  # states with a component common to all objects
 _BOTH = np.ix_(SHARED, SHARED)
 _SHARE = np.linspace(0.0, 1.0, 21)
 _LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
 _MOST = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
-_BEHIND_M, _AHEAD_M = 10.0, 100.0  # of the cameras: a line of sight near the horizon says no more than that
-_CAUCHY = 2.5  # residuals of so many standard deviations count half
+_BEHIND_M, _AHEAD_M = 10.0, 100.0  # limits of X relative to the cameras, for lines of sight near the horizon
+_CAUCHY = 2.5  # residual in standard deviations with half weight
 
 
 class Sight(NamedTuple):
-    """One box as two lines of sight; a nan angle stands for an edge that was cut off.
+    """Edge bearings of one box; nan for an edge cut off by the image border or the bonnet.
 
-    camera_x, camera_z: m; bottom, top: depression of the edges plus camera pitch (rad); then their sigmas.
+    time_s: exposure. camera_x, camera_z: m; bottom, top: depression of the edges plus camera pitch (rad);
+    then their sigmas.
     """
 
     time_s: float
@@ -45,7 +47,7 @@ class Sight(NamedTuple):
 
 
 class Direct(NamedTuple):
-    """A state entry that something else measured: which one, value, standard deviation."""
+    """Direct measurement of one state entry: index, value, standard deviation."""
 
     entry: int
     value: float
@@ -53,7 +55,10 @@ class Direct(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Result: state (6,), covariance (6, 6), and the negative log evidence to compare kinds by."""
+    """Result of a fit: state (6,) with covariance (6, 6).
+
+    cost: negative log evidence, for the comparison of kinds.
+    """
 
     kind: Kind
     state: Array
@@ -67,18 +72,18 @@ class Fit(NamedTuple):
 
     @property
     def shared(self) -> Gaussian:
-        """Marginal of pitch offset, ground height and rows' error."""
+        """Marginal of pitch offset, ground height and bottom-edge bias."""
         return Gaussian(self.state[SHARED], self.covariance[_BOTH])
 
 
 def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) -> Array:
-    """Return the state (6,) of an object of which no more than this is known."""
+    """Initial state (6,) of an object from position, size and shared states."""
     offset, ground, low = shared.mean
     return np.array([x_m, offset, ground, length_m, height_m, low])
 
 
 def table(sights: list[Sight] | Array) -> Array:
-    """Return sights as rows (n, 7), columns as in `Sight`."""
+    """Edge bearings as rows (n, 7), columns as in `Sight`."""
     return np.asarray(sights, dtype=float).reshape(-1, len(Sight._fields))
 
 
@@ -92,10 +97,10 @@ def fit(
     iterations: int = 3,
     elevation: Elevation | None = None,
 ) -> Fit:
-    """Return the most probable state for all `sights` (or their `table`), from `start`.
+    """Maximum a posteriori state for all `sights` (or their `table`), from `start`.
 
-    kind and shared hold the priors; directs are further measurements of single states, such as where a
-    wheel struck; elevation is what the images showed of its height.
+    kind and shared hold the priors; directs are direct measurements of single states, such as the position of
+    a wheel strike; elevation holds height samples measured in images.
     """
     priors = [
         Direct(LENGTH, kind.length_m, kind.length_sigma_m),
@@ -124,15 +129,15 @@ def fit(
         np.add.at(gradient, index, normal / known[:, 2])
         cost += 0.5 * float((normal**2).sum())
         state = np.clip(state + np.linalg.solve(information, gradient), least, most)
-    # Laplace: the priors' normalisation and the width of the posterior weigh kinds against each other.
+    # Laplace approximation of the evidence: prior normalisation and posterior volume.
     cost += float(np.log(known[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
 
 
 def silhouette(kind: Kind, state: Array, camera_x: Array, camera_z: Array) -> tuple[Array, Array, Array]:
-    """Return (ahead, below, share): the point of the profile that each camera (n,) sees highest.
+    """(ahead, below, share): the point of the profile on the silhouette, seen highest by each camera (n,).
 
-    ahead, below: its distance and depth relative to the camera (m); share: where on the profile, 0..1.
+    ahead, below: its distance and depth relative to the camera (m); share: position on the profile, 0..1.
     """
     ahead = state[X] + _SHARE * state[LENGTH] - camera_x[:, None]
     below = camera_z[:, None] - state[GROUND] - state[HEIGHT] * relief(kind, _SHARE, state[LENGTH])
@@ -146,7 +151,7 @@ def silhouette(kind: Kind, state: Array, camera_x: Array, camera_z: Array) -> tu
 def _normal_equations(
     kind: Kind, data: Array, state: Array, settings: Settings
 ) -> tuple[Array, Array, float]:
-    """Return information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
+    """Information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
     camera_x, camera_z = data[:, 1], data[:, 2]
     ahead, below, share = silhouette(kind, state, camera_x, camera_z)
     ahead = np.concatenate([state[X] - camera_x, ahead])
@@ -160,8 +165,8 @@ def _normal_equations(
     residual = measured + state[OFFSET] - bottom * state[LOW] - np.arctan2(below, ahead)
     seen = np.isfinite(residual)
     square = ahead**2 + below**2
-    by_ahead, by_below = -below / square, ahead / square  # of the modelled angle
-    # Rows of the Jacobian of (model - measured); at the silhouette the share itself does not matter.
+    by_ahead, by_below = -below / square, ahead / square  # derivatives of the modelled angle
+    # Jacobian of (model - measured); at the silhouette the derivative by the share vanishes.
     jacobian = np.stack(
         [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise, bottom], axis=1
     )

@@ -1,4 +1,4 @@
-"""Heights of tracked objects, measured in the images: by a stereo pair, or by one camera that moves."""
+"""Height measurement of tracked objects in images, by a stereo pair or by one moving camera."""
 
 import warnings
 from collections import deque
@@ -16,34 +16,34 @@ from preview.track import Track
 from road.camera import Camera, CameraPose
 
 Array = np.ndarray
-_MARGIN_M = 2.0  # road before and behind an object that tells where the plane is
-_BESIDE_M = 0.3  # what may belong to the object
-_SHADOW = 0.1  # of the distance: road that a bump may hide behind it
-_STRIP_M = 1.5  # half width of the road that is looked at
+_MARGIN_M = 2.0  # road before and behind an object used to find the plane
+_BESIDE_M = 0.3  # margin around an object excluded from the plane
+_SHADOW = 0.1  # length of road hidden behind a bump, over the distance
+_STRIP_M = 1.5  # half width of the evaluated strip of road
 _LEAST_ROWS, _LEAST_COLUMNS = 12, 64
-_RIM = 2.0  # how much less exactly a hole has a near edge than a bump
-_EVERY_ROW = 2  # neighbours share their windows
-_LEAST_NOISE_GREY = 1.0  # of the difference of two images
-_ROBUST = 2.0  # spreads of a row beyond which a pixel counts half
+_RIM = 2.0  # ratio of a hole's near-edge sigma to a bump's
+_EVERY_ROW = 2  # row stride: windows of neighbouring rows overlap
+_LEAST_NOISE_GREY = 1.0  # least noise of the difference of two images
+_ROBUST = 2.0  # deviation, in spreads of its row, with half weight
 _LEAST_PX = 0.05
-_WINDOW_M = 0.6  # across the road
+_WINDOW_M = 0.6  # window width across the road
 _MONO_BASE_M = 1.0
-_BARE = 0.99  # share of a row on which nothing is known to stand
-_ALIKE = 2.0  # neighbouring rows err alike, which their scatter does not show
+_BARE = 0.99  # least weight share of bare road in a row of bare road
+_ALIKE = 2.0  # sigma inflation: errors of neighbouring rows are correlated, which their scatter hides
 _KEPT = 4
 
 
 class Shot(NamedTuple):
-    """A grey image (H, W) uint8 and where the camera was."""
+    """Exposure: a grey image (H, W) uint8 and the camera pose."""
 
     pose: CameraPose
     image: Array
 
 
 class Gauge:
-    """Measures every track in reach in each frame, and adds it to the track's `elevation`.
+    """Height measurement of every track in range, added to the track's `elevation` in each frame.
 
-    base_m: distance of the second camera, right of the first; 0 for none, then earlier frames serve.
+    base_m: baseline to the second camera, right of the first; 0 for none, then earlier frames are used.
     """
 
     def __init__(self, camera: Camera, base_m: float, settings: Settings) -> None:
@@ -54,7 +54,7 @@ class Gauge:
     def measure(
         self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
     ) -> list[Track]:
-        """Look at one frame, images (H, W, 3) RGB; returns the tracks about which there is something new."""
+        """Measure in one frame, images (H, W, 3) RGB; returns the tracks with new samples."""
         rows = [self._rows_of(pose, track) for track in tracks]
         reach = [(track, span) for track, span in zip(tracks, rows, strict=True) if span is not None]
         if second is not None and not reach:
@@ -72,7 +72,7 @@ class Gauge:
         return [t for t, span in reach if self._measure_one(shot, other, stereo, t, span, tracks)]
 
     def grey(self, image: Array) -> Array:
-        """The image (H, W, 3) RGB in grey levels (H, W), as an ideal lens would show it."""
+        """Grey image (H, W), undistorted, of an image (H, W, 3) RGB."""
         grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
         return grey if self._straight is None else cv2.remap(grey, *self._straight, cv2.INTER_LINEAR)
 
@@ -98,11 +98,11 @@ class Gauge:
         return True
 
     def _window_m(self, track: Track) -> float:
-        """Width over which an object is taken to be alike."""
+        """Width of the matching window: width over which an object is homogeneous."""
         return _WINDOW_M if track.best.kind.sign > 0 else 0.33 * _WINDOW_M
 
     def _rows_of(self, pose: CameraPose, track: Track) -> tuple[int, int] | None:
-        """Rows that show the object and some road around it within the reach of the method."""
+        """Rows that show the object and some road around it within the method's range."""
         near = max(track.start_m - _MARGIN_M - pose.x, self.settings.gauge_near_m)
         far = min(track.end_m + _MARGIN_M - pose.x, self.settings.gauge_far_m)
         if not track.confirmed or track.start_m - pose.x > self.settings.gauge_far_m or far - near < 1.0:
@@ -126,7 +126,7 @@ class Gauge:
     def _profile(
         self, pose: CameraPose, view: Band, field: Field, stereo: bool, track: Track, tracks: list[Track]
     ) -> tuple[Rows, NearEdge | None] | None:
-        """A sample for each row, height over the plane on the strip of the object; and its near edge."""
+        """Height sample over the plane for each row on the object's strip, and its near edge."""
         axes = pose.rotation.astype(np.float32)
         point = np.stack([view.ahead, view.side, view.up])
         x, y = (np.tensordot(axes[k], point, axes=1) for k in (0, 1))
@@ -165,11 +165,11 @@ class Gauge:
         return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0))
 
     def _edge(self, track: Track, pose: CameraPose, nominal: Array, plane: Array) -> NearEdge | None:
-        """Near edge where the newest box's bottom meets the plane (rows, columns), 0 beside the object.
+        """Near edge: where the newest box's bottom meets the plane (rows, columns), 0 beside the object.
 
         nominal: (rows,) distance at which a row meets the nominal plane.
         """
-        sight = track.sights[-1] if track.sights else None  # one that is only remembered has none yet
+        sight = track.sights[-1] if track.sights else None  # a track from memory has none yet
         if sight is None or np.isnan(sight.bottom) or sight.camera_x != pose.x:
             return None
         ahead = sight.camera_z / np.tan(sight.bottom)
@@ -184,13 +184,13 @@ class Gauge:
 
 
 def _alike(ratio: Array, inside: Array) -> Array:
-    """Weights (rows, columns) of pixels by how far they are from the median of their row inside the strip.
+    """Robust weights (rows, columns) of pixels by their deviation from the row's median inside the strip.
 
-    An object is alike over its width; drops on the lens and streaks of rain are not.
+    An object is homogeneous over its width; drops on the lens and streaks of rain are not.
     """
     masked = np.where(inside, ratio, np.nan)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # rows without a pixel inside
+        warnings.simplefilter("ignore", RuntimeWarning)  # rows without pixels inside
         middle = np.nanmedian(masked, axis=1, keepdims=True)
         away = np.abs(ratio - middle)
         spread = 1.48 * np.nanmedian(np.where(inside, away, np.nan), axis=1, keepdims=True)
@@ -198,10 +198,10 @@ def _alike(ratio: Array, inside: Array) -> Array:
 
 
 def _excess(samples: Rows, bare: Array) -> float:
-    """By what factor to widen the sigmas, as rows of bare road (n,) bool are not as flat as these claim.
+    """Sigma inflation from the excess scatter of bare-road rows (n,) bool.
 
-    Reflections on a wet road and drops on the lens move on their own from frame to frame; a pair sees them
-    at one moment.
+    Reflections on a wet road and drops on the lens move independently from frame to frame; a stereo pair sees
+    them at the same moment.
     """
     if not bare.any():
         return 1.0
@@ -210,7 +210,7 @@ def _excess(samples: Rows, bare: Array) -> float:
 
 
 def _straightening(camera: Camera) -> tuple[Array, Array]:
-    """Columns and rows (for `cv2.remap`) at which the lens shows what an ideal one shows at each pixel."""
+    """Undistortion maps (for `cv2.remap`): distorted column and row of each undistorted pixel."""
     v, u = np.mgrid[: camera.height_px, : camera.width_px] + 0.5
     bent = camera.bent(np.stack([u.ravel(), v.ravel()], axis=1)).astype(np.float32) - np.float32(0.5)
     return bent[:, 0].reshape(u.shape), bent[:, 1].reshape(u.shape)

@@ -1,9 +1,9 @@
-"""Whether a track's boxes tell of one road plane, or of a grade that changed on the way to the object.
+"""Plane-consistency test of a track: variance ratio of its residuals, large after a change of grade.
 
-Positions are reckoned on the plane under the wheels. Where the car meets another grade, boxes from before and
-after disagree: their residuals keep one sign over many frames, where noise does not. The ratio of the scatter
-of block means to the scatter within blocks (one-way analysis of variance, Fisher 1925) tells the two apart
-whatever the detector's noise is. A change that lies ahead of the camera still cannot be seen this way.
+Positions are relative to the plane under the wheels. Where the car reaches another grade, boxes from before
+and after disagree: their residuals keep one sign over many frames, unlike noise. The ratio of the scatter of
+block means to the scatter within blocks (one-way analysis of variance, Fisher 1925) detects this for any
+noise level of the detector. A change that is still ahead of the camera cannot be detected this way.
 """
 
 import numpy as np
@@ -15,9 +15,9 @@ _LEAST_BLOCKS = 3
 
 
 def strain(sights: list[Sight] | np.ndarray, state: np.ndarray) -> float:
-    """Variance ratio of the residuals of near edges, about 1 on a plane road; 0 for too few sights.
+    """Variance ratio of the near-edge residuals, about 1 on a plane road; 0 for too few sights.
 
-    Scatter within blocks counts as no less than what each sight claims of itself.
+    Scatter within blocks counts as no less than the variance that each sight claims.
     """
     _, camera_x, camera_z, bottom, _, sigma, _ = table(sights).T
     model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)

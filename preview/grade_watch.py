@@ -1,8 +1,8 @@
-"""When the road under the wheels leaves the plane that the body's motion is reckoned from: a change of grade.
+"""Grade-change detector: test whether the road under the wheels has left the current road plane.
 
-Roughness moves the wheels up and down around the plane by a few of its rises; a road that climbs by 2 % from
-some point on lies 2 cm higher after a metre, 4 cm after two. Heights averaged over a short span tell the two
-apart, and say by how much the plane is to be turned.
+Roughness moves the wheels around the plane by a few times the usual rise; a road that climbs by 2 % from some
+point on lies 2 cm higher after a metre, 4 cm after two. Heights averaged over a short span separate the two,
+and give the update of the plane.
 """
 
 from collections import deque
@@ -12,31 +12,31 @@ import numpy as np
 from preview.settings import Settings
 
 Array = np.ndarray
-_SPAN_S = 0.05  # that is averaged
-_SPANS = 20  # for which the plane follows the wheels after they have left it, until the rear is there, too
-_BEFORE = 6  # spans ago that tell of the roughness, as a change of grade raises it
+_SPAN_S = 0.05  # averaging time of one span
+_SPANS = 20  # spans in which the plane follows the wheels after a change, until the rear axle has passed it
+_BEFORE = 6  # age in spans of the roughness used, since a change of grade raises it
 
 
 class GradeWatch:
-    """Averages road heights under the axles, and asks to turn the plane when they are far from it."""
+    """Grade-change detector on mean road heights under the axles."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._sum, self._count, self._elapsed_s, self._left = np.zeros(1), 0, 0.0, 0
         self._past: deque[float] = deque(maxlen=_BEFORE)
-        self.fresh = False  # whether the wheels have left the plane in the span that `add` told of last
-        self.roughness_m = np.inf  # before they left
+        self.fresh = False  # True if the wheels left the plane in the last completed span
+        self.roughness_m = np.inf  # roughness before the change
 
     @property
     def unsettled(self) -> float:
-        """1 as the wheels leave the plane, 0 when it is known again."""
+        """1 when a change is detected, falling to 0 as the new plane settles."""
         return (self._left / _SPANS) ** 2
 
     def add(self, road_m: Array, step: float, roughness_m: float) -> Array | None:
-        """Take in heights (axles,) over the plane, `step` seconds after the last ones.
+        """Add heights (axles,) over the plane, `step` seconds after the last ones.
 
-        Returns their means over a span to which the plane is to be pulled, or None. roughness_m: what the
-        road usually rises within 0.1 s.
+        Returns their means over a span, to which the plane is to be corrected, or None. roughness_m: usual
+        rise of the road within 0.1 s.
         """
         self._sum = self._sum + road_m
         self._count += 1

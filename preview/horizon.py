@@ -1,4 +1,4 @@
-"""The road ahead as a controller sees it: height over distance for each wheel, with doubt attached."""
+"""Road preview: height over distance ahead of each wheel, with uncertainty, as a controller receives it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from files.errors import InputError
 
 
 class Profile(Protocol):
-    """Anything that tells the effective road height (m) at positions x (m), such as a `WheelProfile`."""
+    """Effective road height (m) as a function of position x (m), for example a `WheelProfile`."""
 
     def height(self, x: np.ndarray) -> np.ndarray: ...
 
@@ -45,7 +45,7 @@ class RoadPreview:
             raise InputError(f"distance_m must have shape (n,) with n >= 2, got {distance.shape}")
         steps = distance[1:] - distance[:-1]
         if not (steps[0] > 0 and np.abs(steps - steps[0]).max() <= 1e-9 + 1e-5 * steps[0]):
-            raise InputError("distance_m must ascend in equal steps, got unequal or descending ones")
+            raise InputError("distance_m must ascend in equal steps, got unequal or descending steps")
         object.__setattr__(self, "distance_m", distance)
         wheels = np.asarray(self.height_m).shape[0] if np.ndim(self.height_m) == 2 else 0
         for name in ("height_m", "position_sigma_m", "height_sigma_m", "existence"):
@@ -69,11 +69,11 @@ class RoadPreview:
         return self.height_m.shape[0]
 
     def height(self, wheel: int, distance: float | np.ndarray) -> np.ndarray:
-        """Return the height (m) at `distance` ahead of `wheel`: linear between grid points, flat beyond."""
+        """Height (m) at `distance` ahead of `wheel`: linear between grid points, constant beyond."""
         return np.interp(distance, self.distance_m, self.height_m[wheel])
 
     def advanced(self, distance: float, time_s: float) -> "RoadPreview":
-        """Return the same road anchored `distance` metres further on, at `time_s`; the age grows along."""
+        """The same road anchored `distance` metres farther on, at `time_s`; the age grows accordingly."""
         moved = self.distance_m + distance
 
         def shifted(rows: np.ndarray) -> np.ndarray:
@@ -92,14 +92,14 @@ class RoadPreview:
 
 @lru_cache(maxsize=8)
 def distance_grid(behind_m: float = 0.5, ahead_m: float = 10.0, step_m: float = 0.025) -> np.ndarray:
-    """Return the distances of a preview grid, from `-behind_m` to `ahead_m`, both included; read-only."""
+    """Distances of a preview grid, from `-behind_m` to `ahead_m`, both included; read-only."""
     grid = np.arange(-round(behind_m / step_m), round(ahead_m / step_m) + 1) * step_m
     grid.setflags(write=False)
     return grid
 
 
 def flat_preview(wheels: int, time_s: float = 0.0, distance_m: np.ndarray | None = None) -> RoadPreview:
-    """Return the preview of someone who has seen nothing: flat, existence 0."""
+    """Preview without any information: flat, existence 0."""
     distance = distance_grid() if distance_m is None else distance_m
     nothing = np.zeros((wheels, len(distance)))
     return RoadPreview(time_s, distance, nothing, nothing, nothing, nothing)
@@ -111,13 +111,13 @@ def oracle_preview(
     time_s: float = 0.0,
     distance_m: np.ndarray | None = None,
 ) -> RoadPreview:
-    """Return the true effective profile ahead: sigmas 0, existence 1.
+    """Preview of the true effective profile: sigmas 0, existence 1.
 
-    profiles: one a wheel, world heights as the tyre feels them.
+    profiles: one per wheel, world heights under the tyre.
     wheel_x_m: world position of each wheel's contact centre at `time_s`.
     """
     if len(profiles) != len(wheel_x_m):
-        raise InputError(f"profiles must be one a wheel ({len(wheel_x_m)}), got {len(profiles)}")
+        raise InputError(f"profiles must be one per wheel ({len(wheel_x_m)}), got {len(profiles)}")
     distance = distance_grid() if distance_m is None else distance_m
     height = np.array([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
     sure, real = _constant(height.shape, 0.0), _constant(height.shape, 1.0)

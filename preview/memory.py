@@ -1,8 +1,7 @@
-"""What a drive leaves for the next one: how the camera sits, what the detector's rows mean, what lies where.
+"""Drive memory: camera mounting errors, detector edge bias and objects, kept for the next drive (YAML).
 
-A file of it (YAML) belongs to one car on one road; without its objects it serves on any. Positions are
-those of the odometer, so both drives must start at the same place; what the odometer drifts meanwhile widens
-what is remembered.
+A file of it belongs to one car on one road; without its objects it is valid on any. Positions are those of
+the odometer, so both drives must start at the same place; odometer drift widens the remembered positions.
 """
 
 from dataclasses import dataclass
@@ -40,7 +39,7 @@ class Mounting:
 
 @dataclass(frozen=True)
 class RowBias:
-    """How far down the detector draws bottom edges, of bumps and of potholes (px), with their covariance.
+    """Bottom-edge bias of the detector, of bumps and of potholes (px, positive downwards), with covariance.
 
     with_pitch (rad px), with_height (m px): covariance of each with the errors of the mounting.
     """
@@ -58,10 +57,9 @@ class RowBias:
 
 @dataclass(frozen=True)
 class Remembered:
-    """One object: what, where and how large (m), how sure; each sigma is that of the value before it.
+    """Remembered object: kind, position and size (m), existence; each sigma is that of the value before it.
 
-    Length and height are what was measured, without what is known of any object of this kind; None if they
-    were not.
+    Length and height are the measured ones, without the prior of the object's kind; None if not measured.
     """
 
     kind: str
@@ -87,16 +85,16 @@ class Remembered:
             if (getattr(self, f"{name}_m") is None) != (getattr(self, f"{name}_sigma_m") is None):
                 raise InputError(f"{name}_m and {name}_sigma_m must both be null or both be numbers")
         if not 0 < self.existence < 1:
-            raise InputError(f"existence must lie within 0 ... 1, got {self.existence!r}")
+            raise InputError(f"existence must be > 0 and < 1, got {self.existence!r}")
         if not self.y_min_m <= self.y_max_m:
             raise InputError(f"y_min_m must be <= y_max_m ({self.y_max_m!r}), got {self.y_min_m!r}")
 
 
 @dataclass(frozen=True)
 class Memory:
-    """Mounting and rows as learned, and the objects met, in the order in which they were passed.
+    """Result of a drive: mounting and edge bias as learned, and the objects in the order of passing.
 
-    rows: None in files from before they were learned.
+    rows: None in files of older versions without edge bias.
     """
 
     mounting: Mounting
@@ -113,14 +111,14 @@ class Memory:
 
 
 def read(path: Path | str) -> Memory:
-    """A memory from its file. Raises InputError naming the file and the field."""
+    """Memory from its file. Raises InputError naming the file and the field."""
     memory = strict.read(Memory, path)
     assert isinstance(memory, Memory)
     return memory
 
 
 def write(path: Path, memory: Memory) -> None:
-    """Write a memory in one step."""
+    """Write a memory atomically."""
     write_text(path, yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 

@@ -1,7 +1,7 @@
-"""Ego motion at sensor rate: where the sprung mass was at any recent moment.
+"""Ego motion at sensor rate: pose history of the sprung mass.
 
-An odometer tells how far the car has come, `preview.body` its heave and pitch relative to the road plane,
-`preview.roll` its roll.
+The odometer gives the distance travelled, `preview.body` heave and pitch relative to the road plane,
+`preview.roll` the roll angle.
 """
 
 from bisect import bisect_right
@@ -16,11 +16,11 @@ from preview.path import curvature
 from preview.roll import Roll
 from preview.settings import Settings
 
-_TURNED_S = 0.5  # longest age of a frame that arrives
+_TURNED_S = 0.5  # greatest age of an arriving frame
 
 
 class Measurement(Protocol):
-    """What the car's sensors say at one moment; one entry a wheel, front first."""
+    """Sensor readings of the car at one moment; one entry per wheel, front first."""
 
     @property
     def body_acc(self) -> np.ndarray:
@@ -32,26 +32,27 @@ class Measurement(Protocol):
 
     @property
     def rattle_m(self) -> np.ndarray:
-        """Body minus wheel height, deviation from rest."""
+        """Rattle space: body minus wheel height, m, deviation from rest."""
 
     @property
     def pitch_rate(self) -> float:
-        """Positive nose-down, rad/s."""
+        """Pitch rate, positive nose-down, rad/s."""
 
     @property
     def roll_rate(self) -> float:
-        """Positive left side up, rad/s; 0 of a car that cannot roll."""
+        """Roll rate, positive left side up, rad/s; 0 for a car without roll."""
 
     @property
     def speed_m_s(self) -> float:
-        """Speed along the road."""
+        """Speed along the road, m/s."""
 
 
 @dataclass(frozen=True)
 class EgoState:
-    """The sprung mass at one moment: odometer, heave, pitch and roll relative to the local road plane.
+    """State of the sprung mass at one moment, relative to the local road plane.
 
-    curvature_1_m: of the path, positive to the left.
+    x_m: odometer reading. heave_m, pitch_rad (nose-down), roll_rad (left side up): attitude. curvature_1_m:
+    of the path, positive to the left.
     """
 
     time_s: float
@@ -64,11 +65,12 @@ class EgoState:
 
 
 class EgoMotion:
-    """Attitude of the body (`preview.body`, `preview.roll`), an odometer, and their recent history.
+    """Ego motion: attitude filters (`preview.body`, `preview.roll`), odometer, and their recent history.
 
     axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
     car, which has no pitch); wheels at the same place share an axle, which moves by their mean. wheel_y_m:
-    theirs beside it, where the car can roll. The odometer starts at `x_m` and reads the centre of gravity.
+    their lateral positions, for a car that can roll. The odometer starts at `x_m` and reads the centre of
+    gravity.
     """
 
     def __init__(
@@ -89,7 +91,7 @@ class EgoMotion:
         self._roll = Roll(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
         self._inertial: tuple[float, float, float] | None = None
         self.road_m = 0.0
-        self.turn: Turn | None = None  # of the road plane, found by the last `update`
+        self.turn: Turn | None = None  # update of the road plane by the last `update`
         self._masked_until_s = -np.inf
         self._times: list[float] = []
         self._states: list[EgoState] = []
@@ -97,7 +99,7 @@ class EgoMotion:
     def update(
         self, time_s: float, measurement: Measurement, on_plane: bool = True, yaw_rate: float = 0.0
     ) -> EgoState:
-        """Take one measurement in; time must advance, else `InputError`.
+        """Process one measurement; time must advance, else `InputError`.
 
         on_plane: False while a wheel is known to be on an object, and so off the road plane. yaw_rate: rad/s,
         positive to the left.
@@ -138,19 +140,19 @@ class EgoMotion:
         return state
 
     def at(self, time_s: float) -> EgoState:
-        """Return the state at any recent moment, between measurements by interpolation.
+        """State at any recent moment, interpolated between measurements.
 
-        After the newest one the car rolls on at its speed; before any measurement, or before the
+        After the newest one it is extrapolated at constant speed; before any measurement, or before the
         history, `InputError`.
         """
         if not self._states:
-            raise InputError("motion must be known before it is asked for, got no measurement")
+            raise InputError("time_s must follow a first measurement, got no measurement yet")
         newest = self._states[-1]
         if time_s >= newest.time_s:
             ahead = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
             return replace(newest, time_s=time_s, x_m=ahead)
         if time_s < self._times[0] - 1e-9:
-            raise InputError(f"time_s must be >= {self._times[0]} (oldest motion kept), got {time_s}")
+            raise InputError(f"time_s must be >= {self._times[0]} (start of the history), got {time_s}")
         after = max(1, bisect_right(self._times, time_s))
         a, b = self._states[after - 1], self._states[after]
         share = (time_s - a.time_s) / (b.time_s - a.time_s)
@@ -170,11 +172,11 @@ class EgoMotion:
 
     @property
     def grade_sigma(self) -> float:
-        """How uncertain the grade of the road ahead is because it has just changed."""
+        """Standard deviation of the grade ahead after a detected change of grade."""
         return self._body.grade_sigma
 
     def _turn_history(self, turn: Turn) -> None:
-        """Reckon recent moments from the turned plane, as frames that were exposed then may yet arrive."""
+        """Transform the recent states to the updated plane, for frames exposed then that may yet arrive."""
         first = bisect_right(self._times, self._times[-1] - _TURNED_S)
         for k in range(first, len(self._times)):
             was = self._states[k]
@@ -182,7 +184,7 @@ class EgoMotion:
             self._states[k] = replace(was, heave_m=heave, pitch_rad=was.pitch_rad + turn.pitch_rad)
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:
-        """Body over road less its value at rest, at each wheel.
+        """Body height over the road less its value at rest, at each wheel.
 
         Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
         """

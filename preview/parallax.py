@@ -1,11 +1,11 @@
-"""Plane plus parallax: how far the road stands out of its plane, from two images of it.
+"""Plane-plus-parallax: height of the road over its plane, from two images.
 
-The second image is a second camera's (stereo) or the same camera's a little earlier. A point that a pixel of
-the reference shows stands z above the plane of the road; with the camera h above that plane and
-q = 1 / (1 - z/h), it appears in the other image at the projection of
+The second image is a second camera's (stereo) or the same camera's a little earlier. A point seen in a pixel
+of the reference image lies z above the plane of the road; with the camera h above that plane and q = 1 / (1 -
+z/h), it appears in the other image at the projection of
     A + q T,   A = Z R r,   T = translation between the cameras,
-where Z r is the plane's point on the pixel's ray: q = 1 is the warp of the plane by its homography, and all
-that differs from it moves along the line to the epipole T (Irani & Anandan, Parallax geometry of pairs of
+where Z r is the plane's point on the pixel's ray: q = 1 is the warp of the plane by its homography, and any
+deviation moves the point along the line to the epipole T (Irani & Anandan, Parallax geometry of pairs of
 points for 3D scene analysis, ECCV 1996; Sawhney, CVPR 1994). q is found by Gauss-Newton on the brightness
 along that line, in windows wide across the road and low along it (Lucas & Kanade, 1981).
 """
@@ -18,19 +18,18 @@ import numpy as np
 from road.camera import Camera, CameraPose
 
 Array = np.ndarray
-_WINDOW_ROWS = 3  # across the road all is alike, along it edges must stay sharp
+_WINDOW_ROWS = 3  # low windows: objects are homogeneous across the road, edges along it must stay sharp
 _MOST_STEP_PX = 1.0
-_NOISE = 0.02  # grey levels squared a pixel: weaker gradients say nothing
-_MOST = 0.2  # of |q - 1|
+_NOISE = 0.02  # regularisation, (grey level / px)²: weaker gradients carry no information
+_MOST = 0.2  # limit of |q - 1|
 
 
 class Band(NamedTuple):
-    """A part of the reference image and the geometry of its pixels, arrays (rows, columns) float32.
+    """Image band of the reference image and the geometry of its pixels, arrays (rows, columns) float32.
 
     top, left: its first row and column. ahead, side, up: the plane's point on each pixel's ray in axes of the
     reference camera (m). other: (3, rows, columns) the same point in axes of the other camera, forward, left,
-    up. travel: (3,) how far a point at q = 1 + dq moves there for dq = 1. height_m: of the reference camera
-    over the plane.
+    up. travel: (3,) derivative of that point by q. height_m: of the reference camera over the plane.
     """
 
     top: int
@@ -44,11 +43,11 @@ class Band(NamedTuple):
 
 
 class Field(NamedTuple):
-    """Structure of a band, arrays (rows, columns).
+    """Structure of a band (q of the module), arrays (rows, columns).
 
-    q: as above. weight: mean squared gradient along the epipolar line in the window, (grey level / px)².
-    along: (2, rows, columns) columns and rows that a point moves in the other image for a unit of q. noise:
-    grey levels by which the images differ where they ought to be alike, one standard deviation.
+    weight: mean squared gradient along the epipolar line in the window, (grey level / px)². along: (2, rows,
+    columns) derivative by q of column and row in the other image. noise: standard deviation of the difference
+    of the matched images, grey levels.
     """
 
     q: Array
@@ -58,7 +57,7 @@ class Field(NamedTuple):
 
     @property
     def pixels(self) -> Array:
-        """Pixels that a point moves for a unit of q."""
+        """Displacement in the other image per unit of q (px)."""
         return np.hypot(*self.along)
 
 
@@ -99,7 +98,7 @@ def match(
     window_px: int = 31,
     iterations: int = 3,
 ) -> Field:
-    """Refine `start` (rows, columns) so that `other` (H, W) grey, warped, looks like `image` (H, W) grey.
+    """Refine the structure `start` (rows, columns) by matching `other` (H, W) to `image` (H, W), both grey.
 
     window_px: width of the windows.
     """

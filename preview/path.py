@@ -1,9 +1,9 @@
-"""Where the wheels will run: the rear axle follows an arc of constant curvature, straight by default.
+"""Path of the wheels: an arc of constant curvature followed by the rear axle, straight by default.
 
-Positions beside the path are what decides which wheel meets an object. The front wheels of a car in a bend
-run a little outside of it, by half of curvature times wheelbase squared (7 cm at 50 m); that is left out.
-The cars of `vehicle` drive straight on, so `scenarios` tells no yaw rate: bends are for those who feed an
-`Estimator` from a car of their own.
+Lateral positions relative to the path decide which wheel meets an object. The front wheels of a car in a bend
+run a little outside of it, by half of curvature times wheelbase squared (7 cm at 50 m); this is neglected.
+The cars of `vehicle` drive straight on, so `scenarios` gives no yaw rate: bends are for users who supply an
+`Estimator` with data of their own car.
 """
 
 from typing import NamedTuple
@@ -12,18 +12,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Array = np.ndarray
-_LEAST_SPEED_M_S = 1.0  # slower, a gyro's offset would look like a bend
+_LEAST_SPEED_M_S = 1.0  # below it a gyro offset would look like a bend
 _TIGHTEST_1_M = 0.2
 
 
 class Path(NamedTuple):
-    """curvature_1_m: positive to the left; ahead_of_axle_m: the camera's place before the rear axle."""
+    """Path of constant curvature.
+
+    curvature_1_m: positive to the left; ahead_of_axle_m: distance of the camera ahead of the rear axle.
+    """
 
     curvature_1_m: float = 0.0
     ahead_of_axle_m: float = 0.0
 
     def beside(self, ahead_m: float, left_m: ArrayLike) -> Array:
-        """Return how far left of the path points lie, `ahead_m` and `left_m` of the camera, m."""
+        """Lateral position (m) left of the path of points `ahead_m` and `left_m` of the camera."""
         bend, left = self.curvature_1_m, np.asarray(left_m, float)
         ahead = ahead_m + self.ahead_of_axle_m
         # R - distance to the arc's centre at (0, R), in a form that holds for R = inf.
@@ -31,7 +34,7 @@ class Path(NamedTuple):
         return np.asarray((2.0 * left - bend * (left**2 + ahead**2)) / (1.0 + ratio))
 
     def left_of_camera(self, ahead_m: float, beside_m: float) -> float:
-        """Return where a point of the path's left side lies in the camera's axes: inverse of `beside`, m."""
+        """Lateral position (m) in camera axes of a point `beside_m` left of the path: inverse of `beside`."""
         bend, ahead = self.curvature_1_m, ahead_m + self.ahead_of_axle_m
         reach = 1.0 - bend * beside_m  # distance from the arc's centre, over R
         inside = max(reach**2 - (bend * ahead) ** 2, 0.0) ** 0.5
@@ -42,7 +45,7 @@ STRAIGHT = Path()
 
 
 def curvature(yaw_rate: float, speed_m_s: float) -> float:
-    """Return the curvature (1/m) of the path of a car that yaws (rad/s, left); slip is left out."""
+    """Path curvature (1/m) from yaw rate (rad/s, positive left) and speed; side slip is neglected."""
     if speed_m_s < _LEAST_SPEED_M_S:
         return 0.0
     return float(np.clip(yaw_rate / speed_m_s, -_TIGHTEST_1_M, _TIGHTEST_1_M))

@@ -1,4 +1,4 @@
-"""Boxes without rendering: the true outlines of the road's objects, projected, and then made worse."""
+"""Simulated detections without rendering: projected true outlines with box errors."""
 
 from dataclasses import dataclass
 
@@ -17,16 +17,16 @@ _LEAST_AHEAD_M = 0.3
 
 @dataclass(frozen=True)
 class BoxErrors:
-    """How a detector falls short of the true boxes.
+    """Error model of a detector, relative to true boxes.
 
-    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows
-    of bumps and of potholes,
-    downwards; miss_probability: of one object in one frame; false_per_frame: mean number of boxes around
-    nothing; range_m: farthest near edge, along the road from the camera; min_height_px: flattest box found.
+    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows of
+    bumps and of potholes, downwards; miss_probability: of one object in one frame; false_per_frame: mean
+    number of false boxes; range_m: farthest near edge, along the road from the camera; min_height_px: least
+    height of a detected box.
     """
 
     pixel_sigma: float = 1.0
-    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX  # as the estimator believes by default
+    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX  # as the estimator assumes by default
     top_bias_px: tuple[float, float] = TOP_BIAS_PX
     miss_probability: float = 0.15
     false_per_frame: float = 0.0
@@ -50,10 +50,10 @@ def true_boxes(
     range_m: float = 30.0,
     bonnet_row_px: float | None = None,
 ) -> Detections:
-    """Return the exact boxes of the features in sight, scores 1: silhouettes over crest and edges.
+    """Exact boxes of the visible features, scores 1: silhouettes over crest and edges.
 
     range_m: of the near edge ahead of the camera. bonnet_row_px: first row that the bonnet hides, if any.
-    Features do not hide one another.
+    Mutual occlusion of features is neglected.
     """
     limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
     boxes, classes = [], []
@@ -82,7 +82,7 @@ def degrade(
     rng: np.random.Generator,
     bonnet_row_px: float | None = None,
 ) -> Detections:
-    """Return detections with the misses, noise and false boxes of `errors` (range: see `true_boxes`).
+    """Detections with the misses, noise and false boxes of `errors` (range: see `true_boxes`).
 
     Edges that touch the image border or the bonnet stay there.
     """
@@ -107,7 +107,7 @@ def degrade(
 def _box(
     road: Road, feature: Feature, camera: Camera, pose: CameraPose, limit: float
 ) -> tuple[float, float, float, float] | None:
-    """Return the box around the feature's surface and edges, cut to the image, or None if out of sight."""
+    """Box around the feature's surface and edges, cut to the image, or None if out of sight."""
     x = np.linspace(max(feature.start_m, pose.x + _LEAST_AHEAD_M), feature.end_m, _ALONG)
     y = np.linspace(feature.y_min_m, feature.y_max_m, _ACROSS)
     grid_x, grid_y = np.meshgrid(x, y)
@@ -115,7 +115,7 @@ def _box(
     grid_x, grid_y = grid_x[inside], grid_y[inside]
     height = road.height(grid_x, grid_y)
     if feature.kind == "pothole":
-        height = height - feature.height(grid_x, grid_y)  # its rim hides or outlines all that lies deeper
+        height = height - feature.height(grid_x, grid_y)  # the rim outlines or hides everything below it
     pixels = project(camera, pose, np.stack([grid_x, grid_y, height], axis=1))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) == 0:
@@ -127,7 +127,7 @@ def _box(
 
 
 def _false_boxes(count: int, camera: Camera, limit: float, rng: np.random.Generator) -> np.ndarray:
-    """Return boxes anywhere on the lower half of the image, flat and wide."""
+    """Random false boxes, flat and wide, on the lower half of the image."""
     bottom = rng.uniform(0.45 * limit, limit - 5.0, count)
     height, width = rng.uniform(4.0, 30.0, count), rng.uniform(20.0, 200.0, count)
     left = rng.uniform(0.0, camera.width_px - width)

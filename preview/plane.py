@@ -1,4 +1,4 @@
-"""The road plane in a field of structure: what all of the road has in common is no relief."""
+"""Road-plane fit: robust estimate of the plane, and of rotation errors, in a field of structure."""
 
 import numpy as np
 
@@ -8,18 +8,18 @@ from road.camera import Camera
 Array = np.ndarray
 _EVERY = (slice(None, None, 2), slice(None, None, 8))
 _ROUNDS = 4
-_NOISE_PX = 0.5  # of one sample, inflated because neighbours share a window
+_NOISE_PX = 0.5  # noise of one sample, inflated because neighbouring windows overlap
 _CAUCHY = 1.0
-_MOST_WEIGHT = 3.0  # over the median: paint has gradients, but may lie where something stands out
+_MOST_WEIGHT = 3.0  # limit of a weight over the median: road paint has strong gradients and must not dominate
 _TILT_SIGMA = 0.02  # of the plane's inverse distance, 1/m: 2 % of grade or banking, 3 cm of camera height
 _TURN_SIGMA = 0.0003  # rad, error of the rotation between two exposures of one camera
 
 
 def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool) -> tuple[Array, Array]:
-    """Return (plane, turned), both (rows, columns): structure q of the plane, and q that a rotation mimics.
+    """(plane, turned), both (rows, columns): structure q of the plane, and apparent q of a rotation error.
 
-    road: (rows, columns) bool, where nothing is known to stand out. turns: whether the rotation between the
-    two images may be wrong, too. Weighted robust least squares with priors around the nominal plane: its
+    road: (rows, columns) bool, pixels without known objects. turns: whether to estimate an error of the
+    rotation between the two images. Weighted robust least squares with priors around the nominal plane: its
     inverse distance is linear in the pixel, so q - 1 = a ahead + b side + c up.
     """
     basis = np.stack([view.ahead, view.side, view.up, *(_rotations(camera, view, field) if turns else ())])
@@ -42,7 +42,7 @@ def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool
 
 
 def _rotations(camera: Camera, view: Band, field: Field) -> list[Array]:
-    """What q seems to be if the other camera is turned by 1 rad of pitch, of yaw, along the epipolar line."""
+    """Apparent q per rad of pitch and of yaw error of the other camera, along the epipolar line."""
     forward, left, up = view.other + view.travel[:, None, None]
     x, y = left / forward, up / forward
     flows = [(-x * y, -(1.0 + y * y)), (-(1.0 + x * x), -x * y)]

@@ -1,4 +1,4 @@
-"""From a drive to its `preview.memory`, and from that to where the next drive starts."""
+"""Conversion between an estimator's tracks and the `preview.memory` of a drive."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from preview.settings import Settings
 from preview.shape import POTHOLE
 from preview.track import LOG_ODDS_LIMIT, Edge, Track
 
-_LEAST_SAID = 0.05  # information on a size, over that of the kind's prior, below which none was gained
+_LEAST_SAID = 0.05  # least information on a size, over that of the kind's prior, that counts as a measurement
 
 
 def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
-    """What is worth keeping of a drive: the calibration and all confirmed `tracks`."""
+    """Memory of a drive: the calibration and all confirmed `tracks`."""
     (pitch, cross, *with_pitch), (_, height, *with_height) = calibration.covariance[MOUNTING].tolist()
     (bump, both), (_, hole) = calibration.covariance[ROWS, ROWS].tolist()
     offset, lift, *rows = calibration.mean.tolist()
@@ -25,7 +25,7 @@ def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
 
 
 def recall(calibration: Calibration, memory: Memory) -> None:
-    """Start from mounting and rows as they were learned."""
+    """Initialise the calibration with remembered mounting and edge bias."""
     kept = memory.mounting
     calibration.mean[MOUNTING] = kept.pitch_rad, kept.height_m
     if memory.rows is None:
@@ -38,7 +38,7 @@ def recall(calibration: Calibration, memory: Memory) -> None:
 def expectations(
     memory: Memory, calibration: Calibration, settings: Settings, x_m: float, first: int = 0
 ) -> list[Track]:
-    """Tracks that await the remembered objects, numbered from `first`; the odometer starts at `x_m`."""
+    """Tracks of the remembered objects, numbered from `first`; the odometer starts at `x_m`."""
     return [
         _expected(number, place, calibration, settings, x_m)
         for number, place in enumerate(memory.objects, first)
@@ -66,9 +66,9 @@ def _remembered(track: Track) -> Remembered:
 
 
 def _measured(track: Track, entry: int) -> tuple[float, float] | tuple[None, None]:
-    """Length or height as measured, with its sigma: the fit's, less the prior of the kind that is in it.
+    """Measured length or height with its sigma: the fit's, less the prior of the kind that it contains.
 
-    The next fit adds the prior again; kept in, it would count once more with every drive.
+    The next fit adds the prior again; if kept in, it would count once more with every drive.
     """
     best = track.best
     usual, usual_sigma = {
@@ -87,7 +87,7 @@ def _expected(
     identity: int, place: Remembered, calibration: Calibration, settings: Settings, x_m: float
 ) -> Track:
     kind = KIND_OF[place.kind]
-    # Both drives' odometers have drifted by the time the object comes.
+    # Both drives' odometers have drifted by the time the object is reached.
     drift = np.sqrt(2.0) * settings.odometry_sigma * abs(place.x_m - x_m)
     directs = [Direct(X, place.x_m, float(np.hypot(place.x_sigma_m, drift)))]
     if place.length_m is not None and place.length_sigma_m is not None:

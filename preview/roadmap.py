@@ -1,7 +1,7 @@
-"""A preview from a map: heights of the road that someone else has measured, with their uncertainty.
+"""Map-based road preview: measured road heights with their uncertainty, from a file.
 
-Any perception that knows the road's surface may come this way (LiDAR, a survey, the cloud, other cars): as
-CSV with one line a station,
+Any source that knows the road's surface can supply it (LiDAR, a survey, a cloud service, other cars): as
+CSV with one line per station,
 
     x_m,left_m,right_m,height_sigma_m,position_sigma_m,existence
     0.00,0.0000,0.0000,0.004,0.05,1
@@ -26,13 +26,13 @@ from road.measured import FORMATS, MeasuredSurface, surface
 
 Array = np.ndarray
 _QUALITY = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
-"""Columns that tell how good the map is, and what holds where they are missing."""
+"""Columns of the map's uncertainty, with their default values."""
 _MOST = {"height_sigma_m": 10.0, "position_sigma_m": 1000.0, "existence": 1.0}
 
 
 @dataclass(frozen=True)
 class RoadMap:
-    """Heights of a road by station, and what their maker says of them; stations are odometer positions.
+    """Road map: heights by station, with uncertainty; stations are odometer positions.
 
     surface: heights over x and y, x from the first station, which is at `start_m`. height_sigma_m,
     position_sigma_m, existence: (n,) at `surface.x_m`, as in `RoadPreview`.
@@ -48,7 +48,7 @@ class RoadMap:
         for name in _QUALITY:
             values = getattr(self, name)
             if values.shape != self.surface.x_m.shape:
-                raise InputError(f"{name} must have one value a station, got shape {values.shape}")
+                raise InputError(f"{name} must have one value per station, got shape {values.shape}")
             most = _MOST[name]
             if not ((values >= 0) & (values <= most)).all():
                 wrong = values[~((values >= 0) & (values <= most))][0]
@@ -56,7 +56,7 @@ class RoadMap:
 
 
 def read(path: Path | str) -> RoadMap:
-    """The map in a .csv or .crg file. Raises InputError naming the file and what is wrong."""
+    """Map of a .csv or .crg file. Raises InputError naming the file and the fault."""
     path = Path(path)
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"{path}: a map must end in {' or '.join(FORMATS)}")
@@ -83,7 +83,7 @@ def read(path: Path | str) -> RoadMap:
 def wheel_tracks(
     road_map: RoadMap, wheel_y_m: Sequence[float], radius_m: float, enveloping: Enveloping | None = None
 ) -> list[WheelProfile]:
-    """What a tyre of this radius feels on each track: the map's heights, enveloped."""
+    """Effective heights of the map on each wheel track, for a tyre of this radius."""
     x = np.arange(0.0, road_map.surface.length_m + STEP_M / 2, STEP_M)  # from the first station
     tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
     heights = (road_map.surface.height(x, y) for y in wheel_y_m)
@@ -100,7 +100,7 @@ def map_preview(
     time_s: float,
     distance_m: Array | None = None,
 ) -> RoadPreview:
-    """The map ahead of wheels that believe to stand at `wheel_x_m`, good to `localisation_sigma_m`.
+    """Preview of the map ahead of wheels at estimated positions `wheel_x_m` (sigma `localisation_sigma_m`).
 
     Beyond the ends of the map the road is flat and nothing is known: existence 0.
     """

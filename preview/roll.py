@@ -1,7 +1,7 @@
-"""Roll of the body over the road plane: the roll gyro, held by the rattle space of left and right wheels.
+"""Roll of the sprung mass relative to the road plane: a Kalman filter of roll gyro and rattle space.
 
-Roll of a symmetric car is independent of heave and pitch, so it has a Kalman filter of its own beside
-`preview.body`, with the same distrust of rough roads.
+Roll of a symmetric car is independent of heave and pitch, so it has a filter of its own beside
+`preview.body`, with the same weighting by roughness.
 """
 
 import numpy as np
@@ -12,9 +12,9 @@ Array = np.ndarray
 
 
 class Roll:
-    """Roll (rad, left side up) and the offset of its gyro (rad/s), with covariance (2, 2).
+    """Kalman filter of roll (rad, left side up) and gyro offset (rad/s), with covariance (2, 2).
 
-    axle_x_m, wheel_y_m: where the wheels are; without an axle that has wheels on both sides there is no roll.
+    axle_x_m, wheel_y_m: positions of the wheels; without an axle with wheels on both sides there is no roll.
     """
 
     def __init__(self, axle_x_m: tuple[float, ...], wheel_y_m: tuple[float, ...], settings: Settings) -> None:
@@ -28,11 +28,11 @@ class Roll:
 
     @property
     def roll_rad(self) -> float:
-        """The roll as known now."""
+        """Current estimate of the roll angle."""
         return float(self.state[0])
 
     def predict(self, step: float, roll_rate: float) -> None:
-        """Move on by `step` seconds with the gyro's mean reading (rad/s)."""
+        """Prediction over `step` seconds with the gyro's mean reading (rad/s)."""
         if not self._square:
             return
         self.state[0] += step * (roll_rate - self.state[1])
@@ -41,7 +41,10 @@ class Roll:
         self.covariance[0, 0] += np.deg2rad(self.settings.gyro_noise_deg_s) ** 2 * step
 
     def level(self, deflection: Array, roughness_m: float) -> None:
-        """Pull the road to the plane: body less road (wheels,) in m, on a road that rough (`Body`)."""
+        """Correction by the road plane.
+
+        deflection: (wheels,) body over road, m. roughness_m: as in `Body`.
+        """
         if not self._square:
             return
         measured = float(self._lever @ deflection) / self._square

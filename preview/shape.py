@@ -1,6 +1,6 @@
-"""What kinds of object there are, what their profiles look like, and what a tyre makes of them.
+"""Obstacle templates: kinds of obstacle with size priors, unit profiles, and effective tyre profiles.
 
-Priors of size cover what road-design rules allow, length along the road by height:
+Size priors cover what road-design rules allow, length along the road by height:
 
 * bump: Indonesia, Permenhub PM 14/2021 art. 3: 0.35-0.39 m by 5-9 cm.
 * hump: the UK's round-top hump, 3.7 m, built 75 or 100 mm high (TRL 186; the Highways (Road Humps)
@@ -10,9 +10,9 @@ Priors of size cover what road-design rules allow, length along the road by heig
 * table: the UK's flat-top humps are as high, with ramps of 1:10 to 1:15 (TRL 186). Those of the USA, up to
   22 ft by 3 in (Valencia County NM, § 70.02), and of Indonesia, 6.6 m on top by 8-9 cm, lie above the prior.
 * pothole: the classes of ASTM D6433, read second-hand, end at a diameter of 0.75 m and begin their deepest at
-  50 mm, whatever the diameter; what is shallower matters little to a ride. Boxes do not show a depth.
+  50 mm, whatever the diameter; shallower ones matter little to ride comfort. Boxes do not show a depth.
 
-Where an object lies off its prior, the boxes overrule it.
+For an object outside its prior the boxes dominate.
 """
 
 from dataclasses import dataclass
@@ -25,15 +25,15 @@ from road.envelope import envelope
 Array = np.ndarray
 TEMPLATE_STEP_M = 0.01
 TEMPLATE_MARGIN_M = 0.5  # more than a wheel radius, so that the envelope is back to zero at both ends
-RAMP = 1.0 / 6.0  # of a table, as a share of its length
-_WALL_M = 0.06  # of potholes, from rim to floor
+RAMP = 1.0 / 6.0  # ramp length of a table, as a share of its length
+_WALL_M = 0.06  # wall length of potholes, from rim to floor
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of object with its priors: mean and standard deviation of length and height.
+    """Obstacle template: priors of an obstacle kind, mean and standard deviation of length and height.
 
-    cls: detector class; sign: +1 stands up, -1 is a hole; share: prior probability within its class.
+    cls: detector class; sign: +1 for raised, -1 for a hole; share: prior probability within its class.
     """
 
     name: str
@@ -54,15 +54,15 @@ KINDS = (BUMP, HUMP, TABLE, POTHOLE)
 
 
 def kinds_of(cls: int) -> tuple[Kind, ...]:
-    """Return the kinds that the detector calls class `cls`."""
+    """Obstacle templates of detector class `cls`."""
     return tuple(kind for kind in KINDS if kind.cls == cls)
 
 
 def relief(kind: Kind, share: Array, length_m: float | Array, ramp: float | Array = RAMP) -> Array:
-    """Return the profile at `share` (0..1) of the length, in units of the height, zero at both ends.
+    """Unit profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
-    A narrow bump is a half sine, a hump a parabola (as good as Watts' circular arc), a table flat with ramps
-    of `ramp`, a share of its length. A hole counts its depth as negative height.
+    A narrow bump is a half sine, a hump a parabola (a close approximation of Watts' circular arc), a table
+    flat with ramps of `ramp`, a share of its length. A hole counts its depth as negative height.
     """
     if kind is BUMP:
         return np.sin(np.pi * share)
@@ -75,13 +75,13 @@ def relief(kind: Kind, share: Array, length_m: float | Array, ramp: float | Arra
 
 
 def chord(length_m: float, width_m: float, offset_m: float) -> float:
-    """Return the length (m) of an elliptic outline along the road `offset_m` beside its centre; 0 outside."""
+    """Length (m) along the road of an elliptic outline, `offset_m` beside its centre; 0 outside."""
     ratio = 2.0 * offset_m / max(width_m, 1e-6)
     return length_m * float(np.sqrt(max(0.0, 1.0 - ratio**2)))
 
 
 def tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, Array]:
-    """Return (x, height): the effective profile under a tyre, x in m from the near edge.
+    """(x, height): the effective profile under a tyre, x in m from the near edge.
 
     Zero at both ends, so it may be continued flat. Lengths are rounded to 1 cm and heights to 2 mm.
     """

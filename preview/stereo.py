@@ -1,8 +1,8 @@
-"""A stereo pair looking at the road: semi-global matching of a band, both images warped to the road plane.
+"""Stereo heights: semi-global matching of an image band, with both images warped to the road plane.
 
-On the raw pair the road is a slant that semi-global matching (Hirschmueller, PAMI 2008) breaks into steps.
-Warped by the plane's homography, road has no disparity and what stands out of it little, so few disparities
-at half the resolution find it; `preview.parallax.match` then refines it to a tenth of a pixel.
+In the raw pair the road is a slanted surface that semi-global matching (Hirschmueller, PAMI 2008) breaks into
+steps. Warped by the plane's homography, the road has zero disparity and objects on it a small one, so that
+few disparities at half the resolution suffice; `preview.parallax.match` then refines to a tenth of a pixel.
 """
 
 from dataclasses import replace
@@ -24,7 +24,7 @@ def second_pose(pose: CameraPose, base_m: float) -> CameraPose:
 
 
 def coarse(camera: Camera, view: Band, left: Array, right: Array) -> Array:
-    """Structure q (rows, columns) of a band by semi-global matching, good to about half a pixel."""
+    """Structure q (rows, columns) of a band by semi-global matching, accurate to about half a pixel."""
     rows, columns = view.ahead.shape
     at_u, at_v, forward = place(camera, view, np.ones_like(view.ahead))
     warped = cv2.remap(right, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)

@@ -1,10 +1,10 @@
-"""Boxes as an ideal lens would show them with the horizon level: what the rest of the preview reckons with.
+"""Box rectification: boxes as seen by a distortion-free camera without roll.
 
-The edge of a bump lies across the road: it is one row of the ideal, level picture, but a curve in that of a
-lens that distorts, and a slope in that of a camera that rolls. The box touches it at one point, and
-everywhere else along the box's bottom the object lies higher. So of all the rows that pixels along the
-bottom straighten to, the object's is the highest in the picture, and for the top it is the lowest. An
-outline that is round touches its box near the middle.
+The edge of a bump lies across the road: it is one row of the ideal, level image, but a curve in the image of
+a distorted lens, and a slope in that of a rolled camera. The box touches it at one point, and everywhere else
+along the box's bottom the object lies higher. So among the rows that the pixels along the bottom rectify to,
+the object's is the highest in the image, and for the top it is the lowest. A round outline touches its box
+near the middle.
 """
 
 import numpy as np
@@ -19,10 +19,10 @@ _HOLE = CLASS_NAMES.index("pothole")
 
 
 def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
-    """Boxes xyxy (n, 4) in the picture of `camera.pinhole` without the roll of `pose`.
+    """Rectified boxes xyxy (n, 4): in the image of `camera.pinhole` without the roll of `pose`.
 
     boxes: as `camera` shows them; cut (n, 4): edges that lie on the image border; classes (n,). Without
-    distortion and roll they stay as they are.
+    distortion and roll they are returned unchanged.
     """
     if len(boxes) == 0 or (camera.is_pinhole and pose.roll == 0.0):
         return boxes
@@ -34,7 +34,7 @@ def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cla
     far = near - (bottom - top)[:, 0]
     horizon = camera.cy - camera.focal_px * np.tan(pose.pitch)
     for _ in range(_PASSES):
-        # The far edge is as much narrower as it is nearer to the horizon, but where the border cuts both.
+        # The far edge narrows in proportion to its distance to the horizon, unless the border cuts both.
         ratio = np.clip((far - horizon) / np.maximum(near - horizon, 1.0), 0.0, 1.0)[:, None]
         far_left, far_right = (
             np.where(cut[:, [side]], u, camera.cx + ratio * (u - camera.cx))
@@ -46,7 +46,7 @@ def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cla
 
 
 def _level(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
-    """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the straightened picture."""
+    """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the rectified image."""
     along = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
     u, v = camera.straightened(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T
     rays = np.stack([np.ones_like(u), (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px])

@@ -1,4 +1,4 @@
-"""One object on the road: its boxes, its fits, where it lies across the lane, and whether it is real."""
+"""Track of one object: boxes, fits, lateral extent, class and existence."""
 
 import math
 from dataclasses import dataclass, field
@@ -16,30 +16,30 @@ from preview.settings import Settings
 from preview.shape import POTHOLE, Kind, chord, kinds_of
 
 Array = np.ndarray
-_HOPELESS = 10.0  # log evidence against a kind that lets it be given up
-_LEAST_SIGHTS = 8  # before that
-_STRAINED = 2.5  # above this strain the boxes do not tell of one plane
-_TURNED_RAD = 0.002  # below this the road plane has not changed
-_WIDENING = 2.0  # of sigma, for each unit above; makes it true for grades changing by 2 %
-LOG_ODDS_LIMIT = 7.0  # so that a vanished object is given up after half a second
+_HOPELESS = 10.0  # log evidence against a kind at which it is dropped
+_LEAST_SIGHTS = 8  # before a kind may be dropped
+_STRAINED = 2.5  # variance ratio above which the boxes contradict a plane road
+_TURNED_RAD = 0.002  # threshold below which the plane counts as unchanged
+_WIDENING = 2.0  # sigma inflation per unit above; calibrated for grade changes of 2 %
+LOG_ODDS_LIMIT = 7.0  # so that a vanished object is deleted after half a second
 
 
 @dataclass
 class Edge:
-    """Lateral position of one side of the object: mean and variance, a scalar Kalman filter."""
+    """Lateral position of one side of the object, left-positive (m): a scalar Kalman filter."""
 
     y_m: float
     variance: float
 
     def update(self, y_m: float, variance: float) -> None:
-        """Take one measurement in."""
+        """Update with one measurement."""
         gain = self.variance / (self.variance + variance)
         self.y_m += gain * (y_m - self.y_m)
         self.variance *= 1.0 - gain
 
 
 class Section(NamedTuple):
-    """What a wheel meets of an object: near edge, length and height (or depth) along the wheel's path, m."""
+    """Section of an object on a wheel's path: near edge, length and height (or depth), m."""
 
     start_m: float
     length_m: float
@@ -48,13 +48,13 @@ class Section(NamedTuple):
 
 @dataclass
 class Track:
-    """An object that has been seen at least once. Positions are of the odometer's axis.
+    """Track of an object detected at least once. Positions are on the odometer's axis.
 
-    right, left: lateral edges (y_min, y_max). log_odds: of being no chance box; class_log_odds: of `cls`
-    against the other class. surplus: see `preview.scores`. precision: how often a thing that is seen again
-    and again, with such scores, is real; 1 once a wheel has felt it. fits: by kind. strain: see
-    `preview.grade`. turned_rad: by how much the road plane was turned in all since it was first seen. marked:
-    near edge and sigma by `preview.cross_ratio`, which then stand in the place of the fit's.
+    right, left: lateral edges (y_min, y_max). log_odds: against a chance detection; class_log_odds: of `cls`
+    against the other class. surplus: see `preview.scores`. precision: probability that a repeatedly detected
+    object with such scores is real; 1 after a wheel strike. fits: by kind. strain: variance ratio, see
+    `preview.grade`. turned_rad: total rotation of the road plane since the first detection. marked: near edge
+    and sigma by `preview.cross_ratio`, which then replace those of the fit.
     """
 
     identity: int
@@ -81,32 +81,33 @@ class Track:
 
     @property
     def best(self) -> Fit:
-        """The fit of the kind that explains the boxes best."""
+        """Fit of the kind with the highest evidence."""
         return min(self.fits, key=lambda candidate: candidate.cost)
 
     @property
     def existence(self) -> float:
         """Probability that the object is real.
 
-        Repeated boxes tell an object from chance ones; only scores tell it from a stain seen in every frame.
+        Repeated boxes separate it from chance detections; only scores separate it from a look-alike such as a
+        stain.
         """
         return float(self.precision / (1.0 + np.exp(-self.log_odds)))
 
     @property
     def strained(self) -> bool:
-        """Whether the boxes contradict a plane road: its grade has changed on the way."""
+        """True if the boxes contradict a plane road: its grade has changed on the way."""
         return self.strain > _STRAINED
 
     @property
     def of_one_plane(self) -> bool:
-        """Whether all was seen from one road plane, as far as the boxes and the wheels tell."""
+        """True if all boxes belong to one road plane, according to boxes and wheels."""
         return not self.strained and self.turned_rad < _TURNED_RAD
 
     @property
     def sigma_m(self) -> float:
-        """Standard deviation of the near edge, widened where the boxes contradict a plane road.
+        """Standard deviation of the near edge, inflated where the boxes contradict a plane road.
 
-        A stereo pair measures without supposing one.
+        A stereo pair does not assume a plane road.
         """
         if self.elevation is not None and self.elevation.absolute:
             return self.best.sigma_m
@@ -130,7 +131,7 @@ class Track:
 
     @property
     def depth_is_measured(self) -> bool:
-        """Whether more than the prior tells of a pothole's depth: images, or an earlier drive's."""
+        """True if a pothole's depth is known beyond its prior: from images or an earlier drive."""
         return self.elevation is not None or any(known.entry == HEIGHT for known in self.directs)
 
     @property
@@ -139,19 +140,22 @@ class Track:
         return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
 
     def weigh(self, seen: bool, settings: Settings) -> None:
-        """Bayes' rule for existence, after a frame in which the object should have been visible."""
+        """Bayesian update of existence after a frame in which the object should have been visible."""
         real, false = settings.detection_probability, settings.false_repeat_probability
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
     def rate(self, score: float, height_px: float, settings: Settings) -> None:
-        """Take in a box's score, unless a wheel has felt the thing, on this drive or an earlier one."""
+        """Update of the score evidence.
+
+        It is skipped for an object proved real by a wheel strike, in this drive or an earlier one.
+        """
         if self.precision < 1.0:
             self.surplus = mean_surplus(self.surplus, surplus(score, height_px, self.cls))
             self.precision = min(settings.precision(self.cls), probability(self.surplus, self.cls))
 
     def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
-        """Bayes' rule for the class; a track that turns to the other class starts its fits anew."""
+        """Bayesian update of the class; a change of class restarts the fits."""
         confusion = settings.confusion_probability
         evidence = math.log((1.0 - confusion) / confusion) * (1.0 if seen_as == self.cls else -1.0)
         self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
@@ -159,11 +163,11 @@ class Track:
             self.cls, self.class_log_odds = seen_as, -self.class_log_odds
             self.surplus, self.precision = 0.0, settings.precision(seen_as)
             self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
-            # Where it lies stays true; how large it was remembered to be was said of the other class.
+            # The position remains valid; remembered sizes belong to the other class.
             self.directs = [known for known in self.directs if known.entry == X]
 
     def refit(self, shared: Gaussian, settings: Settings) -> None:
-        """Fit every kind still in question to all sights, each from where its last fit ended."""
+        """Fit every remaining kind to all sights, starting from its last fit."""
         del self.sights[: -settings.max_boxes]
         sights = table(self.sights)
         fits = [
@@ -176,7 +180,7 @@ class Track:
         self.strain = strain(sights, self.best.state)
 
     def turn(self, x_m: float, turn: Turn) -> None:
-        """Reckon all sights from a road plane that was turned when the odometer read `x_m`."""
+        """Transform all sights to a road plane that was updated at odometer reading `x_m`."""
         self.turned_rad += abs(turn.pitch_rad)
         for number, sight in enumerate(self.sights):
             camera_z = sight.camera_z + turn.heave_m + (x_m - sight.camera_x) * turn.pitch_rad
@@ -184,7 +188,7 @@ class Track:
             self.sights[number] = sight._replace(camera_z=camera_z, bottom=bottom, top=top)
 
     def place(self, x_m: float, sigma_m: float) -> None:
-        """Put the near edge where something else than the boxes' fit says, with its standard deviation."""
+        """Set the near edge to a position from another source than the fit, with its standard deviation."""
         for number, found in enumerate(self.fits):
             state, covariance = found.state.copy(), found.covariance.copy()
             state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
@@ -203,7 +207,7 @@ class Track:
         return inside_right * inside_left
 
     def section(self, y_m: float) -> Section:
-        """Return the extent on the line y = `y_m`; a hole is an ellipse."""
+        """Section on the line y = `y_m`; a hole is an ellipse."""
         length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
         if self.best.kind is not POTHOLE:
             return Section(self.start_m, length, height)
@@ -213,7 +217,7 @@ class Track:
 
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:
-    """Return fits of a new object from the ground position of its first box alone."""
+    """Initial fits of a new object from the ground position of its first box."""
     return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in kinds_of(cls)]
 
 

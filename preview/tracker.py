@@ -1,4 +1,4 @@
-"""Tracks of the objects on the road: which box belongs to which, who is born, who dies."""
+"""Multi-object tracker: data association, track birth, confirmation and deletion."""
 
 from typing import Any
 
@@ -13,18 +13,18 @@ from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
 from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
 
-_GATE = 20.0  # sum of squared normalised row differences; four sigmas on one row
+_GATE = 20.0  # association gate: sum of squared normalised row differences; four sigmas on one row
 _LATERAL_GATE_M = 0.5
-_OTHER_CLASS = 6.0  # added to the cost of a box of the other class with the same sides
-_PART_M = 0.3  # beyond an object's ends: where its parts may seem to be
-_FIRST_EDGE_SIGMA_M = 1.0  # of a side that the image border cut in the first box
+_OTHER_CLASS = 6.0  # cost added to a box of the other class with the same sides
+_PART_M = 0.3  # margin beyond an object's ends for boxes of its parts
+_FIRST_EDGE_SIGMA_M = 1.0  # of a side cut by the image border in the first box
 
 
 class Tracker:
-    """All tracks, and the calibration they share.
+    """Multi-object tracker with the calibration that the tracks share.
 
-    `passed` keeps the confirmed ones that lie behind; `events` logs births, confirmations and deaths. With
-    `marks` the last box that shows a near edge alone places an object, by `preview.cross_ratio`.
+    `passed` keeps the confirmed tracks behind the car; `events` logs births, confirmations and deaths. With
+    `marks` an object's position is that of the last box with an uncut near edge, by `preview.cross_ratio`.
     """
 
     def __init__(self, settings: Settings, focal_px: float, marks: Marks | None = None) -> None:
@@ -33,11 +33,11 @@ class Tracker:
         self.passed: list[Track] = []
         self.calibration = Calibration(settings, focal_px)
         self.events: list[dict[str, Any]] = []
-        self.grade_sigma = 0.0  # of the road ahead, where its grade has just changed
+        self.grade_sigma = 0.0  # of the grade ahead, after a change of grade
         self._next_identity = 0
 
     def update(self, view: View, detections: Detections) -> None:
-        """Take one frame in. Frames may come late or out of order: each brings its own pose."""
+        """Process one frame. Frames may come late or out of order: each has its own pose."""
         awaited = [expected(view, track) for track in self.tracks]
         cost = self._costs(view, detections, awaited)
         rows, columns = linear_sum_assignment(cost)
@@ -47,7 +47,7 @@ class Tracker:
                 self._hit(track, view, pairs[number], detections)
             elif awaited[number].visible:
                 track.weigh(False, self.settings)
-        # A second box on the same object is no new object.
+        # A second box on a tracked object does not start a track.
         claimed = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
         for number in range(len(detections)):
             if number not in claimed:
@@ -55,33 +55,33 @@ class Tracker:
         self._bury(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
-        """Let go of tracks wholly behind the rear wheel, and learn the calibration from the real ones."""
+        """Remove tracks wholly behind the rear wheel, and update the calibration with the real ones."""
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
                 if track.sights and track.of_one_plane:
-                    self.refit(track, self.calibration.prior(track.cls))  # which `learn` takes off again
+                    self.refit(track, self.calibration.prior(track.cls))  # subtracted again by `learn`
                     self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
 
     def expect(self, tracks: list[Track]) -> None:
-        """Take in tracks of objects that were not seen yet but are known."""
+        """Add tracks of objects that are known but not yet detected."""
         self.tracks += tracks
         self._next_identity = max([self._next_identity, *(track.identity + 1 for track in tracks)])
 
     def refit(self, track: Track, prior: Gaussian | None = None) -> None:
-        """Fit a track anew, for instance after something else than a box told of it."""
+        """Fit a track anew, for instance after a measurement other than a box."""
         track.refit(self._prior(track) if prior is None else prior, self.settings)
         if track.marked is not None:
             track.place(*track.marked)
 
     def turn(self, x_m: float, turn: Turn) -> None:
-        """Reckon all that was seen from a road plane that was turned when the odometer read `x_m`."""
+        """Transform all tracks to a road plane that was updated at odometer reading `x_m`."""
         for track in self.tracks:
             track.turn(x_m, turn)
 
     def _prior(self, track: Track) -> Gaussian:
-        """What the calibration knows for a track, less sure of pitch and ground where the grade changes."""
+        """Prior of a track from the calibration, wider in pitch and ground after a change of grade."""
         known = self.calibration.prior(track.cls)
         ahead_m = max(track.start_m - track.last_seen_x_m, 0.0)
         more = np.diag([1.0, ahead_m**2, 0.0]) * self.grade_sigma**2
@@ -110,7 +110,7 @@ class Tracker:
         return float(bottom**2 + top**2)
 
     def _same_sides(self, view: View, track: Track, number: int) -> bool:
-        """Whether a box is as wide as the track: else one of another class is a neighbour, no mistake."""
+        """True if a box is as wide as the track; otherwise a box of another class is a neighbour."""
         right, left = self._sides(track, view, number)
         tolerance = 0.25 * (left.y_m - right.y_m) + 0.1
         return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
@@ -133,12 +133,12 @@ class Tracker:
             self.log("confirmed", track, view.time_s)
 
     def _marked(self, view: View, number: int) -> tuple[float, float] | None:
-        """Where the marks put the near edge of a box, and its sigma; None without marks or out of reach."""
+        """Near edge of a box by the marks, and its sigma; None without marks or out of range."""
         if self.marks is None or view.cut[number][3]:
             return None
         row = float(view.boxes[number][3])
         away = float(distance(self.marks, row))
-        if not away < self.settings.birth_range_m:  # nor if nan: the row is at the marks' horizon or above
+        if not away < self.settings.birth_range_m:  # also for nan: a row at or above the marks' horizon
             return None
         return view.pose.x + away, distance_sigma(self.marks, row, self.settings.pixel_sigma)
 
@@ -172,13 +172,13 @@ class Tracker:
         self.log("born", track, view.time_s)
 
     def _rate(self, track: Track, view: View, number: int, detections: Detections) -> None:
-        """A box that names the wrong class says nothing of how real the right one is."""
+        """Score update, except by a box of the wrong class, which says nothing of the right one."""
         if self.settings.score_evidence and int(detections.classes[number]) == track.cls:
             box = view.boxes[number]
             track.rate(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
 
     def _is_part(self, view: View, number: int, cls: int, x_m: float) -> bool:
-        """Whether a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
+        """True if a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
         right, left = sides_of(view, number, max(x_m - view.pose.x, 1.0))
         return any(
             track.start_m - _PART_M < x_m < track.end_m + _PART_M
@@ -189,7 +189,7 @@ class Tracker:
         )
 
     def _sides(self, track: Track, view: View, number: int) -> tuple[Edge, Edge]:
-        """Sides of the box: a bump is widest on its near edge, a hole in its middle."""
+        """Sides of the box: a bump is widest at its near edge, a hole in its middle."""
         state = track.best.state
         share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
         return sides_of(view, number, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))

@@ -1,4 +1,4 @@
-"""Boxes as a camera at a known pose saw them, and where a track ought to appear in its image."""
+"""Observation model: rectified boxes of a frame at a known pose, and predicted boxes of tracks."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -18,15 +18,14 @@ from road.camera import Camera, CameraPose
 
 Array = np.ndarray
 _LEAST_AHEAD_M = 0.5
-_YAW_DRIFT_M = 0.02  # the car does not keep perfectly straight
+_YAW_DRIFT_M = 0.02  # lateral drift of the car
 
 
 class View(NamedTuple):
-    """One frame, straightened: as an ideal lens would show it with the horizon level.
+    """Rectified frame: as seen by a distortion-free camera without roll.
 
-    camera, pose: of that lens, without roll, at exposure; boxes (n, 4) with known biases taken off; cut
-    (n, 4): edges that lie on the image border or bonnet; limit_row: first row that shows no road; path: of
-    the wheels.
+    camera, pose: of that camera at exposure; boxes (n, 4) with known biases subtracted; cut (n, 4): edges
+    that lie on the image border or bonnet; limit_row: first row without road; path: of the wheels.
     """
 
     time_s: float
@@ -40,7 +39,7 @@ class View(NamedTuple):
 
 
 class Expected(NamedTuple):
-    """Where a track should appear: rows of its box, their sigmas, and whether enough of it is in sight."""
+    """Predicted box of a track: rows with sigmas, and whether enough of it is in view."""
 
     bottom: float
     top: float
@@ -57,7 +56,7 @@ def view_of(
     settings: Settings,
     path: Path = STRAIGHT,
 ) -> View:
-    """Return the frame as the tracker wants it."""
+    """Rectified frame for the tracker."""
     biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
     boxes = detections.boxes.astype(float) - biases
     border, limit = settings.border_px, min(float(camera.height_px), settings.bonnet_row_px)
@@ -69,7 +68,7 @@ def view_of(
 
 
 def sight_of(view: View, number: int) -> Sight:
-    """Return the lines of sight along the bottom and top of a box; nan where border or bonnet cuts it."""
+    """Edge bearings of the bottom and top of a box; nan where border or bonnet cuts it."""
     top, bottom = view.boxes[number][1], view.boxes[number][3]
     pixels = np.hypot(view.settings.pixel_sigma, view.settings.relative_sigma * (bottom - top))
     angles = depression(view.camera, np.array([bottom, top])) + view.pose.pitch
@@ -82,7 +81,7 @@ def sight_of(view: View, number: int) -> Sight:
 
 
 def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
-    """Return where the middle of a box's bottom meets the road: x and its sigma (m); nan above horizon."""
+    """Ground position of the middle of a box's bottom: x and its sigma (m); nan above the horizon."""
     box = view.boxes[number]
     turn, lift = np.array([1.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
     pitch, ground = float(turn @ shared.mean), float(lift @ shared.mean)
@@ -94,7 +93,7 @@ def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
 
 
 def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
-    """Return the (right, left) sides of a box `ahead_m` in front; a cut side says nothing (variance inf)."""
+    """Sides (right, left) of a box `ahead_m` in front; infinite variance for a cut side."""
     box = view.boxes[number]
     scale = ahead_m / view.camera.focal_px
     variance = (2.0 * view.settings.pixel_sigma * scale) ** 2 + _YAW_DRIFT_M**2
@@ -107,7 +106,7 @@ def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
 
 
 def expected(view: View, track: Track) -> Expected:
-    """Return where `track` should appear in the image, with the uncertainty of its fit."""
+    """Predicted box of `track` in the image, with the uncertainty of its fit."""
     best = track.best
     state, covariance, pose = best.state, best.covariance, view.pose
     turn = pose.pitch + state[OFFSET]

@@ -1,4 +1,4 @@
-"""A car on rails: known pitch and heave, imperfect sensors, imperfect boxes. Drives toward features."""
+"""Simulated drives toward features: kinematic car with known pitch and heave, imperfect sensors and boxes."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -20,12 +20,12 @@ WHEEL_Y_M = (0.75, 0.75)
 
 
 def box_errors(**more: float) -> BoxErrors:
-    """Box errors around edges that mean what they say, as `unbiased` settings believe."""
+    """Box errors without edge bias, as `unbiased` settings assume."""
     return BoxErrors(bottom_bias_px=(0.0, 0.0), top_bias_px=(0.0, 0.0), **more)
 
 
 def unbiased(**more: float) -> Settings:
-    """Settings for a detector whose edges are the true ones."""
+    """Settings for a detector without edge bias."""
     return Settings(bottom_bias_px=(0.0, 0.0), top_bias_px=(0.0, 0.0), **more)
 
 
@@ -64,7 +64,7 @@ class Drive:
 
 
 class Snapshot(NamedTuple):
-    """The estimator's track of a feature when the front wheel was `before_m` short of it."""
+    """Track of a feature when the front wheel was `before_m` short of it."""
 
     error_m: float
     sigma_m: float
@@ -141,7 +141,7 @@ def _snapshot(estimator: Estimator, start_m: float, t: float, x: float) -> Snaps
 
 
 class _Body:
-    """Pitch and heave as sums of two sines around the body's resonances, on wheels that hop."""
+    """Pitch and heave as sums of two sines near the body's resonances, on wheels that hop."""
 
     def __init__(self, conditions: Drive, rng: np.random.Generator) -> None:
         self.conditions = conditions
@@ -160,7 +160,7 @@ class _Body:
         return float((self._heave * self._frequency**order * np.sin(turn)).sum())
 
     def _roll(self, road: np.ndarray) -> np.ndarray:
-        """Advance wheels that hop on their tyres, lightly damped; return their acceleration."""
+        """Advance lightly damped wheels on their tyres; returns their acceleration."""
         step, hop = self.conditions.step_s, 2 * np.pi * 10.8
         acceleration = hop**2 * (road - self._wheel) - 0.3 * hop * self._wheel_velocity
         self._wheel_velocity = self._wheel_velocity + step * acceleration

@@ -8,14 +8,14 @@ SETTINGS = Settings(bottom_bias_px=(0.0, 0.0))
 FOCAL_PX = 457.0
 ALONE = np.zeros((3, 3))
 ALONE[:2, :2] = np.array([[0.05**2, 0.3 * 0.05 * 0.5], [0.3 * 0.05 * 0.5, 0.5**2]]) * np.deg2rad(1.0) ** 2
-# Pitch and rows together are seen well, either alone badly: to three pixels.
+# The sum of pitch and row bias is well observed, either alone only to three pixels.
 ALONE += (3.0 / FOCAL_PX) ** 2 * np.outer([1.0, 0.0, 1.0], [1.0, 0.0, 1.0])
 ALONE[2, 2] += (0.01 / FOCAL_PX) ** 2
 BUMP, POTHOLE = 0, 1
 
 
 def posterior_of(prior, value, alone):
-    """Fit of an object whose boxes alone say `value` with covariance `alone`."""
+    """Posterior of an object whose boxes alone give `value` with covariance `alone`."""
     information = np.linalg.inv(prior.covariance) + np.linalg.inv(alone)
     covariance = np.linalg.inv(information)
     known = np.linalg.solve(prior.covariance, prior.mean) + np.linalg.solve(alone, value)
@@ -23,7 +23,7 @@ def posterior_of(prior, value, alone):
 
 
 def strike(calibration, cls, mounting, too_low_px, alone=ALONE / 100):
-    """An object whose boxes are drawn `too_low_px` under its true edge, and which a wheel has felt."""
+    """Object with boxes `too_low_px` below its true edge, and with a wheel strike."""
     value = np.array([*mounting, np.arctan(too_low_px / FOCAL_PX)])
     calibration.learn(posterior_of(calibration.prior(cls), value, alone), cls)
 
@@ -71,10 +71,10 @@ def test_an_object_that_said_nothing_teaches_nothing():
 
 
 def test_rows_of_potholes_are_learned_apart_from_the_pitch():
-    """Bumps drawn where they are, potholes 1 px too low, on a camera 0.2 degrees off.
+    """Bumps without bias, potholes 1 px too low, on a camera 0.2 degrees off.
 
-    Of the pixel between the classes the bumps take their share of the prior variance, 0.09 of 0.34, which
-    the pitch makes good: 0.033 degrees. What both together mean for each class is right.
+    The bumps take their share of the prior variance, 0.09 of 0.34, of the pixel between the classes; the
+    pitch compensates for it: 0.033 degrees. Their sum is right for each class.
     """
     calibration, true = Calibration(SETTINGS, FOCAL_PX), np.array([np.deg2rad(0.2), 0.0])
     for _ in range(10):
@@ -88,7 +88,7 @@ def test_rows_of_potholes_are_learned_apart_from_the_pitch():
 
 
 def test_bumps_alone_tell_the_pitch_and_leave_the_rows_alone():
-    """A shift that all objects share goes to the less known of the two: the pitch."""
+    """A shift that all objects share is assigned to the less certain of the two: the pitch."""
     calibration, true = Calibration(SETTINGS, FOCAL_PX), np.array([np.deg2rad(0.3), 0.0])
     for _ in range(20):
         strike(calibration, BUMP, true, 0.0)

@@ -1,4 +1,4 @@
-"""What the composed preview says of known tracks: whose height, where, and how sure."""
+"""Composed preview of known tracks: height, position and uncertainty."""
 
 from dataclasses import replace
 

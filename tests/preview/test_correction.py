@@ -22,7 +22,7 @@ def track(kind, x, sigma=0.06):
 
 
 def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
-    """A wheel that has rolled over an object at `true_x` on a road `level` high."""
+    """Wheel that has rolled over an object at `true_x` on a road `level` high."""
     rng = np.random.default_rng(4)
     wheel = FrontWheel(0.75, SETTINGS)
     at, profile = tyre_profile(kind, kind.length_m, kind.height_m)
@@ -73,7 +73,7 @@ def test_nothing_is_due_before_the_wheel_has_passed():
     ids=lambda feature: feature.kind,
 )
 def test_the_rear_wheel_profits_from_the_front_wheel(feature):
-    """1.2 m before the rear wheel, the front wheel has been there: centimetres are left."""
+    """After the front wheel's strike, 1.2 m before the rear wheel, the error is a few centimetres."""
     shots = [drive(Road(60.0, (feature,)), Drive(seed=s), before_m=-1.5)[0][0] for s in range(5)]
     assert max(abs(shot.error_m) for shot in shots) < 0.05
     assert max(shot.sigma_m for shot in shots) < 0.03

@@ -29,7 +29,7 @@ def test_at_rest_it_is_the_ground_plane(ahead):
 
 
 def test_it_needs_neither_focal_length_nor_height_nor_pitch():
-    """Rows and tape measure of any camera over the plane do, for instance of a bar's shadows on paper."""
+    """Rows and measured distances suffice, for any camera over the plane."""
     camera, mount = Camera(focal_px=800.0), CameraMount(height_m=2.2, pitch_deg=12.0)
     pose = pose_of(mount, 0.0, 0.0, 0.0)
     rows = project(camera, pose, [(pose.x + d, 0.0, 0.0) for d in (6.0, 9.0, 14.0, 21.0)])[:, 1]
@@ -43,9 +43,9 @@ def test_the_marks_themselves_and_the_horizon():
 
 
 def test_a_pitching_car_deceives_it():
-    """Half a degree nose-down at 10 m: the road moves up in the image and seems 0.7 m farther.
+    """Half a degree nose-down at 10 m: the road moves up in the image and appears 0.7 m farther away.
 
-    It lies atan(1.3 / 10) = 7.41 degrees below level, but seems to lie 6.91, at 1.3 / tan(6.91) = 10.7 m.
+    It lies atan(1.3 / 10) = 7.41 degrees below level, but appears at 6.91, at 1.3 / tan(6.91) = 10.7 m.
     """
     turned = pose_of(MOUNT, 0.0, 0.0, np.deg2rad(0.5))
     row = project(CAMERA, turned, [(turned.x + 10.0, 0.0, 0.0)])[0, 1]
@@ -75,7 +75,7 @@ def test_sigma_grows_towards_the_horizon_and_is_finite_wherever_the_distance_is(
 
 @pytest.fixture
 def driven():
-    """An estimator of a car at 10 m/s that has a bump ahead at 40 m, up to its last frame 6.85 m before."""
+    """Estimator of a car at 10 m/s with a bump ahead at 40 m, up to its last frame 6.85 m before it."""
     estimator = Estimator(CAMERA, MOUNT, (0.0,), (0.75,), unbiased(distance="cross_ratio"))
     road = Road(60.0, (HalfSineBump(40.0, 0.08, 0.4),))
     for tick in range(680):
@@ -97,7 +97,7 @@ def test_an_estimator_may_be_told_to_use_it(driven):
 
 
 def test_nothing_but_the_next_box_moves_what_the_marks_have_placed(driven):
-    """A wheel's strike, a height measured in images and a fit for any other reason leave it where it is."""
+    """Neither a wheel strike nor a height measured in images nor a refit moves it."""
     (track,) = driven.tracker.tracks
     before = track.start_m, track.best.sigma_m
     track.directs.append(Direct(X, 40.4, 0.03))

@@ -1,4 +1,4 @@
-"""What a measured profile says of an object's shape."""
+"""Height-profile likelihood: shape information of measured profiles."""
 
 import numpy as np
 import pytest
@@ -71,7 +71,7 @@ def test_a_fit_finds_edge_length_and_height_of_a_profile(kind: Kind, length: flo
     assert start == pytest.approx(30.0, abs=0.04)
     assert fitted_length == pytest.approx(length, abs=0.08 + 0.03 * length)
     assert fitted_height == pytest.approx(height, rel=0.08)
-    assert found.sigma_m == pytest.approx(0.021, abs=0.008)  # not less than what shifts all positions
+    assert found.sigma_m == pytest.approx(0.021, abs=0.008)  # not less than the common shift of all positions
 
 
 @pytest.mark.parametrize(("true", "other"), [(HUMP, TABLE), (TABLE, HUMP), (BUMP, HUMP), (HUMP, BUMP)])
@@ -81,7 +81,7 @@ def test_the_kind_that_was_measured_costs_least(true: Kind, other: Kind) -> None
 
 
 def shifted(elevation: Elevation, away) -> Elevation:  # type: ignore[no-untyped-def]
-    """The same with `away(frame number, x)` added to its heights."""
+    """The same samples with `away(frame number, x)` added to their heights."""
     moved = Elevation(elevation.shift_sigma_m)
     for number, rows in enumerate(elevation.frames):
         moved.frames.append(rows._replace(z_m=rows.z_m + away(number, rows.x_m - 30.0)))

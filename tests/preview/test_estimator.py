@@ -38,7 +38,7 @@ def rolling(speed=10.0):
 
 
 def approach(road, *, until_x, latency_s=0.0, frames=lambda x: True, false=None, speed=10.0, rng=None):
-    """A car that rolls without shaking; returns the estimator and the time when its CG is at `until_x`."""
+    """Car that rolls without vibration; returns the estimator and the time when its CG is at `until_x`."""
     camera, mount = Camera(), CameraMount()
     estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, unbiased())
     waiting = []
@@ -65,7 +65,7 @@ def edge_of(estimator):
 def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     shots, _ = drive(Road(60.0, (feature,)), PERFECT)
     assert shots[0].error_m == pytest.approx(0.0, abs=0.03)
-    believed = unbiased().precision(1 if feature is POTHOLE else 0)  # a stain may look like that, too
+    believed = unbiased().precision(1 if feature is POTHOLE else 0)  # a stain may have such boxes, too
     assert shots[0].existence > 0.98 * believed
 
 
@@ -102,7 +102,7 @@ def test_near_edge_over_many_runs(feature):
 
 
 def test_the_offset_is_learned_from_object_to_object():
-    """Five bumps with a mounting 0.4 degrees off: what is left of it grows small, and the edges get right."""
+    """Five bumps with a mounting 0.4 degrees off: the remaining offset shrinks, and so do the edge errors."""
     road = Road(200.0, tuple(HalfSineBump(40.0 + 35.0 * i, 0.08, 0.4) for i in range(5)))
     conditions = replace(PERFECT, errors=box_errors(), seed=3)
     camera_off = replace(conditions, mount_pitch_error_deg=0.4)
@@ -114,7 +114,7 @@ def test_the_offset_is_learned_from_object_to_object():
 
 @pytest.mark.parametrize("latency_s", [0.05, 0.15, 0.3])
 def test_latency_is_compensated_exactly_at_constant_speed(latency_s):
-    """Late boxes bring their own pose: the same frames give the same edge, whenever they arrive."""
+    """Late boxes carry their own pose: the same frames give the same edge, whenever they arrive."""
     road = Road(60.0, (BUMP,))
     frames = lambda x: x < 30.0  # noqa: E731
     late, _ = approach(road, until_x=35.0, latency_s=latency_s, frames=frames)

@@ -27,7 +27,7 @@ FROZEN = Gaussian(np.zeros(3), np.diag([1e-6, GROUND_SIGMA, 1e-6]) ** 2)
 
 
 def sights_of(kind, state, camera_x, noise=0.0, rng=None):
-    """Sights that an exact camera 1.3 m up would have of an object in `state`."""
+    """Exact edge bearings of an object in `state`, from a camera 1.3 m high."""
     camera_z = np.full(len(camera_x), 1.3)
     ahead, below, _ = silhouette(kind, state, camera_x, camera_z)
     bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET] + state[LOW]
@@ -76,7 +76,7 @@ def test_boxes_overrule_the_prior_length_of_objects_that_rules_make_otherwise(ki
 
 
 def test_without_the_offset_state_the_edge_is_wrong():
-    """0.2 degrees at 4 m is 4-5 cm: what the state is there to remove."""
+    """0.2 degrees at 4 m are 4-5 cm: the error that the offset state removes."""
     true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m, 0.0])
     sights = sights_of(BUMP, true, np.linspace(5.0, 26.0, 40))
     frozen = fit(BUMP, sights, start_of(BUMP, 30.0), FROZEN, [], SETTINGS, iterations=8)
@@ -166,7 +166,7 @@ def test_silhouette_is_the_brute_force_maximum():
 
 @pytest.mark.parametrize("bottom", [0.002, 0.0, -0.02])
 def test_lines_of_sight_at_the_horizon_or_above_say_far_away_and_no_more(bottom):
-    """Such as boxes on a climb ahead: they meet the plane nowhere, and a fit must not run after them."""
+    """Such boxes occur on a climb ahead: they do not intersect the plane, and a fit must not diverge."""
     sights = [Sight(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)]
     state = start_of(BUMP, 30.0)
     for _ in range(12):

@@ -1,4 +1,4 @@
-"""Heights measured in rendered images, through the whole estimator."""
+"""Height measurement in rendered images, through the whole estimator."""
 
 from collections.abc import Iterator
 
@@ -25,7 +25,7 @@ HOLE = Pothole(30.0, 0.09, 0.7, 0.7, y_m=WHEEL_Y_M[0], seed=3)
 
 
 def drive(feature: Feature, settings: Settings, base_m: float, mount: CameraMount = MOUNT) -> Estimator:
-    """A smooth ride until the front wheel is 2 m before the feature; the camera really sits as `mount`."""
+    """Smooth ride until the front wheel is 2 m before the feature; `mount` is the true mounting."""
     estimator = Estimator(CAMERA, MOUNT, AXLES_M, WHEEL_Y_M, settings, x_m=19.0, stereo_base_m=base_m)
     scene = Scene(Road(60.0, (feature,)), Appearance(light="noon", weather="dry", wear=0.3), 5)
     for step, x in enumerate(positions(feature)):

@@ -15,7 +15,7 @@ CAMERA_M = np.arange(25.0, 45.9, 0.5)  # 10 m/s, 20 Hz, to where the front wheel
 
 
 def approach(change_m, grade, rng, noise_px=1.0, correlated=0.0):
-    """Sights of a bump from a car whose axles follow a road; its grade changes `change_m` before."""
+    """Edge bearings of a bump from a car on a road whose grade changes `change_m` before it."""
     height = lambda x: grade * np.maximum(x - (OBJECT_M - change_m), 0.0)  # noqa: E731
     front, rear = height(CAMERA_M + 1.6), height(CAMERA_M - 1.1)
     slope = (front - rear) / 2.7

@@ -1,4 +1,4 @@
-"""When the wheels have left the road plane: spans of 50 ms, against the usual rise of the road."""
+"""Grade-change detector: spans of 50 ms, against the usual rise of the road."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SETTINGS = Settings()
 
 
 def told(heights, roughness_m=0.003):
-    """What is asked for after each reading."""
+    """Result after each reading."""
     watch = GradeWatch(SETTINGS)
     return [watch.add(np.asarray(height), STEP, roughness_m) for height in heights]
 

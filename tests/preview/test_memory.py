@@ -1,4 +1,4 @@
-"""What one drive leaves for the next: files, and a second drive that starts better informed."""
+"""Drive memory: files, and a second drive with prior information."""
 
 from dataclasses import replace
 
@@ -41,7 +41,7 @@ def test_a_file_gives_back_what_was_written(tmp_path_factory, x, sigma, length, 
     ("wrong", "said"),
     [
         ("kind: bumb", "kind must be one of"),
-        ("existence: 1.0", "existence must lie"),
+        ("existence: 1.0", "existence must be > 0 and < 1, got 1.0"),
         ("x_sigma_m: 0.0", "x_sigma_m must be > 0"),
         ("y_min_m: 4.0", "y_min_m must be <= y_max_m"),
         ("length_m: -0.1", "length_m must be > 0"),
@@ -124,7 +124,7 @@ def test_rows_are_learned_in_a_drive_and_recalled():
 
 
 def test_rows_learned_in_one_drive_serve_the_next():
-    """The first hole of the next drive is placed twice as well, on average over four cars."""
+    """The first hole of the next drive is located twice as well, on average over four cars."""
     errors = []
     for seed in range(4):
         conditions = Drive(seed=seed, errors=LOW)
@@ -149,7 +149,7 @@ def test_remembered_objects_are_expected_where_they_were():
 
 
 def expected(place, settings=None):
-    """The one track that awaits `place`, of a car that starts there, with what it is fitted on."""
+    """Single track that awaits `place`, of a car that starts there, with its direct measurements."""
     settings = settings or Settings()
     calibration = Calibration(settings, FOCAL_PX)
     (track,) = expectations(Memory(Mounting(), (place,)), calibration, settings, x_m=place.x_m)
@@ -195,7 +195,7 @@ def test_a_depth_that_nothing_measured_is_not_remembered(tmp_path):
 
 @pytest.mark.parametrize("place", [BUMP, HOLE], ids=lambda place: place.kind)
 def test_drives_that_see_nothing_leave_sizes_as_they_were(place):
-    """What is known of any object of a kind counts once, in the fit, and not once a drive."""
+    """The prior of a kind counts once, in the fit, and not once a drive."""
     settings = Settings()
     calibration = Calibration(settings, FOCAL_PX)
     memory = Memory(Mounting(), (place,))

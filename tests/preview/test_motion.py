@@ -18,7 +18,7 @@ def still(speed=10.0, wheels=2):
 
 
 def oscillating(t, frequency_hz=1.4, pitch_amplitude=0.01, heave_amplitude=0.02):
-    """Readings and truth (heave, pitch) of a body that swings over a flat road."""
+    """Readings and truth (heave, pitch) of a body that oscillates over a flat road."""
     omega = 2 * np.pi * frequency_hz
     s, c = np.sin(omega * t), np.cos(omega * t)
     axle = np.array(AXLES)
@@ -62,7 +62,7 @@ def test_pitch_and_heave_follow_the_body(frequency_hz):
 
 
 def test_a_wheel_on_a_stone_does_not_turn_the_body():
-    """At a strike the rattle space says 5 cm of front travel, but the gyro says that nothing turned."""
+    """At a strike the rattle space shows 5 cm of front travel, but the gyro no rotation."""
 
     def reading(t):
         struck = 2.0 <= t < 2.05
@@ -84,9 +84,9 @@ def test_constant_offsets_of_the_sensors_are_learned():
 
 
 def test_the_frame_does_not_follow_roughness_under_the_wheels():
-    """Wheels go up and down by 5 mm on a wave of 8 m, the body floats level: so it must be believed to.
+    """Wheels follow a wave of 8 m by 5 mm while the body floats level: the estimate must stay level.
 
-    The rattle space alone would say that the body pitches by 2·5 mm·sin(pi·2.7/8)/2.7 m = 0.19 deg.
+    The rattle space alone would imply a body pitch of 2·5 mm·sin(pi·2.7/8)/2.7 m = 0.19 deg.
     """
 
     def reading(t):
@@ -117,7 +117,7 @@ def over_a_grade(t, to=0.02, at_m=20.0):
 
 @pytest.mark.parametrize("to", [0.02, -0.02, 0.05])
 def test_the_frame_follows_the_road_to_another_grade(to):
-    """The gyro says that the body has turned by 1.1 deg; over its road it has not. At 4 s it is 20 m on."""
+    """By the gyro the body has turned by 1.1 deg; relative to its road it has not. At 4 s it is 20 m on."""
     motion = run(lambda t: over_a_grade(t, to), 4.5)
     state = motion.at(4.0)
     assert abs(state.pitch_rad) < np.deg2rad(0.1)
@@ -137,7 +137,7 @@ def test_while_the_grade_changes_the_road_ahead_is_uncertain():
 
 
 def test_a_frame_that_arrives_late_is_reckoned_from_the_turned_plane():
-    """Between two turns the body moves smoothly: no step in the history, or ranges would jump with it."""
+    """Between two plane updates the body moves smoothly: a step in the history would offset ranges."""
     motion = EgoMotion(AXLES, Settings())
     turns = 0
     for tick in range(round(3.0 / STEP)):
@@ -168,7 +168,7 @@ def test_refuses_time_that_stands_still_and_moments_long_gone():
     motion = run(lambda t: still(), 10.0)
     with pytest.raises(InputError, match="time_s must advance"):
         motion.update(5.0, still())
-    with pytest.raises(InputError, match="oldest motion kept"):
+    with pytest.raises(InputError, match="start of the history"):
         motion.at(1.0)
     with pytest.raises(InputError, match="no measurement"):
         EgoMotion(AXLES, Settings()).at(0.0)

@@ -1,4 +1,4 @@
-"""Structure from two images, against the depth that the renderer knows."""
+"""Plane-plus-parallax structure of two images, against the depth of the renderer."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ def grey(frame: Frame) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def photographs() -> tuple[CameraPose, CameraPose, Frame, Frame]:
-    """Left and right camera before a hump."""
+    """Left and right image of a hump ahead."""
     road = Road(60.0, (WattsHump(30.0, HEIGHT_M, 3.6, paint="white_stripes"),))
     scene = Scene(road, Appearance(light="noon", weather="dry", wear=0.3), 1)
     here = pose_of(MOUNT, 26.0, 0.01, np.deg2rad(0.2))

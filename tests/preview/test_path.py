@@ -34,7 +34,7 @@ def test_curvature_is_yaw_rate_over_speed_and_none_at_standstill():
 
 @pytest.mark.parametrize("bend", [1 / 60, -1 / 60])
 def test_in_a_bend_the_hole_is_given_to_the_wheel_that_will_meet_it(bend):
-    """A hole on the left wheel's arc, seen from 12 m: straight on, it would lie 1.2 m beside that wheel."""
+    """A hole on the left wheel's arc, seen from 12 m: on a straight path it would lie 1.2 m beside it."""
     turn = np.linspace(0, 2 * np.pi, 40)
     at = 30.0 * bend
     to_hole, out = np.array([np.sin(at), 1 - np.cos(at)]) / bend, np.array([-np.sin(at), np.cos(at)])

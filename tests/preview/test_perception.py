@@ -88,7 +88,7 @@ def test_refuses_impossible_errors(field, value):
 
 
 def test_projection_and_renderer_draw_the_same_boxes():
-    """Two implementations: outlines projected here, ray hits counted by the renderer on whole pixels."""
+    """Independent implementations: projected outlines, and ray hits counted on whole pixels."""
     features = (HalfSineBump(20.0, 0.08, 0.4), WattsHump(30.0), Pothole(25.0, 0.08, 0.6, 0.6, y_m=0.75))
     road = Road(60.0, features)
     scene = Scene(road, Appearance(), 0)

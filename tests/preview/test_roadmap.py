@@ -1,4 +1,4 @@
-"""Previews from maps: what the file says is what the controller gets, where it says so."""
+"""Map-based previews: values of the file within its range, nothing beyond."""
 
 from pathlib import Path
 

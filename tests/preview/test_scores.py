@@ -1,4 +1,4 @@
-"""Evidence of scores: Bayes' rule with normal scores of equal spread, log odds linear in the mean."""
+"""Score evidence: Bayes' rule for normal scores of equal spread, log odds linear in the mean."""
 
 import numpy as np
 import pytest

@@ -55,7 +55,7 @@ def test_an_ideal_level_picture_stays_as_it_is():
 
 @pytest.mark.parametrize("feature", [HalfSineBump(40.0, 0.08, 0.4), Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)])
 def test_a_known_lens_costs_nothing(feature):
-    """Boxes through the lens give the edge that boxes of an ideal one give."""
+    """Boxes through a known lens give the same edge as boxes of a distortion-free one."""
     edges = []
     for camera in (Camera(), Camera(distortion=BARREL)):
         estimator = Estimator(camera, CameraMount(), (0.0,), (0.75,), unbiased())

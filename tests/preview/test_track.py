@@ -57,7 +57,7 @@ def test_overlap_is_the_chance_that_the_wheel_runs_between_the_sides():
 
 
 def test_boxes_alone_never_make_an_object_certain():
-    """A stain is seen in every frame like a hole; a wheel that feels it settles the matter."""
+    """A stain is detected in every frame like a hole; only a wheel strike proves it real."""
     t = track()
     t.precision = SETTINGS.precision(1)
     for _ in range(200):
@@ -80,7 +80,7 @@ def test_the_class_follows_bayes_rule_and_turns_with_the_evidence():
 
 
 def test_position_doubt_grows_with_the_way_since_the_last_box():
-    """Wheel speed is wrong by half a percent: 2.5 cm over 5 m, on top of what the fit leaves."""
+    """Odometer error of half a percent: 2.5 cm over 5 m, in addition to the fit's sigma."""
     t = track()
     t.last_seen_x_m = 10.0
     assert t.position_sigma_m(10.0, SETTINGS) == pytest.approx(t.sigma_m)
@@ -95,9 +95,9 @@ def test_position_doubt_grows_with_the_way_since_the_last_box():
     pitch=st.floats(-0.03, 0.03),
 )
 def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, pitch):
-    """A ray to a point of the old plane meets the same point, which the turned plane has under or over it.
+    """A ray to a point of the old plane meets the same point, which lies off the updated plane.
 
-    What a turn by `pitch` moves forward is as high as the camera: 2 cm at 1.2 m and 1 deg.
+    A rotation by `pitch` moves points forward by as much as the camera is high: 2 cm at 1.2 m and 1 deg.
     """
     camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
     seen = track()

@@ -20,7 +20,7 @@ def seen_parts(found):
 def frames(road, wrong=lambda number: False, also=None):
     """Drive a quarter car at 10 m/s to 4 m before x = 40 m; classes are swapped in `wrong` frames.
 
-    `also` is a road whose objects are boxed, too, from 15 m before x = 40 m on.
+    `also` is a road whose objects are also boxed, from 15 m before x = 40 m on.
     """
     estimator = Estimator(Camera(), CameraMount(), (0.0,), (0.75,), unbiased())
     for tick in range(720):
