@@ -11,9 +11,12 @@ from torch import Tensor, nn
 from detector.detection import CLASS_NAMES
 from detector.models import Network, build
 from files.atomic import write_bytes
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.reading import read_bytes
 
 M = TypeVar("M", bound=nn.Module)
+CHECKPOINT_LIMIT = 2 << 30
+"""Maximum size of a checkpoint: 2 GiB."""
 DEFAULT_MODEL = "sbp-yolo"  # of files without a model name
 
 
@@ -50,11 +53,15 @@ def save(path: Path, content: dict[str, Any]) -> None:
 
 
 def load(path: Path, keys: tuple[str, ...]) -> dict[str, Any]:
-    """Read a file written by `save`. Raises InputError if it is absent, broken or of another kind."""
-    if not path.is_file():
+    """Read what `save` wrote, tensors and plain values only, at most CHECKPOINT_LIMIT bytes.
+
+    Raises InputError where the file is absent, broken or of another kind.
+    """
+    if not path.exists():
         raise InputError(f"{path}: no such file; must be a file written by detector.train")
+    data = read_bytes(path, CHECKPOINT_LIMIT)
     try:
-        content = torch.load(path, map_location="cpu", weights_only=True)
+        content = torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
     except Exception as error:
         raise InputError(f"{path}: not a readable torch file ({type(error).__name__})") from None
     if not isinstance(content, dict) or any(key not in content for key in keys):
@@ -76,7 +83,7 @@ def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
     weights, metadata = _weights_of(path)
     try:
         model.load_state_dict(weights)
-    except RuntimeError:
+    except (RuntimeError, TypeError, ValueError, AttributeError):
         made = metadata.get("model", DEFAULT_MODEL)
         raise InputError(f"{path}: weights of model {made} do not fit a model of another kind") from None
     return metadata
@@ -96,8 +103,20 @@ def _weights_of(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
         content = {"weights": content["average"], "metadata": made}
     if "weights" not in content or "metadata" not in content:
         raise InputError(f"{path}: must have the entries weights, metadata")
-    metadata = content["metadata"]
+    weights, metadata = content["weights"], content["metadata"]
+    if not isinstance(metadata, dict):
+        raise InputError(f"{path}: metadata must be a mapping of named values, got {shown(metadata)}")
     names = metadata.get("names", list(CLASS_NAMES))
     if names != list(CLASS_NAMES):
-        raise InputError(f"{path}: classes must be {', '.join(CLASS_NAMES)}, got {', '.join(names)}")
-    return content["weights"], metadata
+        raise InputError(f"{path}: classes must be {', '.join(CLASS_NAMES)}, got {shown(names)}")
+    check_weights(weights, str(path))
+    return weights, metadata
+
+
+def check_weights(weights: Any, source: str) -> None:
+    """Raise InputError unless these are named tensors of finite numbers."""
+    if not isinstance(weights, dict) or not all(isinstance(value, Tensor) for value in weights.values()):
+        raise InputError(f"{source}: weights must be named tensors, got {type(weights).__name__}")
+    for name, value in weights.items():
+        if value.is_floating_point() and not bool(torch.isfinite(value).all()):
+            raise InputError(f"{source}: weights must be finite, {shown(name)} holds NaN or infinity")

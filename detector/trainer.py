@@ -8,7 +8,7 @@ import torch
 from torch import nn
 
 from detector.augment import Augmentation
-from detector.checkpoint import DEFAULT_MODEL, Average, load, load_network, load_weights, save
+from detector.checkpoint import DEFAULT_MODEL, Average, check_weights, load, load_network, load_weights, save
 from detector.crops import View, whole_view
 from detector.dataset import Sample
 from detector.deploy import Deployed
@@ -20,7 +20,7 @@ from detector.metrics import ImageResult, judge, summarise
 from detector.models import build
 from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
 from detector.schedule import Stage, rate_factor
-from files.errors import InputError
+from files.errors import InputError, shown
 
 TERMS = ("box", "class", "distribution", "edge", "distilled logits", "distilled features")
 
@@ -118,13 +118,17 @@ class Trainer:
         """Restore a checkpoint. Raises InputError if it is of another kind of run."""
         keys = ("model", "average", "optimiser", "passes")
         content = load(path, (*keys, "aligned") if self.distillation else keys)
+        for name in ("model", "average"):
+            check_weights(content[name], str(path))
+        if type(content["passes"]) is not int or content["passes"] < 0:
+            raise InputError(f"{path}: passes must be a whole number >= 0, got {shown(content['passes'])}")
         try:
             self.model.load_state_dict(content["model"])
             self.average.model.load_state_dict(content["average"])
             if self.distillation:
                 self.distillation.aligned.load_state_dict(content["aligned"])
             self.optimiser.load_state_dict(content["optimiser"])
-        except (RuntimeError, ValueError):
+        except (RuntimeError, ValueError, TypeError, KeyError, AttributeError):
             made = content.get("model_name", DEFAULT_MODEL)
             raise InputError(
                 f"{path}: the model must be {made}, with or without a teacher as in the run that wrote it"
