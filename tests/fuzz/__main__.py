@@ -17,7 +17,7 @@ def main() -> int:
     arguments = _arguments()
     names = arguments.readers.split(",") if arguments.readers else list(ALL)
     valid = valid_inputs(names)
-    tally = campaign(arguments.seed, valid, 60 * arguments.minutes, arguments.jobs)
+    tally = campaign(arguments.seed, valid, 60 * arguments.minutes, arguments.jobs, arguments.inputs)
     _write(arguments.out, arguments.seed, valid, tally)
     width = max(map(len, names))
     for name, count in tally.inputs.items():
@@ -30,6 +30,7 @@ def main() -> int:
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("--minutes", type=float, default=2.0)
+    parser.add_argument("--inputs", type=int, default=2**60, help="for each reader (default: no limit)")
     parser.add_argument("--seed", type=int, default=0, help="the same seed tries the same inputs")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--readers", metavar="A,B,...", help=f"default: all of {', '.join(ALL)}")

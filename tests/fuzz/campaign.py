@@ -49,13 +49,13 @@ def valid_inputs(names: Sequence[str]) -> dict[str, bytes]:
 
 
 class Worker:
-    """One process that goes through the inputs `first`, `first` + `step`, ... of every reader in turn.
+    """One process that goes through the inputs `first`, `first` + `step`, ... below `end` of every reader.
 
     The reader that has had the least time is next, so that fast ones get most inputs.
     """
 
-    def __init__(self, seed: int, valid: dict[str, bytes], first: int, step: int) -> None:
-        self.seed, self.valid, self.step = seed, valid, step
+    def __init__(self, seed: int, valid: dict[str, bytes], first: int, step: int, end: int) -> None:
+        self.seed, self.valid, self.step, self.end = seed, valid, step, end
         self.names = list(valid)
         self.next = _FORK.RawArray("q", [first] * len(self.names))
         self.now = _FORK.RawValue("q", 0)  # place of the reader that is at work
@@ -75,6 +75,14 @@ class Worker:
         """How many inputs it has begun."""
         return sum(self.next) // self.step
 
+    @property
+    def done(self) -> bool:
+        """Whether every reader has had all of its inputs."""
+        return not self._open()
+
+    def _open(self) -> list[int]:
+        return [place for place, index in enumerate(self.next) if index < self.end]
+
     def hangs(self) -> bool:
         """Whether it has been at one input for too long."""
         if self.tried != self._seen:
@@ -87,8 +95,8 @@ class Worker:
         confine()
         benches: dict[str, Bench] = {}
         others = list(self.valid.values())
-        while True:
-            place = min(range(len(self.names)), key=self._spent.__getitem__)
+        while left := self._open():
+            place = min(left, key=self._spent.__getitem__)
             name, index = self.names[place], self.next[place]
             if name not in benches:
                 benches[name] = Bench(name)
@@ -102,14 +110,14 @@ class Worker:
                     return
 
 
-def campaign(seed: int, valid: dict[str, bytes], seconds: float, jobs: int) -> Tally:
-    """Try inputs for so long in so many processes; returns what was found."""
+def campaign(seed: int, valid: dict[str, bytes], seconds: float, jobs: int = 1, inputs: int = 2**60) -> Tally:
+    """Try so many inputs a reader, at most for so long, in so many processes; returns what was found."""
     tally = Tally(dict.fromkeys(valid, 0))
-    workers = [Worker(seed, valid, first, jobs) for first in range(jobs)]
+    workers = [Worker(seed, valid, first, jobs, inputs) for first in range(jobs)]
     end = told = time.monotonic()
     end += seconds
-    while time.monotonic() < end:
-        time.sleep(0.2)
+    while time.monotonic() < end and any(w.process.is_alive() or not w.done for w in workers):
+        time.sleep(0.1)
         for worker in workers:
             _tend(worker, tally)
         if time.monotonic() - told > 60:
@@ -140,8 +148,9 @@ def _tend(worker: Worker, tally: Tally) -> None:
         name, index = worker.names[place], worker.next[place] - worker.step
         kind = "hang" if hangs else "crash"
         tally.add(Finding(name, kind, f"exit code {worker.process.exitcode}", ""), index)
-    tally.restarts += 1
-    worker.start()
+    if not worker.done:
+        tally.restarts += 1
+        worker.start()
 
 
 def _collect(worker: Worker, tally: Tally) -> None:
