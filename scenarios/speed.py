@@ -46,10 +46,10 @@ def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> S
             )
         if abs(speed - before) > HARDEST_M_S2 * span:
             asked = f"{(speed - before) / span:.3g} m/s²"
-            raise InputError(f"speed[{i}] must ask for at most {HARDEST_M_S2:g} m/s², asks for {asked}")
+            raise InputError(f"speed[{i}] must need at most {HARDEST_M_S2:g} m/s², got {asked}")
         times.append(times[-1] + span)
         speeds.append(speed)
         place += mean * span
     if speeds[-1] <= 0.0:
-        raise InputError(f"speed[{len(points) - 1}] must not leave the car standing")
+        raise InputError(f"speed[{len(points) - 1}] must not stop the car: the run would not end")
     return SpeedProfile(tuple(times), tuple(speeds), start_m)

@@ -37,5 +37,5 @@ def whole_numbers(option: str, text: str) -> list[int]:
     asked = text.split(",")
     for word in asked:
         if not is_whole(word):
-            raise InputError(f"{option}: must be whole numbers >= 0, comma between, got {word!r}")
+            raise InputError(f"{option}: must be whole numbers >= 0, separated by commas, got {word!r}")
     return [int(word) for word in asked]

@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     p.add_argument("--batch", type=int, default=16)
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--threads", type=int, default=2)
-    p.add_argument("--rows", help="names of rows, comma between; all by default")
+    p.add_argument("--rows", help="names of rows, separated by commas (default all)")
     p.add_argument("--json", type=Path)
     args = p.parse_args(arguments)
     table = TABLES[args.table]

@@ -51,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> int:
     scenarios = load_all(arguments.events, overrides_of(arguments))
     car = scenarios[0].vehicle.parameters
     if any(scenario.vehicle.parameters != car for scenario in scenarios):
-        raise InputError("scenarios to tune on must have one and the same car; --vehicle gives them one")
+        raise InputError("tuning scenarios must all have the same car; --vehicle sets it")
     searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
     found = []
     with progress_bar() as progress:

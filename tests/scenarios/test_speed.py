@@ -17,8 +17,8 @@ def test_points_by_place_and_by_time() -> None:
     ("points", "told"),
     [
         ([SpeedPoint(20.0, at_s=2.0), SpeedPoint(30.0, at_s=1.0)], r"speed\[1\] must come after"),
-        ([SpeedPoint(0.0, at_m=1.0)], r"speed\[0\] must ask for at most 12 m/s²"),
-        ([SpeedPoint(0.0, at_s=5.0)], r"speed\[0\] must not leave the car standing"),
+        ([SpeedPoint(0.0, at_m=1.0)], r"speed\[0\] must need at most 12 m/s²"),
+        ([SpeedPoint(0.0, at_s=5.0)], r"speed\[0\] must not stop the car"),
     ],
 )
 def test_impossible_points_are_told(points: list[SpeedPoint], told: str) -> None:

@@ -132,5 +132,5 @@ def test_one_cars_settings_are_not_tuned_on_another(
     road = tmp_path / "road.yaml"
     road.write_text(SHORT)
     assert main(["tune", str(road), "bump_8x40_30", "--out", str(tmp_path / "tuned.yaml")]) == 2
-    assert "must have one and the same car" in capsys.readouterr().err
+    assert "must all have the same car" in capsys.readouterr().err
     assert list(tmp_path.glob("tuned*")) == []
