@@ -1,36 +1,43 @@
 """Command line `foreride`: parsing, dispatch, and invalid input as one line with exit code 2."""
 
 import argparse
+import os
 import sys
+import traceback
 from collections.abc import Sequence
+from pathlib import Path
 
-from files.command_line import Parser
-from files.errors import InputError, abridged, printable
-from scenarios.commands import (
-    bound,
-    calibrate,
-    compare,
-    demo,
-    detector,
-    doctor,
-    perception,
-    regress,
-    render,
-    report,
-    road,
-    run,
-    sweep,
-    tune,
-    validation,
-)
-from scenarios.parallel import WorkerDied
+from files.command_line import Parser, check_texts, tolerant_streams
+from files.errors import InputError, abridged, printable, shortened
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
+INTERNAL_ERROR = 70  # EX_SOFTWARE of sysexits.h
+INTERRUPTED = 130
+TRACEBACK = "FORERIDE_TRACEBACK"
+"""Environment variable that, set to anything, shows the traceback of an internal error."""
 
 
 def parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
+    from scenarios.commands import (  # here, so that an interrupt during these seconds is caught
+        bound,
+        calibrate,
+        compare,
+        demo,
+        detector,
+        doctor,
+        perception,
+        regress,
+        render,
+        report,
+        road,
+        run,
+        sweep,
+        tune,
+        validation,
+    )
+
     top = Parser(
         prog="foreride",
         description="What a car gains when its suspension sees the road before the wheels reach it.",
@@ -58,20 +65,45 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command; return 0 for success, 1 for a failed check, 2 for invalid input."""
-    arguments = parser().parse_args(argv)
+    """Run one command; return 0 for success, 1 for a failed check, 2 for invalid input or too little memory.
+
+    An interrupt gives 130, a programming error 70 (its traceback if `TRACEBACK` is set in the environment).
+    """
+    tolerant_streams()
     try:
-        return int(arguments.execute(arguments) or 0)
+        return _execute(sys.argv[1:] if argv is None else argv)
     except InputError as error:
         return _told(error, BAD_INPUT)
-    except WorkerDied as error:
-        return _told(error, CHECK_FAILED)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         return _told(f"{place}{error.strerror or error}", BAD_INPUT)
+    except MemoryError:
+        return _told("needs more memory than there is", BAD_INPUT)
     except KeyboardInterrupt:
-        print("foreride: interrupted", file=sys.stderr)
-        return 130
+        return _told("interrupted", INTERRUPTED)
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            raise
+        return _told(internal_error(error), INTERNAL_ERROR)
+
+
+def _execute(argv: Sequence[str]) -> int:
+    check_texts(argv)
+    arguments = parser().parse_args(argv)
+    from scenarios.parallel import WorkerDied
+
+    try:
+        return int(arguments.execute(arguments) or 0)
+    except WorkerDied as error:
+        return _told(error, CHECK_FAILED)
+
+
+def internal_error(error: Exception) -> str:
+    """One line on a programming error: what, where, and how to see more."""
+    frame = traceback.extract_tb(error.__traceback__)[-1]
+    place = f"{Path(frame.filename).name}:{frame.lineno}"
+    told = shortened(printable(f"{type(error).__name__}: {error}"), 200)
+    return f"internal error, {told} ({place}); {TRACEBACK}=1 shows the traceback, please report it"
 
 
 def _told(error: object, status: int) -> int:

@@ -20,7 +20,7 @@ from rich.text import Text
 
 from controller.settings import ControllerSettings
 from files import strict, yaml12
-from files.errors import InputError
+from files.errors import InputError, shown
 from files.reading import read_text
 from scenarios.cases import PERCEPTIONS, Case, cases
 from scenarios.closed_loop import Run
@@ -48,7 +48,10 @@ def verdict(passed: bool) -> Text:
 
 def comma_list(text: str) -> list[str]:
     """Split `a,b,c` into its parts."""
-    return [part.strip() for part in text.split(",") if part.strip()]
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if not parts:
+        raise argparse.ArgumentTypeError(f"must name at least one, got {shown(text)}")
+    return parts
 
 
 def add_case_options(command: argparse.ArgumentParser, controllers: str, perceptions: str) -> None:
