@@ -1,7 +1,7 @@
-"""An own controller: a two-state damper that also softens just before the road rises or falls.
+"""User-defined controller: a two-state damper that also softens just before the road rises or falls.
 
 foreride compare hump_flat_30 --controllers passive,examples/own_controller.py:Anticipating
-Numbers in `control.settings.user` reach it as keyword arguments; `step` returns N·s/m for each wheel.
+Numbers in `control.settings.user` become keyword arguments; `step` returns N·s/m for each wheel.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""An own detector: give a network in the layout of YOLO exports the interface of foreride's detectors.
+"""User-defined detector: a network in the layout of YOLO exports behind foreride's detector interface.
 
 python examples/own_detector.py yolo.onnx mine.onnx --classes speed_bump,pothole
 foreride run hump_flat_30 --perception camera --set detection.weights=mine.onnx

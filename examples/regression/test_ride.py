@@ -1,4 +1,4 @@
-"""The ride of a car of one's own: `pytest --ride-accept` once, commit `ride_baselines/`, then `pytest`."""
+"""Ride regression test of your own car: `pytest --ride-accept` once, commit `ride_baselines/`, then `pytest`."""
 
 import numpy as np
 
