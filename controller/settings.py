@@ -1,93 +1,85 @@
 """What can be set about each controller; a scenario's `control.settings` is a `ControllerSettings`."""
 
 from dataclasses import dataclass, field
-from math import inf, isfinite
-from typing import Literal
+from typing import Annotated, Literal
+
+from annotated_types import Interval
 
 from files.errors import InputError
+from files.ranges import Checked, Share
+from vehicle.quantities import Damping
+
+Horizon = Annotated[float, Interval(ge=0.02, le=1.0), "s"]
+LoadWeight = Annotated[float, Interval(ge=0.0, le=1e3), "(m/s²)²"]
+Smoothing = Annotated[float, Interval(ge=1e-4, le=1.0), "m/s"]
 
 
 @dataclass(frozen=True)
-class PassiveSettings:
+class PassiveSettings(Checked):
     """damping_ns_m: one coefficient for every wheel; None takes the vehicle's own passive coefficients."""
 
-    damping_ns_m: float | None = None
+    damping_ns_m: Damping | None = None
 
 
 @dataclass(frozen=True)
-class FixedSettings:
+class FixedSettings(Checked):
     """Constant damping by axle; wheels at or ahead of the centre of gravity are front wheels."""
 
-    front_ns_m: float = 1500.0
-    rear_ns_m: float = 1500.0
-
-    def __post_init__(self) -> None:
-        _within("front_ns_m", self.front_ns_m, 0.0, inf)
-        _within("rear_ns_m", self.rear_ns_m, 0.0, inf)
+    front_ns_m: Damping = 1500.0
+    rear_ns_m: Damping = 1500.0
 
 
 @dataclass(frozen=True)
-class TwoStateSettings:
+class TwoStateSettings(Checked):
     """Damping of the laws that know hard and soft, as far as the dampers can do it."""
 
-    hard_ns_m: float = 4500.0
-    soft_ns_m: float = 300.0
+    hard_ns_m: Damping = 4500.0
+    soft_ns_m: Damping = 300.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _hard_and_soft(self.hard_ns_m, self.soft_ns_m)
 
 
 @dataclass(frozen=True)
-class ShAddSettings:
+class ShAddSettings(Checked):
     """Mixed skyhook and acceleration-driven damping: skyhook below `crossover_hz`."""
 
-    hard_ns_m: float = 4500.0
-    soft_ns_m: float = 300.0
-    crossover_hz: float = 1.8
+    hard_ns_m: Damping = 4500.0
+    soft_ns_m: Damping = 300.0
+    crossover_hz: Annotated[float, Interval(ge=0.0, le=100.0), "Hz"] = 1.8
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         _hard_and_soft(self.hard_ns_m, self.soft_ns_m)
-        _within("crossover_hz", self.crossover_hz, 0.0, 100.0)
 
 
 @dataclass(frozen=True)
-class HybridSettings:
+class HybridSettings(Checked):
     """alpha: share of skyhook, the rest is groundhook. gain_ns_m: of both. The rest as skyhook's."""
 
-    gain_ns_m: float = 3000.0
-    alpha: float = 0.5
-    floor_ns_m: float = 300.0
-    smoothing_m_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        _within("gain_ns_m", self.gain_ns_m, 0.0, inf)
-        _within("alpha", self.alpha, 0.0, 1.0)
-        _within("floor_ns_m", self.floor_ns_m, 0.0, inf)
-        _within("smoothing_m_s", self.smoothing_m_s, 1e-4, 1.0)
+    gain_ns_m: Damping = 3000.0
+    alpha: Share = 0.5
+    floor_ns_m: Damping = 300.0
+    smoothing_m_s: Smoothing = 0.1
 
 
 @dataclass(frozen=True)
-class LqrSettings:
+class LqrSettings(Checked):
     """The clipped linear-quadratic regulator.
 
     nominal_ns_m: damping around which the car is linear. rho: (m/s²)², weight of the relative tyre load.
     force_weight: of (force in kN)². smoothing_m_s: as skyhook's.
     """
 
-    nominal_ns_m: float = 1000.0
-    rho: float = 3.0
-    force_weight: float = 0.1
-    smoothing_m_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        _within("nominal_ns_m", self.nominal_ns_m, 0.0, 1e5)
-        _within("rho", self.rho, 0.0, 1e3)
-        _within("force_weight", self.force_weight, 1e-6, 1e6)
-        _within("smoothing_m_s", self.smoothing_m_s, 1e-4, 1.0)
+    nominal_ns_m: Annotated[float, Interval(ge=0.0, le=1e5), "N·s/m"] = 1000.0
+    rho: LoadWeight = 3.0
+    force_weight: Annotated[float, Interval(ge=1e-6, le=1e6), "(m/s²)²/kN²"] = 0.1
+    smoothing_m_s: Smoothing = 0.1
 
 
 @dataclass(frozen=True)
-class SkyhookSettings:
+class SkyhookSettings(Checked):
     """The imagined dampers of the skyhook family.
 
     sky_ns_m: between body and sky. ground_ns_m: between wheel and ground.
@@ -95,20 +87,14 @@ class SkyhookSettings:
     smoothing_m_s: suspension velocity under which the law fades to the floor, so noise cannot chatter it.
     """
 
-    sky_ns_m: float = 4500.0
-    ground_ns_m: float = 130.0
-    floor_ns_m: float = 300.0
-    smoothing_m_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        _within("sky_ns_m", self.sky_ns_m, 0.0, inf)
-        _within("ground_ns_m", self.ground_ns_m, 0.0, inf)
-        _within("floor_ns_m", self.floor_ns_m, 0.0, inf)
-        _within("smoothing_m_s", self.smoothing_m_s, 1e-4, 1.0)
+    sky_ns_m: Damping = 4500.0
+    ground_ns_m: Damping = 130.0
+    floor_ns_m: Damping = 300.0
+    smoothing_m_s: Smoothing = 0.1
 
 
 @dataclass(frozen=True)
-class RoadSettings:
+class RoadSettings(Checked):
     """How preview and measurement become one road.
 
     uncertainty: what is done about a feature whose place or existence is not certain. "early" takes it to
@@ -121,18 +107,13 @@ class RoadSettings:
     """
 
     uncertainty: Literal["early", "blend", "scenarios"] = "early"
-    sigmas_early: float = 1.0
-    blend_m: float = 0.2
-    slope_decay_s: float = 0.01
-
-    def __post_init__(self) -> None:
-        _within("sigmas_early", self.sigmas_early, 0.0, 3.0)
-        _within("blend_m", self.blend_m, 1e-3, 10.0)
-        _within("slope_decay_s", self.slope_decay_s, 1e-4, 1.0)
+    sigmas_early: Annotated[float, Interval(ge=0.0, le=3.0), "1"] = 1.0
+    blend_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.2
+    slope_decay_s: Annotated[float, Interval(ge=1e-4, le=1.0), "s"] = 0.01
 
 
 @dataclass(frozen=True)
-class ForceSettings:
+class ForceSettings(Checked):
     """What a predictive controller may ask of actuators beside the dampers, within their greatest force.
 
     weight: of the square of a force in kN. rate_n_s: how fast a force may change; the default leaves that to
@@ -140,18 +121,13 @@ class ForceSettings:
     move.
     """
 
-    weight: float = 1e-3
-    rate_n_s: float = 1e6
-    power_w: float = 5000.0
-
-    def __post_init__(self) -> None:
-        _within("weight", self.weight, 1e-9, 1e9)
-        _within("rate_n_s", self.rate_n_s, 1.0, 1e9)
-        _within("power_w", self.power_w, 1.0, 1e9)
+    weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/kN²"] = 1e-3
+    rate_n_s: Annotated[float, Interval(ge=1.0, le=1e8), "N/s"] = 1e6
+    power_w: Annotated[float, Interval(ge=1.0, le=1e7), "W"] = 5000.0
 
 
 @dataclass(frozen=True)
-class MpcSettings:
+class MpcSettings(Checked):
     """Horizon and cost of the model predictive controllers.
 
     horizon_s: length of the plan of a controller that sees ahead.
@@ -163,24 +139,17 @@ class MpcSettings:
     road: how preview and measurement become one road.
     """
 
-    horizon_s: float = 0.3
-    blind_horizon_s: float = 0.2
-    fine_s: float = 0.2
-    rho: float = 3.0
-    input_weight: float = 1e-3
+    horizon_s: Horizon = 0.3
+    blind_horizon_s: Horizon = 0.2
+    fine_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.2
+    rho: LoadWeight = 3.0
+    input_weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/(kN·s/m)²"] = 1e-3
     force: ForceSettings = field(default_factory=ForceSettings)
     road: RoadSettings = field(default_factory=RoadSettings)
 
-    def __post_init__(self) -> None:
-        _within("horizon_s", self.horizon_s, 0.02, 1.0)
-        _within("blind_horizon_s", self.blind_horizon_s, 0.02, 1.0)
-        _within("fine_s", self.fine_s, 0.0, 1.0)
-        _within("rho", self.rho, 0.0, 1e3)
-        _within("input_weight", self.input_weight, 1e-9, 1e9)
-
 
 @dataclass(frozen=True)
-class SupervisorSettings:
+class SupervisorSettings(Checked):
     """When a controller's answer is not used, and what is used instead.
 
     reactive: the law that takes over. stale_s: age from which a preview is no longer believed. highest_m:
@@ -188,18 +157,13 @@ class SupervisorSettings:
     """
 
     reactive: Literal["skyhook", "skyhook2", "groundhook", "hybrid", "add", "sh_add", "pdd"] = "skyhook"
-    stale_s: float = 0.5
-    highest_m: float = 0.4
-    transfer_s: float = 0.005
-
-    def __post_init__(self) -> None:
-        _within("stale_s", self.stale_s, 0.0, 1e3)
-        _within("highest_m", self.highest_m, 0.0, 10.0)
-        _within("transfer_s", self.transfer_s, 0.0, 1.0)
+    stale_s: Annotated[float, Interval(ge=0.0, le=1e3), "s"] = 0.5
+    highest_m: Annotated[float, Interval(ge=0.0, le=10.0), "m"] = 0.4
+    transfer_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.005
 
 
 @dataclass(frozen=True)
-class ControllerSettings:
+class ControllerSettings(Checked):
     """Settings of all controllers, of which each takes its own.
 
     user: keyword arguments of a controller of the user's own.
@@ -217,15 +181,9 @@ class ControllerSettings:
     lqr_clipped: LqrSettings = field(default_factory=LqrSettings)
     mpc: MpcSettings = field(default_factory=MpcSettings)
     supervisor: SupervisorSettings = field(default_factory=SupervisorSettings)
-    user: dict[str, float] = field(default_factory=dict)
+    user: dict[str, Annotated[float, Interval(ge=-1e8, le=1e8), "1"]] = field(default_factory=dict)
 
 
 def _hard_and_soft(hard_ns_m: float, soft_ns_m: float) -> None:
-    _within("hard_ns_m", hard_ns_m, 0.0, inf)
-    _within("soft_ns_m", soft_ns_m, 0.0, hard_ns_m)
-
-
-def _within(name: str, value: float, low: float, high: float) -> None:
-    if not (isfinite(value) and low <= value <= high):
-        allowed = f"lie in {low:g} ... {high:g}" if isfinite(high) else f"be finite and >= {low:g}"
-        raise InputError(f"{name} must {allowed}, got {value:g}")
+    if soft_ns_m > hard_ns_m:
+        raise InputError(f"soft_ns_m must lie in 0 ... {hard_ns_m:g} N·s/m, hard_ns_m, got {soft_ns_m:g}")

@@ -4,8 +4,12 @@ Bumps: measured on drives toward `bump_8x40_30` and `hump_flat_30` (seeds 0 and 
 refined by `detector.edges`. Potholes: medians over rendered validation images.
 """
 
-import numpy as np
+from typing import Annotated
 
+import numpy as np
+from annotated_types import Interval
+
+Bias = Annotated[float, Interval(ge=-200.0, le=200.0), "px"]
 BOTTOM_BIAS_PX = (-0.15, 0.1)
 TOP_BIAS_PX = (0.2, 0.1)
 

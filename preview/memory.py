@@ -6,86 +6,85 @@ the odometer, so both drives must start at the same place; odometer drift widens
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 import yaml
+from annotated_types import Interval
 
 from files import strict
 from files.atomic import write_text
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.ranges import Checked
+from preview.edge_bias import Bias
 from preview.shape import KINDS
 
+RowVariance = Annotated[float, Interval(ge=1e-12, le=1e6), "px²"]
+WithMounting = Annotated[float, Interval(ge=-1e4, le=1e4), "rad·px or m·px"]
+Sigma = Annotated[float, Interval(ge=1e-9, le=1e5), "m"]
 KIND_OF = {kind.name: kind for kind in KINDS}
 
 
 @dataclass(frozen=True)
-class Mounting:
+class Mounting(Checked):
     """Errors of the camera's nominal mounting with their covariance: pitch (rad), height (m)."""
 
-    pitch_rad: float = 0.0
-    height_m: float = 0.0
-    pitch_variance: float = 0.0
-    covariance: float = 0.0
-    height_variance: float = 0.0
+    pitch_rad: Annotated[float, Interval(ge=-0.6, le=0.6), "rad"] = 0.0
+    height_m: Annotated[float, Interval(ge=-4.0, le=4.0), "m"] = 0.0
+    pitch_variance: Annotated[float, Interval(ge=0.0, le=1.0), "rad²"] = 0.0
+    covariance: Annotated[float, Interval(ge=-10.0, le=10.0), "rad·m"] = 0.0
+    height_variance: Annotated[float, Interval(ge=0.0, le=100.0), "m²"] = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         variances = self.pitch_variance, self.height_variance
-        if min(variances) < 0 or self.covariance**2 > variances[0] * variances[1] * (1 + 1e-9):
+        if self.covariance**2 > variances[0] * variances[1] * (1 + 1e-9):
             raise InputError(
-                "pitch_variance and height_variance must be >= 0 and bound the covariance, got "
+                "pitch_variance and height_variance must bound the covariance, got "
                 f"{variances[0]:g}, {variances[1]:g} and {self.covariance:g}"
             )
 
 
 @dataclass(frozen=True)
-class RowBias:
+class RowBias(Checked):
     """Bottom-edge bias of the detector, of bumps and of potholes (px, positive downwards), with covariance.
 
     with_pitch (rad px), with_height (m px): covariance of each with the errors of the mounting.
     """
 
-    bottom_px: tuple[float, float]
-    variance: tuple[float, float]
-    covariance: float
-    with_pitch: tuple[float, float]
-    with_height: tuple[float, float]
-
-    def __post_init__(self) -> None:
-        if not min(self.variance) > 0:
-            raise InputError(f"variance must be > 0, got {list(self.variance)}")
+    bottom_px: tuple[Bias, Bias]
+    variance: tuple[RowVariance, RowVariance]
+    covariance: Annotated[float, Interval(ge=-1e6, le=1e6), "px²"]
+    with_pitch: tuple[WithMounting, WithMounting]
+    with_height: tuple[WithMounting, WithMounting]
 
 
 @dataclass(frozen=True)
-class Remembered:
+class Remembered(Checked):
     """Remembered object: kind, position and size (m), existence; each sigma is that of the value before it.
 
     Length and height are the measured ones, without the prior of the object's kind; None if not measured.
     """
 
     kind: str
-    x_m: float
-    x_sigma_m: float
-    length_m: float | None
-    length_sigma_m: float | None
-    height_m: float | None
-    height_sigma_m: float | None
-    y_min_m: float
-    y_max_m: float
-    y_sigma_m: float
-    existence: float
+    x_m: Annotated[float, Interval(ge=-1e6, le=1e6), "m"]
+    x_sigma_m: Sigma
+    length_m: Annotated[float, Interval(ge=1e-6, le=100.0), "m"] | None
+    length_sigma_m: Sigma | None
+    height_m: Annotated[float, Interval(ge=1e-6, le=10.0), "m"] | None
+    height_sigma_m: Sigma | None
+    y_min_m: Annotated[float, Interval(ge=-100.0, le=100.0), "m"]
+    y_max_m: Annotated[float, Interval(ge=-100.0, le=100.0), "m"]
+    y_sigma_m: Sigma
+    existence: Annotated[float, Interval(gt=0.0, lt=1.0), "1"]
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.kind not in KIND_OF:
-            raise InputError(f"kind must be one of {', '.join(KIND_OF)}, got {self.kind!r}")
-        for name in ("x_sigma_m", "length_m", "length_sigma_m", "height_m", "height_sigma_m", "y_sigma_m"):
-            value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InputError(f"{name} must be > 0, got {value!r}")
+            raise InputError(f"kind must be one of {', '.join(KIND_OF)}, got {shown(self.kind)}")
         for name in ("length", "height"):
             if (getattr(self, f"{name}_m") is None) != (getattr(self, f"{name}_sigma_m") is None):
                 raise InputError(f"{name}_m and {name}_sigma_m must both be null or both be numbers")
-        if not 0 < self.existence < 1:
-            raise InputError(f"existence must be > 0 and < 1, got {self.existence!r}")
         if not self.y_min_m <= self.y_max_m:
             raise InputError(f"y_min_m must be <= y_max_m ({self.y_max_m!r}), got {self.y_min_m!r}")
 
@@ -107,7 +106,7 @@ class Memory:
         covariance = covariance_of(self.mounting, self.rows)
         scale = np.sqrt(np.diag(covariance).clip(1e-30))
         if np.linalg.eigvalsh(covariance / np.outer(scale, scale)).min() < -1e-6:
-            raise InputError(f"rows.variance must bound the covariances, got {self.rows!r}")
+            raise InputError(f"rows.variance must bound the covariances, got {shown(self.rows)}")
 
 
 def read(path: Path | str) -> Memory:

@@ -1,12 +1,14 @@
 """Simulated detections without rendering: projected true outlines with box errors."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
 from detector.detection import Detections
-from files.errors import InputError
-from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, edge_bias
+from files.ranges import Checked
+from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
 from road.camera import Camera, CameraPose, project
 from road.features import Feature
 from road.profile import Road
@@ -16,7 +18,7 @@ _LEAST_AHEAD_M = 0.3
 
 
 @dataclass(frozen=True)
-class BoxErrors:
+class BoxErrors(Checked):
     """Error model of a detector, relative to true boxes.
 
     pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows of
@@ -25,22 +27,13 @@ class BoxErrors:
     height of a detected box.
     """
 
-    pixel_sigma: float = 1.0
-    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX  # as the estimator assumes by default
-    top_bias_px: tuple[float, float] = TOP_BIAS_PX
-    miss_probability: float = 0.15
-    false_per_frame: float = 0.0
-    range_m: float = 30.0
-    min_height_px: float = 1.5
-
-    def __post_init__(self) -> None:
-        for name in ("pixel_sigma", "false_per_frame", "min_height_px"):
-            if not getattr(self, name) >= 0:
-                raise InputError(f"{name} must be >= 0, got {getattr(self, name)}")
-        if not 0 <= self.miss_probability < 1:
-            raise InputError(f"miss_probability must be >= 0 and < 1, got {self.miss_probability}")
-        if not self.range_m > 0:
-            raise InputError(f"range_m must be > 0, got {self.range_m}")
+    pixel_sigma: Annotated[float, Interval(ge=0.0, le=100.0), "px"] = 1.0
+    bottom_bias_px: tuple[Bias, Bias] = BOTTOM_BIAS_PX  # as the estimator assumes by default
+    top_bias_px: tuple[Bias, Bias] = TOP_BIAS_PX
+    miss_probability: Annotated[float, Interval(ge=0.0, lt=1.0), "1"] = 0.15
+    false_per_frame: Annotated[float, Interval(ge=0.0, le=100.0), "boxes"] = 0.0
+    range_m: Annotated[float, Interval(ge=0.1, le=500.0), "m"] = 30.0
+    min_height_px: Annotated[float, Interval(ge=0.0, le=1000.0), "px"] = 1.5
 
 
 def true_boxes(

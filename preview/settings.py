@@ -1,89 +1,107 @@
 """Settings of the estimator: sensor error model, object priors and thresholds."""
 
-from dataclasses import dataclass, fields
-from typing import Literal, get_args
+from dataclasses import dataclass
+from typing import Annotated, Literal, get_args
+
+from annotated_types import Interval
 
 from files.errors import InputError
-from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX
+from files.ranges import Checked
+from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias
 from road.checks import check_choice
 
+Angle = Annotated[float, Interval(ge=1e-6, le=30.0), "degrees"]
+EdgeSigma = Annotated[float, Interval(ge=1e-3, le=100.0), "px"]
+HeightSigma = Annotated[float, Interval(ge=1e-6, le=1.0), "m"]
+Probability = Annotated[float, Interval(ge=1e-6, le=1.0 - 1e-6), "1"]
 Distance = Literal["fit", "cross_ratio"]
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Checked):
     """Parameters of the estimator; the defaults suit a detector accurate to about one pixel.
 
-    Every `..._sigma...` is one standard deviation. A value that is not above zero (the biases may have any
-    sign), a probability outside 0..1 or an unknown ranging method (`distance`) raises `InputError`.
+    Every `..._sigma...` is one standard deviation. A value out of range or an unknown ranging method
+    (`distance`) raises `InputError`.
     """
 
     # Boxes
-    pixel_sigma: float = 0.8
-    relative_sigma: float = 0.02  # additional, relative to the box height: errors of large boxes are greater
-    correlation: float = 2.0  # variance inflation: errors of successive boxes are correlated
+    pixel_sigma: Annotated[float, Interval(ge=0.01, le=100.0), "px"] = 0.8
+    # Additional, relative to the box height: errors of large boxes are greater
+    relative_sigma: Annotated[float, Interval(ge=1e-4, le=1.0), "1"] = 0.02
+    # Variance inflation: errors of successive boxes are correlated
+    correlation: Annotated[float, Interval(ge=0.01, le=1000.0), "1"] = 2.0
     # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards
-    bottom_bias_px: tuple[float, float] = BOTTOM_BIAS_PX
-    top_bias_px: tuple[float, float] = TOP_BIAS_PX
+    bottom_bias_px: tuple[Bias, Bias] = BOTTOM_BIAS_PX
+    top_bias_px: tuple[Bias, Bias] = TOP_BIAS_PX
     # Prior sigma of bottom_bias_px, beyond errors that shift the boxes of all classes alike
-    edge_sigma_px: tuple[float, float] = (0.3, 0.5)
-    border_px: float = 2.0  # edges this close to the image border or bonnet count as cut
-    bonnet_row_px: float = 1e9  # first image row hidden by the bonnet
-    max_boxes: int = 48  # newest boxes kept per track
+    edge_sigma_px: tuple[EdgeSigma, EdgeSigma] = (0.3, 0.5)
+    # Edges this close to the image border or bonnet count as cut
+    border_px: Annotated[float, Interval(ge=0.01, le=1000.0), "px"] = 2.0
+    # First image row hidden by the bonnet
+    bonnet_row_px: Annotated[float, Interval(ge=1.0, le=8192.0), "px"] = 8192.0
+    max_boxes: Annotated[int, Interval(ge=1, le=1000), "boxes"] = 48  # newest boxes kept per track
 
     # Geometry (priors of the fit)
     # Ranging method: fit of all boxes, or `preview.cross_ratio` of the last one
     distance: Distance = "fit"
-    pitch_sigma_deg: float = 0.04  # noise of the ego pitch at exposure
-    offset_sigma_deg: float = 0.24  # prior of the mounting pitch
-    offset_track_sigma_deg: float = 0.08  # road grade and box bias, independent for each object
-    camera_height_sigma_m: float = 0.01  # prior of the mounting height
-    edge_height_sigma_m: float = 0.008  # ground at the object over the road plane, independent for each
-    odometry_sigma: float = 0.005  # relative error of travelled distance
+    pitch_sigma_deg: Angle = 0.04  # noise of the ego pitch at exposure
+    offset_sigma_deg: Angle = 0.24  # prior of the mounting pitch
+    offset_track_sigma_deg: Angle = 0.08  # road grade and box bias, independent for each object
+    camera_height_sigma_m: HeightSigma = 0.01  # prior of the mounting height
+    edge_height_sigma_m: HeightSigma = 0.008  # ground at the object over the road plane, independent for each
+    # Relative error of travelled distance
+    odometry_sigma: Annotated[float, Interval(ge=1e-6, le=0.5), "1"] = 0.005
 
     # Existence
-    detection_probability: float = 0.8
-    false_repeat_probability: float = 0.1  # of a false box on an existing track
-    confusion_probability: float = 0.1  # of a wrong class
-    bump_real_probability: float = 0.99  # that a repeatedly detected bump is real
-    pothole_real_probability: float = 0.97  # of a pothole: stains and patches look like holes
+    detection_probability: Probability = 0.8
+    false_repeat_probability: Probability = 0.1  # of a false box on an existing track
+    confusion_probability: Probability = 0.1  # of a wrong class
+    bump_real_probability: Probability = 0.99  # that a repeatedly detected bump is real
+    pothole_real_probability: Probability = 0.97  # of a pothole: stains and patches look like holes
     score_evidence: bool = True  # use scores as evidence of realness; calibrated for the shipped weights
-    birth_range_m: float = 35.0
-    confirm_existence: float = 0.8
-    death_existence: float = 0.05
+    birth_range_m: Annotated[float, Interval(ge=1.0, le=500.0), "m"] = 35.0
+    confirm_existence: Probability = 0.8
+    death_existence: Probability = 0.05
 
     # Ego motion
-    heave_sigma_m: float = 0.01  # initial, of the body
-    body_pitch_sigma_deg: float = 0.5
-    gyro_offset_sigma_deg_s: float = 0.1
-    gyro_noise_deg_s: float = 0.01  # per √Hz
-    accelerometer_offset_sigma_m_s2: float = 0.03
-    accelerometer_noise_m_s2: float = 0.003  # per √Hz
-    level_ratio: float = 40.0  # sigma of one road-height reading, over the road's rise in 0.1 s
-    least_roughness_m: float = 0.0005
-    roughness_memory_s: float = 1.0
+    heave_sigma_m: HeightSigma = 0.01  # initial, of the body
+    body_pitch_sigma_deg: Angle = 0.5
+    gyro_offset_sigma_deg_s: Annotated[float, Interval(ge=1e-6, le=10.0), "degrees/s"] = 0.1
+    gyro_noise_deg_s: Annotated[float, Interval(ge=1e-6, le=10.0), "degrees/s"] = 0.01  # per √Hz
+    accelerometer_offset_sigma_m_s2: Annotated[float, Interval(ge=1e-6, le=10.0), "m/s²"] = 0.03
+    accelerometer_noise_m_s2: Annotated[float, Interval(ge=1e-6, le=10.0), "m/s²"] = 0.003  # per √Hz
+    # Sigma of one road-height reading, over the road's rise in 0.1 s
+    level_ratio: Annotated[float, Interval(ge=0.01, le=1e4), "1"] = 40.0
+    least_roughness_m: Annotated[float, Interval(ge=1e-6, le=0.1), "m"] = 0.0005
+    roughness_memory_s: Annotated[float, Interval(ge=0.01, le=100.0), "s"] = 1.0
     # Threshold of a change of grade: mean height of the wheels over the plane, in rises, and at least in m
-    grade_rises: float = 6.0
-    grade_rise_m: float = 0.02
-    strike_acc_m_s2: float = 25.0  # wheel acceleration above which the rattle-space reference is ignored
-    strike_hold_s: float = 0.15
-    history_s: float = 3.0
+    grade_rises: Annotated[float, Interval(ge=0.1, le=1000.0), "1"] = 6.0
+    grade_rise_m: Annotated[float, Interval(ge=1e-4, le=1.0), "m"] = 0.02
+    # Wheel acceleration above which the rattle-space reference is ignored
+    strike_acc_m_s2: Annotated[float, Interval(ge=0.1, le=1e4), "m/s²"] = 25.0
+    strike_hold_s: Annotated[float, Interval(ge=1e-3, le=10.0), "s"] = 0.15
+    history_s: Annotated[float, Interval(ge=0.1, le=60.0), "s"] = 3.0
 
     # Hit feedback
-    hit_sigma_m: float = 0.03
-    hit_gate_m: float = 0.5
-    wheel_hop_hz: float = 10.8  # wheel on its tyre only
-    body_hop_hz: float = 3.5  # body on the tyres only
+    hit_sigma_m: Annotated[float, Interval(ge=1e-4, le=10.0), "m"] = 0.03
+    hit_gate_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.5
+    wheel_hop_hz: Annotated[float, Interval(ge=0.5, le=100.0), "Hz"] = 10.8  # wheel on its tyre only
+    body_hop_hz: Annotated[float, Interval(ge=0.1, le=50.0), "Hz"] = 3.5  # body on the tyres only
 
     # Heights measured in images
     parallax: bool = False  # measure with one moving camera; a stereo pair is always used
-    gauge_near_m: float = 2.8  # least distance from the camera of a height measurement
-    gauge_far_m: float = 9.0
-    stereo_shift_sigma_m: float = 0.03  # common shift of positions by a stereo pair
-    parallax_shift_sigma_m: float = 0.15  # the same for positions that rest on the plane alone
+    # Least distance from the camera of a height measurement
+    gauge_near_m: Annotated[float, Interval(ge=0.1, le=100.0), "m"] = 2.8
+    gauge_far_m: Annotated[float, Interval(ge=0.2, le=100.0), "m"] = 9.0
+    # Common shift of positions by a stereo pair
+    stereo_shift_sigma_m: Annotated[float, Interval(ge=1e-4, le=10.0), "m"] = 0.03
+    # The same for positions that rest on the plane alone
+    parallax_shift_sigma_m: Annotated[float, Interval(ge=1e-4, le=10.0), "m"] = 0.15
 
     # Preview
-    background_sigma_m: float = 0.01  # road height without a detected object
+    # Road height without a detected object
+    background_sigma_m: Annotated[float, Interval(ge=1e-5, le=1.0), "m"] = 0.01
 
     def precision(self, cls: int) -> float:
         """Probability that a repeatedly detected object of class `cls` is real."""
@@ -91,11 +109,8 @@ class Settings:
 
     def __post_init__(self) -> None:
         check_choice("distance", self.distance, get_args(Distance))
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if "bias" in field.name or isinstance(value, bool | str):
-                continue
-            if not (min(value) if isinstance(value, tuple) else value) > 0:
-                raise InputError(f"{field.name} must be > 0, got {value}")
-            if ("probability" in field.name or "existence" in field.name) and value >= 1:
-                raise InputError(f"{field.name} must be < 1, got {value}")
+        super().__post_init__()
+        if not self.gauge_near_m < self.gauge_far_m:
+            raise InputError(
+                f"gauge_near_m must be < gauge_far_m ({self.gauge_far_m:g} m), got {self.gauge_near_m:g}"
+            )

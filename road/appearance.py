@@ -1,11 +1,14 @@
 """Visual appearance of a road: surface, markings, light, weather and camera artefacts; no geometry."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
 from files.errors import InputError
-from road.checks import check_choice, check_number
+from files.ranges import Checked, Share
+from road.checks import check_choice
 
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog", "snow")
@@ -24,36 +27,10 @@ _CHOICES = {
     "line_colour": LINE_COLOURS,
     "surroundings": SURROUNDINGS,
 }
-_RANGES = {
-    "left_edge_m": (1.5, 6.5),
-    "right_edge_m": (-6.5, -1.5),
-    "brightness": (0.05, 0.6),
-    "wear": (0.0, 1.0),
-    "cracks": (0.0, 1.0),
-    "patches": (0.0, 1.0),
-    "distractors": (0.0, 1.0),
-    "sun_azimuth_deg": (-180.0, 180.0),
-    "sun_elevation_deg": (3.0, 90.0),
-    "tree_shadow": (0.0, 1.0),
-    "bonnet": (0.0, 0.25),
-    "exposure": (0.3, 3.0),
-    "warmth": (-0.2, 0.2),
-    "noise": (0.0, 0.05),
-    "blur_px": (0.0, 2.0),
-    "paint_wear": (0.0, 1.0),
-    "decay": (0.0, 1.0),
-    "dirt": (0.0, 1.0),
-    "litter": (0.0, 1.0),
-    "puddles": (0.0, 1.0),
-    "street_lamps": (0.0, 1.0),
-    "glare": (0.0, 1.0),
-    "motion_blur_px": (0.0, 12.0),
-    "distortion": (-0.15, 0.1),
-}
 
 
 @dataclass(frozen=True)
-class Appearance:
+class Appearance(Checked):
     """Visual parameters of a scene: surface, light, weather, camera artefacts.
 
     Azimuth is measured from straight ahead, positive left (ISO 8855). `brightness` is the albedo of the
@@ -73,40 +50,39 @@ class Appearance:
     weather: str = "dry"
     surface: str = "asphalt"
     verge: str = "grass"
-    left_edge_m: float = 3.8
-    right_edge_m: float = -3.8
+    left_edge_m: Annotated[float, Interval(ge=1.5, le=6.5), "m"] = 3.8
+    right_edge_m: Annotated[float, Interval(ge=-6.5, le=-1.5), "m"] = -3.8
     edge_lines: bool = True
     centre_line: str = "none"
     line_colour: str = "white"
-    brightness: float = 0.2
-    wear: float = 0.3
-    cracks: float = 0.3
-    patches: float = 0.3
-    distractors: float = 0.2
-    sun_azimuth_deg: float = 60.0
-    sun_elevation_deg: float = 50.0
-    tree_shadow: float = 0.0
-    bonnet: float = 0.0
-    exposure: float = 1.0
-    warmth: float = 0.0
-    noise: float = 0.008
-    blur_px: float = 0.5
+    brightness: Annotated[float, Interval(ge=0.05, le=0.6), "1"] = 0.2
+    wear: Share = 0.3
+    cracks: Share = 0.3
+    patches: Share = 0.3
+    distractors: Share = 0.2
+    sun_azimuth_deg: Annotated[float, Interval(ge=-180.0, le=180.0), "degrees"] = 60.0
+    sun_elevation_deg: Annotated[float, Interval(ge=3.0, le=90.0), "degrees"] = 50.0
+    tree_shadow: Share = 0.0
+    bonnet: Annotated[float, Interval(ge=0.0, le=0.25), "1"] = 0.0
+    exposure: Annotated[float, Interval(ge=0.3, le=3.0), "1"] = 1.0
+    warmth: Annotated[float, Interval(ge=-0.2, le=0.2), "1"] = 0.0
+    noise: Annotated[float, Interval(ge=0.0, le=0.05), "1"] = 0.008
+    blur_px: Annotated[float, Interval(ge=0.0, le=2.0), "px"] = 0.5
     surroundings: str = "town"
-    paint_wear: float = 0.0
-    decay: float = 0.0
-    dirt: float = 0.0
-    litter: float = 0.0
-    puddles: float = 0.0
-    street_lamps: float = 0.0
-    glare: float = 0.0
-    motion_blur_px: float = 0.0
-    distortion: float = 0.0
+    paint_wear: Share = 0.0
+    decay: Share = 0.0
+    dirt: Share = 0.0
+    litter: Share = 0.0
+    puddles: Share = 0.0
+    street_lamps: Share = 0.0
+    glare: Share = 0.0
+    motion_blur_px: Annotated[float, Interval(ge=0.0, le=12.0), "px"] = 0.0
+    distortion: Annotated[float, Interval(ge=-0.15, le=0.1), "1"] = 0.0
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
             check_choice(name, getattr(self, name), allowed)
-        for name, (low, high) in _RANGES.items():
-            check_number(name, getattr(self, name), low, high)
+        super().__post_init__()
         if not isinstance(self.edge_lines, bool):
             raise InputError(f"edge_lines must be true or false, got {self.edge_lines!r}")
 

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
+from files.ranges import Checked
 from road.checks import check_choice, check_number
+from road.quantities import Height, Lateral, Length, Position, Ramp, Taper
 
 PAINTS = (
     "plain",
@@ -22,10 +24,9 @@ PAINTS = (
     "white_yellow",
     "zigzag",
 )
-MAX_POSITION_M = 1e6
 
 
-class _Raised:
+class _Raised(Checked):
     """Base class of raised features; a subclass gives its normalised profile along x as `_relief`.
 
     The normalised profile is 1 at the crest and 0 at both ends.
@@ -40,14 +41,11 @@ class _Raised:
     paint: str
 
     def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
-        check_number("height_m", self.height_m, 0.0, 0.5, open_low=True)
-        check_number("length_m", self.length_m, 0.0, 20.0, open_low=True)
+        super().__post_init__()
         check_choice("paint", self.paint, PAINTS)
         self._check()
 
     def _check(self) -> None:
-        check_number("y_min_m", self.y_min_m, -50.0, 50.0)
         check_number("y_max_m", self.y_max_m, self.y_min_m, 50.0, open_low=True)
         check_number("taper_m", self.taper_m, 0.0, (self.y_max_m - self.y_min_m) / 2)
 
@@ -93,12 +91,12 @@ class HalfSineBump(_Raised):
 
     kind: ClassVar[str] = "half_sine_bump"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float
-    length_m: float
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
-    taper_m: float = 0.1
+    start_m: Position
+    height_m: Height
+    length_m: Length
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
+    taper_m: Taper = 0.1
     paint: str = "plain"
 
     def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -115,12 +113,12 @@ class SinusoidalHump(_Raised):
 
     kind: ClassVar[str] = "sinusoidal_hump"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float = 0.1
-    length_m: float = 3.8
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
-    taper_m: float = 0.2
+    start_m: Position
+    height_m: Height = 0.1
+    length_m: Length = 3.8
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
+    taper_m: Taper = 0.2
     paint: str = "plain"
 
     def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -136,12 +134,12 @@ class WattsHump(_Raised):
 
     kind: ClassVar[str] = "watts_hump"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float = 0.09
-    length_m: float = 3.6
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
-    taper_m: float = 0.2
+    start_m: Position
+    height_m: Height = 0.09
+    length_m: Length = 3.6
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
+    taper_m: Taper = 0.2
     paint: str = "plain"
 
     def _check(self) -> None:
@@ -165,13 +163,13 @@ class FlatTopHump(_Raised):
 
     kind: ClassVar[str] = "flat_top_hump"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float = 0.09
-    length_m: float = 3.6
-    ramp_m: float = 0.6
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
-    taper_m: float = 0.2
+    start_m: Position
+    height_m: Height = 0.09
+    length_m: Length = 3.6
+    ramp_m: Ramp = 0.6
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
+    taper_m: Taper = 0.2
     paint: str = "plain"
 
     def _check(self) -> None:
@@ -191,14 +189,14 @@ class TrapezoidalBump(_Raised):
 
     kind: ClassVar[str] = "trapezoidal_bump"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float = 0.05
-    length_m: float = 0.6
-    ramp_up_m: float = 0.2
-    ramp_down_m: float = 0.2
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
-    taper_m: float = 0.1
+    start_m: Position
+    height_m: Height = 0.05
+    length_m: Length = 0.6
+    ramp_up_m: Ramp = 0.2
+    ramp_down_m: Ramp = 0.2
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
+    taper_m: Taper = 0.1
     paint: str = "plain"
 
     def _check(self) -> None:
@@ -220,13 +218,13 @@ class SpeedCushion(_Raised):
 
     kind: ClassVar[str] = "speed_cushion"
     cls: ClassVar[int] = 0
-    start_m: float
-    height_m: float = 0.065
-    length_m: float = 3.0
-    ramp_m: float = 0.52
-    y_min_m: float = -0.7
-    y_max_m: float = 0.7
-    taper_m: float = 0.26
+    start_m: Position
+    height_m: Height = 0.065
+    length_m: Length = 3.0
+    ramp_m: Ramp = 0.52
+    y_min_m: Lateral = -0.7
+    y_max_m: Lateral = 0.7
+    taper_m: Taper = 0.26
     paint: str = "plain"
 
     def _check(self) -> None:

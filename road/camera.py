@@ -6,42 +6,44 @@ car.
 """
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
-from road.checks import check_integer, check_number
+from files.ranges import Checked
+from road.checks import check_number
 from road.lens import NO_DISTORTION, Distortion, distort, folds, undistort
 
 Array = NDArray[np.float64]
+Pixel = Annotated[float, Interval(ge=0.0, le=8192.0), "px"]
+MOST_PIXELS = 20_000_000
 
 
 @dataclass(frozen=True)
-class Camera:
+class Camera(Checked):
     """Intrinsics of a camera with square pixels.
 
     centre_px: principal point (u, v), None for the centre of the image; distortion: `road.lens`. Values out
     of range, or a distortion that folds the image, raise InputError.
     """
 
-    width_px: int = 640
-    height_px: int = 384
-    focal_px: float = 457.0
-    centre_px: tuple[float, float] | None = None
+    width_px: Annotated[int, Interval(ge=1, le=8192), "px"] = 640
+    height_px: Annotated[int, Interval(ge=1, le=8192), "px"] = 384
+    focal_px: Annotated[float, Interval(ge=1.0, le=1e5), "px"] = 457.0
+    centre_px: tuple[Pixel, Pixel] | None = None
     distortion: Distortion = NO_DISTORTION
 
     def __post_init__(self) -> None:
-        check_integer("width_px", self.width_px, 1)
-        check_integer("height_px", self.height_px, 1)
-        check_number("focal_px", self.focal_px, 0.0, 1e5, open_low=True)
+        super().__post_init__()
+        if self.width_px * self.height_px > MOST_PIXELS:
+            asked = f"{self.width_px} x {self.height_px}"
+            raise InputError(f"width_px times height_px must be <= {MOST_PIXELS}, got {asked}")
         if self.centre_px is not None:
-            if len(self.centre_px) != 2:
-                raise InputError(f"centre_px must be a column and a row, got {self.centre_px!r}")
             for value, size in zip(self.centre_px, (self.width_px, self.height_px), strict=True):
                 check_number("centre_px", value, 0.0, size)
-        for value in self.distortion:
-            check_number("distortion", value, -100.0, 100.0)
         if not self.is_pinhole and folds(self._normalised(self.border()), self.distortion):
             raise InputError(
                 "distortion must map exactly one ray to each image point (no folding), got "
@@ -94,7 +96,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class CameraMount:
+class CameraMount(Checked):
     """Camera mounting on the sprung mass.
 
     x_m, y_m: ahead and left of the centre of gravity; height_m: over the road with the car at rest;
@@ -102,18 +104,11 @@ class CameraMount:
     body rotates.
     """
 
-    x_m: float = -0.35
-    height_m: float = 1.3
-    pitch_deg: float = 6.0
-    y_m: float = 0.0
-    cg_height_m: float = 0.55
-
-    def __post_init__(self) -> None:
-        check_number("x_m", self.x_m, -10.0, 10.0)
-        check_number("height_m", self.height_m, 0.0, 10.0, open_low=True)
-        check_number("pitch_deg", self.pitch_deg, -80.0, 80.0)
-        check_number("y_m", self.y_m, -5.0, 5.0)
-        check_number("cg_height_m", self.cg_height_m, 0.0, 5.0)
+    x_m: Annotated[float, Interval(ge=-10.0, le=10.0), "m"] = -0.35
+    height_m: Annotated[float, Interval(ge=0.01, le=10.0), "m"] = 1.3
+    pitch_deg: Annotated[float, Interval(ge=-80.0, le=80.0), "degrees"] = 6.0
+    y_m: Annotated[float, Interval(ge=-5.0, le=5.0), "m"] = 0.0
+    cg_height_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.55
 
 
 @dataclass(frozen=True)

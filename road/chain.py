@@ -1,17 +1,19 @@
 """Repeated features: copies of one feature along the road, in either wheel track or in both."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Annotated, Literal
+
+from annotated_types import Interval
 
 from files.errors import InputError
-from road.checks import check_integer, check_number
+from files.ranges import Checked
 from road.features import Feature, ManholeCover, Pothole, SpeedCushion
 
 Placement = Literal["left", "right", "both"]
 
 
 @dataclass(frozen=True)
-class Chain:
+class Chain(Checked):
     """Repetition of a feature: `count` copies, `spacing_m` from start to start.
 
     Args:
@@ -24,17 +26,13 @@ class Chain:
     """
 
     feature: Feature
-    count: int = 1
-    spacing_m: float = 0.0
+    count: Annotated[int, Interval(ge=1, le=10_000), "copies"] = 1
+    spacing_m: Annotated[float, Interval(ge=0.0, le=10_000.0), "m"] = 0.0
     tracks: tuple[Placement, ...] = ()
-    track_m: float = 1.5
+    track_m: Annotated[float, Interval(ge=0.5, le=4.0), "m"] = 1.5
 
     def __post_init__(self) -> None:
-        check_integer("count", self.count, 1)
-        check_number("spacing_m", self.spacing_m, 0.0, 10_000.0)
-        check_number("track_m", self.track_m, 0.5, 4.0)
-        if self.count > 10_000:
-            raise InputError(f"count must be <= 10000, got {self.count}")
+        super().__post_init__()
         if self.count > 1 and self.spacing_m == 0:
             raise InputError(f"spacing_m must be > 0 for count = {self.count}, got {self.spacing_m!r}")
 

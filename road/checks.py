@@ -16,12 +16,6 @@ def check_number(name: str, value: object, low: float, high: float, *, open_low:
         raise InputError(f"{name} must be {bound}, got {value!r}")
 
 
-def check_integer(name: str, value: object, low: int) -> None:
-    """Raise InputError unless `value` is an int (not a bool) and >= low."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < low:
-        raise InputError(f"{name} must be an integer >= {low}, got {value!r}")
-
-
 def check_choice(name: str, value: object, allowed: tuple[str, ...]) -> None:
     """Raise InputError unless `value` is one of `allowed`."""
     if value not in allowed:

@@ -1,16 +1,17 @@
 """Tyre enveloping models: from road height to the effective height under short obstacles."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from road.checks import check_number
+from files.ranges import Checked
 
 
 @dataclass(frozen=True)
-class RigidWheel:
+class RigidWheel(Checked):
     """Rigid-wheel enveloping: a rigid circle rolling over the road, then the mean over the contact patch.
 
     z_env(x) = max over |u| < R of z(x + u) + sqrt(R^2 - u^2) - R. The circle cannot enter gaps shorter than
@@ -19,10 +20,7 @@ class RigidWheel:
     """
 
     kind: ClassVar[str] = "rigid_wheel"
-    patch_m: float = 0.1
-
-    def __post_init__(self) -> None:
-        check_number("patch_m", self.patch_m, 0.0, 1.0)
+    patch_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.1
 
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
         """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
@@ -31,7 +29,7 @@ class RigidWheel:
 
 
 @dataclass(frozen=True)
-class TandemCam:
+class TandemCam(Checked):
     """Tandem-cam enveloping (Schmeitz): two elliptical cams in line; the effective height is their mean.
 
     A. J. C. Schmeitz, A Semi-Empirical Three-Dimensional Model of the Pneumatic Tyre Rolling over Arbitrarily
@@ -49,18 +47,11 @@ class TandemCam:
     """
 
     kind: ClassVar[str] = "tandem_cam"
-    length: float = 1.471
-    height: float = 0.9622
-    order: float = 1.5174
-    contact_m: float = 0.132
-    shift: float = 0.8335
-
-    def __post_init__(self) -> None:
-        check_number("length", self.length, 0.1, 3.0)
-        check_number("height", self.height, 0.1, 3.0)
-        check_number("order", self.order, 1.0, 4.0)
-        check_number("contact_m", self.contact_m, 0.0, 1.0)
-        check_number("shift", self.shift, 0.0, 2.0)
+    length: Annotated[float, Interval(ge=0.1, le=3.0), "1"] = 1.471
+    height: Annotated[float, Interval(ge=0.1, le=3.0), "1"] = 0.9622
+    order: Annotated[float, Interval(ge=1.0, le=4.0), "1"] = 1.5174
+    contact_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.132
+    shift: Annotated[float, Interval(ge=0.0, le=2.0), "1"] = 0.8335
 
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
         """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""

@@ -7,7 +7,6 @@ pothole, None for all others.
 """
 
 from road.bumps import (
-    MAX_POSITION_M,
     PAINTS,
     Bump,
     FlatTopHump,
@@ -22,7 +21,6 @@ from road.pothole import Pothole
 
 __all__ = [
     "FEATURE_KINDS",
-    "MAX_POSITION_M",
     "PAINTS",
     "Bump",
     "ExpansionJoint",

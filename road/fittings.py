@@ -1,18 +1,20 @@
 """Expansion joints, manhole covers and steps: obstacles that are neither speed bump nor pothole."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
-from road.bumps import MAX_POSITION_M
+from files.ranges import Checked
 from road.checks import check_number
+from road.quantities import Lateral, Position, Ramp
 
 
 @dataclass(frozen=True)
-class ExpansionJoint:
+class ExpansionJoint(Checked):
     """Expansion joint: a gap across the road with vertical walls, as between the slabs of a bridge.
 
     Args:
@@ -25,20 +27,16 @@ class ExpansionJoint:
 
     kind: ClassVar[str] = "expansion_joint"
     cls: ClassVar[None] = None
-    start_m: float
-    gap_m: float = 0.06
-    depth_m: float = 0.03
-    lip_m: float = 0.0
-    lip_length_m: float = 0.08
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
+    start_m: Position
+    gap_m: Annotated[float, Interval(ge=1e-3, le=1.0), "m"] = 0.06
+    depth_m: Annotated[float, Interval(ge=1e-4, le=0.3), "m"] = 0.03
+    lip_m: Annotated[float, Interval(ge=0.0, le=0.05), "m"] = 0.0
+    lip_length_m: Annotated[float, Interval(ge=0.0, le=0.5), "m"] = 0.08
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
 
     def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
-        check_number("gap_m", self.gap_m, 0.0, 1.0, open_low=True)
-        check_number("depth_m", self.depth_m, 0.0, 0.3, open_low=True)
-        check_number("lip_m", self.lip_m, 0.0, 0.05)
-        check_number("lip_length_m", self.lip_length_m, 0.0, 0.5)
+        super().__post_init__()
         _check_extent(self.y_min_m, self.y_max_m)
 
     @property
@@ -67,7 +65,7 @@ class ExpansionJoint:
 
 
 @dataclass(frozen=True)
-class ManholeCover:
+class ManholeCover(Checked):
     """Manhole cover: a round plate raised or sunk by `height_m` (negative: sunk) with an edge `edge_m` wide.
 
     start_m is the near end of its diameter, which lies along y = y_m.
@@ -75,17 +73,14 @@ class ManholeCover:
 
     kind: ClassVar[str] = "manhole_cover"
     cls: ClassVar[None] = None
-    start_m: float
-    height_m: float = -0.02
-    diameter_m: float = 0.7
-    y_m: float = 0.0
-    edge_m: float = 0.03
+    start_m: Position
+    height_m: Annotated[float, Interval(ge=-0.2, le=0.2), "m"] = -0.02
+    diameter_m: Annotated[float, Interval(ge=1e-2, le=3.0), "m"] = 0.7
+    y_m: Lateral = 0.0
+    edge_m: Ramp = 0.03
 
     def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
-        check_number("height_m", self.height_m, -0.2, 0.2)
-        check_number("diameter_m", self.diameter_m, 0.0, 3.0, open_low=True)
-        check_number("y_m", self.y_m, -50.0, 50.0)
+        super().__post_init__()
         check_number("edge_m", self.edge_m, 0.0, self.diameter_m / 2, open_low=True)
 
     @property
@@ -119,7 +114,7 @@ class ManholeCover:
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Checked):
     """Step: a change of level by `height_m` (negative: down) over `ramp_m` up to the end of the road.
 
     Two of opposite height make a resurfaced or milled stretch. `footprint` and `end_m` are those of the edge.
@@ -127,18 +122,16 @@ class Step:
 
     kind: ClassVar[str] = "step"
     cls: ClassVar[None] = None
-    start_m: float
-    height_m: float
-    ramp_m: float = 0.02
-    y_min_m: float = -3.5
-    y_max_m: float = 3.5
+    start_m: Position
+    height_m: Annotated[float, Interval(ge=-0.3, le=0.3), "m"]
+    ramp_m: Annotated[float, Interval(ge=1e-3, le=5.0), "m"] = 0.02
+    y_min_m: Lateral = -3.5
+    y_max_m: Lateral = 3.5
 
     def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
-        check_number("height_m", self.height_m, -0.3, 0.3)
+        super().__post_init__()
         if self.height_m == 0:
             raise InputError("height_m must differ from 0, got 0")
-        check_number("ramp_m", self.ramp_m, 0.0, 5.0, open_low=True)
         _check_extent(self.y_min_m, self.y_max_m)
 
     @property
@@ -165,5 +158,4 @@ Fitting = ExpansionJoint | ManholeCover | Step
 
 
 def _check_extent(y_min_m: float, y_max_m: float) -> None:
-    check_number("y_min_m", y_min_m, -50.0, 50.0)
     check_number("y_max_m", y_max_m, y_min_m, 50.0, open_low=True)

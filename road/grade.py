@@ -1,33 +1,30 @@
 """Vertical alignment: piecewise constant grade joined by parabolic vertical curves."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
-from road.checks import check_number
+from files.ranges import Checked
 
 STEEPEST = 0.3
 _HIGHEST_M = 0.3  # greatest height of a feature over the alignment
 
 
 @dataclass(frozen=True)
-class GradeChange:
+class GradeChange(Checked):
     """Change of grade to `grade` (m/m, negative downhill), from `start_m` on, over `length_m`.
 
     The vertical curve between is a parabola, as in road design. Raises InputError for a grade beyond
     +-STEEPEST.
     """
 
-    start_m: float
-    grade: float
-    length_m: float = 2.0
-
-    def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, 0.0, 100_000.0)
-        check_number("grade", self.grade, -STEEPEST, STEEPEST)
-        check_number("length_m", self.length_m, 0.0, 10_000.0, open_low=True)
+    start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"]
+    grade: Annotated[float, Interval(ge=-STEEPEST, le=STEEPEST), "m/m"]
+    length_m: Annotated[float, Interval(ge=1e-3, le=10_000.0), "m"] = 2.0
 
 
 def check_order(changes: tuple[GradeChange, ...], length_m: float) -> None:

@@ -6,13 +6,16 @@ documentation, "Camera Calibration and 3D Reconstruction"; Brown, Photogrammetri
 """
 
 from functools import lru_cache
+from typing import Annotated
 
 import cv2
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Distortion = tuple[float, float, float, float, float]
+Coefficient = Annotated[float, Interval(ge=-100.0, le=100.0), "1"]
+Distortion = tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient]
 """k1, k2, p1, p2, k3: OpenCV's order."""
 
 NO_DISTORTION: Distortion = (0.0, 0.0, 0.0, 0.0, 0.0)

@@ -1,18 +1,20 @@
 """Pothole with an irregular rim."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from road.bumps import MAX_POSITION_M
-from road.checks import check_integer, check_number
+from files.ranges import Checked, Seed
+from road.checks import check_number
+from road.quantities import Height, Lateral, Length, Position, Ramp
 from road.rim import Rim, irregular_rim
 
 
 @dataclass(frozen=True)
-class Pothole:
+class Pothole(Checked):
     """Pothole with an irregular rim, walls of slope depth_m / wall_m, and a flat floor.
 
     Args:
@@ -28,24 +30,18 @@ class Pothole:
 
     kind: ClassVar[str] = "pothole"
     cls: ClassVar[int] = 1
-    start_m: float
-    depth_m: float
-    length_m: float
-    width_m: float
-    y_m: float = 0.0
-    wall_m: float = 0.05
-    irregularity: float = 0.2
-    seed: int = 0
+    start_m: Position
+    depth_m: Height
+    length_m: Length
+    width_m: Length
+    y_m: Lateral = 0.0
+    wall_m: Ramp = 0.05
+    irregularity: Annotated[float, Interval(ge=0.0, le=0.5), "1"] = 0.2
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
-        check_number("start_m", self.start_m, -MAX_POSITION_M, MAX_POSITION_M)
-        check_number("depth_m", self.depth_m, 0.0, 0.5, open_low=True)
-        check_number("length_m", self.length_m, 0.0, 20.0, open_low=True)
-        check_number("width_m", self.width_m, 0.0, 20.0, open_low=True)
-        check_number("y_m", self.y_m, -50.0, 50.0)
+        super().__post_init__()
         check_number("wall_m", self.wall_m, 0.0, min(self.length_m, self.width_m) / 2, open_low=True)
-        check_number("irregularity", self.irregularity, 0.0, 0.5)
-        check_integer("seed", self.seed, 0)
 
     @property
     def end_m(self) -> float:

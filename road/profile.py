@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from files.errors import InputError
+from files.ranges import Checked
 from road.chain import Chain
-from road.checks import check_number
 from road.features import Feature, Step
 from road.grade import GradeChange, check_order, grade_height
 from road.measured import MeasuredSurface, read_surface
@@ -18,7 +20,7 @@ FADE_IN_M = 5.0
 
 
 @dataclass(frozen=True)
-class Road:
+class Road(Checked):
     """Straight road of `length_m` from x = 0, its features in order of their near edge.
 
     Heights of overlapping features add up. Chains are expanded once: their copies join the features.
@@ -32,7 +34,7 @@ class Road:
     overlap, or the file is bad or too short.
     """
 
-    length_m: float
+    length_m: Annotated[float, Interval(ge=1e-3, le=100_000.0), "m"]
     features: tuple[Feature, ...] = ()
     roughness: Roughness | None = None
     chains: tuple[Chain, ...] = ()
@@ -41,7 +43,7 @@ class Road:
     grades: tuple[GradeChange, ...] = ()
 
     def __post_init__(self) -> None:
-        check_number("length_m", self.length_m, 0.0, 100_000.0, open_low=True)
+        super().__post_init__()
         chained = tuple(feature for chain in self.chains for feature in chain.features())
         names = [f"features[{index}]" for index in range(len(self.features))] + ["chains"] * len(chained)
         for name, feature in zip(names, self.features + chained, strict=True):

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from road.checks import check_choice, check_integer, check_number
+from files.ranges import Checked, Seed
+from road.checks import check_choice
 
 ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")
 REFERENCE_N0 = 0.1  # cycles/m
@@ -19,7 +21,7 @@ TRACKS = 11
 
 
 @dataclass(frozen=True)
-class Roughness:
+class Roughness(Checked):
     """ISO 8608 roughness: class "A" (very good) to "H" (very poor), geometric mean, and the random seed.
 
     The surface is exact on lines half of `track_m` apart, the middle one at y = 0, and so under the wheels of
@@ -27,13 +29,12 @@ class Roughness:
     """
 
     iso_class: str
-    seed: int = 0
-    track_m: float = 1.5
+    seed: Seed = 0
+    track_m: Annotated[float, Interval(ge=0.5, le=4.0), "m"] = 1.5
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_choice("iso_class", self.iso_class, ISO_CLASSES)
-        check_integer("seed", self.seed, 0)
-        check_number("track_m", self.track_m, 0.5, 4.0)
 
     @property
     def psd_n0_m3(self) -> float:

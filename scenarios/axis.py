@@ -1,34 +1,40 @@
 """Study axes: the variation of one scenario field."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from annotated_types import Interval
 
 from files import strict
 from files.errors import InputError, shown
+from files.ranges import Checked
 
+Finite = Annotated[float, Interval(ge=-1e12, le=1e12), "the field's own unit"]
+Spread = Annotated[float, Interval(ge=0.0, le=1e12), "the field's own unit"]
 Scalar = bool | int | float | str
 _RANGE_KEYS = ({"low", "high"}, {"mean", "sigma"})
 
 
 @dataclass(frozen=True)
-class Axis:
+class Axis(Checked):
     """Variation of one field: a list of values, a uniform range or a normal distribution.
 
     scale `log` makes the range low ... high uniform in the logarithm; `whole` rounds to integers.
     """
 
     values: tuple[Scalar, ...] = ()
-    low: float = 0.0
-    high: float = 0.0
-    mean: float = 0.0
-    sigma: float = 0.0
+    low: Finite = 0.0
+    high: Finite = 0.0
+    mean: Finite = 0.0
+    sigma: Spread = 0.0
     scale: Literal["linear", "log"] = "linear"
     whole: bool = False
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.values:
             return
-        if self.sigma < 0 or (self.sigma == 0 and not self.low < self.high):
+        if self.sigma == 0 and not self.low < self.high:
             raise InputError(f"low must be < high (or sigma > 0), got low {self.low:g}, high {self.high:g}")
         if self.scale == "log" and not 0 < self.low < self.high:
             raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")

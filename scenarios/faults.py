@@ -2,20 +2,23 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from annotated_types import Interval
 
-from files.errors import InputError
+from files.ranges import Checked, Share
 from preview.horizon import RoadPreview
 from vehicle.sensors import Measurement
 
 LATE = "late answer"
 _ABSURD_M = 3.0
+Start = Annotated[float, Interval(ge=0.0, le=1e6), "s"]
+Duration = Annotated[float, Interval(ge=1e-3, le=1e6), "s"]
 
 
 @dataclass(frozen=True)
-class SensorFault:
+class SensorFault(Checked):
     """Sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one.
 
     `roll_rate` affects only the camera's estimator, and only on a full car, which has a roll gyro.
@@ -24,42 +27,29 @@ class SensorFault:
     kind: ClassVar[str] = "sensor"
     channel: Literal["body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate", "all"]
     mode: Literal["stuck", "silent"]
-    start_s: float
-    duration_s: float
-    wheel: int = 0
-
-    def __post_init__(self) -> None:
-        _check_window(self.start_s, self.duration_s)
-        if not 0 <= self.wheel <= 3:
-            raise InputError(f"wheel must lie in 0 ... 3, got {self.wheel}")
+    start_s: Start
+    duration_s: Duration
+    wheel: Annotated[int, Interval(ge=0, le=3), "wheel number"] = 0
 
 
 @dataclass(frozen=True)
-class PreviewFault:
+class PreviewFault(Checked):
     """Preview that is no longer updated (frozen), or has implausible heights (absurd)."""
 
     kind: ClassVar[str] = "preview"
     mode: Literal["frozen", "absurd"]
-    start_s: float
-    duration_s: float
-
-    def __post_init__(self) -> None:
-        _check_window(self.start_s, self.duration_s)
+    start_s: Start
+    duration_s: Duration
 
 
 @dataclass(frozen=True)
-class LateAnswers:
+class LateAnswers(Checked):
     """Controller answers that come too late, each with a probability."""
 
     kind: ClassVar[str] = "late_answers"
-    start_s: float
-    duration_s: float
-    probability: float = 1.0
-
-    def __post_init__(self) -> None:
-        _check_window(self.start_s, self.duration_s)
-        if not 0.0 <= self.probability <= 1.0:
-            raise InputError(f"probability must lie in 0 ... 1, got {self.probability:g}")
+    start_s: Start
+    duration_s: Duration
+    probability: Share = 1.0
 
 
 Fault = SensorFault | PreviewFault | LateAnswers
@@ -117,10 +107,3 @@ def _spoil(measurement: Measurement, fault: SensorFault, before: Measurement | N
         else:
             changed[name] = np.where(np.arange(len(value)) == fault.wheel, spoilt, value)
     return replace(measurement, **changed)
-
-
-def _check_window(start_s: float, duration_s: float) -> None:
-    if not 0.0 <= start_s <= 1e6:
-        raise InputError(f"start_s must lie in 0 ... 1e6 s, got {start_s:g}")
-    if not 0.0 < duration_s <= 1e6:
-        raise InputError(f"duration_s must be > 0 and <= 1e6 s, got {duration_s:g}")

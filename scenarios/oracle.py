@@ -3,10 +3,12 @@
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
-from files.errors import InputError
+from files.ranges import Checked, Share
 from preview.horizon import RoadPreview, oracle_preview
 from road.envelope import WheelProfile, wheel_profile
 from road.enveloping import Enveloping
@@ -19,7 +21,7 @@ from vehicle.state import VehicleState
 
 
 @dataclass(frozen=True)
-class OracleErrors:
+class OracleErrors(Checked):
     """Errors of the oracle's preview, and its stated uncertainty.
 
     bias_m: longitudinal error of the features, positive farther ahead.
@@ -29,24 +31,14 @@ class OracleErrors:
     and potholes. position_sigma_m, height_sigma (relative), existence: stated uncertainty of the preview.
     """
 
-    bias_m: float = 0.0
-    height_gain: float = 1.0
-    latency_s: float = 0.0
-    miss_probability: float = 0.0
-    false_per_100m: float = 0.0
-    position_sigma_m: float = 0.0
-    height_sigma: float = 0.0
-    existence: float = 1.0
-
-    def __post_init__(self) -> None:
-        allowed = {
-            "bias_m": (-5.0, 5.0), "height_gain": (0.0, 5.0), "latency_s": (0.0, 1.0),
-            "miss_probability": (0.0, 1.0), "false_per_100m": (0.0, 50.0), "position_sigma_m": (0.0, 5.0),
-            "height_sigma": (0.0, 5.0), "existence": (0.0, 1.0),
-        }  # fmt: skip
-        for name, (low, high) in allowed.items():
-            if not low <= getattr(self, name) <= high:
-                raise InputError(f"{name} must lie in {low:g} ... {high:g}, got {getattr(self, name):g}")
+    bias_m: Annotated[float, Interval(ge=-5.0, le=5.0), "m"] = 0.0
+    height_gain: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 1.0
+    latency_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.0
+    miss_probability: Share = 0.0
+    false_per_100m: Annotated[float, Interval(ge=0.0, le=50.0), "1/(100 m)"] = 0.0
+    position_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.0
+    height_sigma: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 0.0
+    existence: Share = 1.0
 
 
 class Oracle(Blind):

@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from annotated_types import Interval
 
 from controller.settings import ControllerSettings
 from files import strict
 from files.errors import InputError
+from files.ranges import Checked, Seed
 from preview.perception import BoxErrors
 from preview.settings import Settings as EstimatorSettings
 from road.appearance import Appearance
@@ -31,7 +34,7 @@ class Vehicle:
 
 
 @dataclass(frozen=True)
-class CameraSetup:
+class CameraSetup(Checked):
     """The camera, when it looks, how late its boxes arrive, and how well its mounting is known.
 
     The camera sits `behind_front_axle_m` behind the front axle. What is true of the mounting differs from
@@ -41,26 +44,15 @@ class CameraSetup:
     """
 
     intrinsics: Camera = field(default_factory=Camera)
-    behind_front_axle_m: float = 1.6
-    height_m: float = 1.3
-    pitch_deg: float = 6.0
-    pitch_sigma_deg: float = 0.2
-    height_sigma_m: float = 0.01
-    stereo_base_m: float = 0.0
-    stereo_yaw_sigma_deg: float = 0.005
-    rate_hz: int = 20
-    latency_s: float = 0.05
-
-    def __post_init__(self) -> None:
-        _within("behind_front_axle_m", self.behind_front_axle_m, -1.0, 5.0, "m")
-        _within("height_m", self.height_m, 0.3, 4.0, "m")
-        _within("pitch_deg", self.pitch_deg, -10.0, 30.0, "degrees")
-        _within("pitch_sigma_deg", self.pitch_sigma_deg, 0.0, 2.0, "degrees")
-        _within("height_sigma_m", self.height_sigma_m, 0.0, 0.2, "m")
-        _within("stereo_base_m", self.stereo_base_m, 0.0, 1.0, "m")
-        _within("stereo_yaw_sigma_deg", self.stereo_yaw_sigma_deg, 0.0, 0.2, "degrees")
-        _within("rate_hz", self.rate_hz, 1, 200, "Hz")
-        _within("latency_s", self.latency_s, 0.0, 1.0, "s")
+    behind_front_axle_m: Annotated[float, Interval(ge=-1.0, le=5.0), "m"] = 1.6
+    height_m: Annotated[float, Interval(ge=0.3, le=4.0), "m"] = 1.3
+    pitch_deg: Annotated[float, Interval(ge=-10.0, le=30.0), "degrees"] = 6.0
+    pitch_sigma_deg: Annotated[float, Interval(ge=0.0, le=2.0), "degrees"] = 0.2
+    height_sigma_m: Annotated[float, Interval(ge=0.0, le=0.2), "m"] = 0.01
+    stereo_base_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.0
+    stereo_yaw_sigma_deg: Annotated[float, Interval(ge=0.0, le=0.2), "degrees"] = 0.005
+    rate_hz: Annotated[int, Interval(ge=1, le=200), "Hz"] = 20
+    latency_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.05
 
     def mount(self, front_axle_m: float) -> CameraMount:
         """Nominal camera mounting relative to the centre of gravity of a car with this front axle."""
@@ -70,20 +62,16 @@ class CameraSetup:
 
 
 @dataclass(frozen=True)
-class Detection:
+class Detection(Checked):
     """Detector settings: its confidence threshold and, unless the shipped ones, its weights."""
 
     weights: str | None = None
-    confidence: float = 0.2
-    threads: int = 2
-
-    def __post_init__(self) -> None:
-        _within("confidence", self.confidence, 0.01, 0.99, "")
-        _within("threads", self.threads, 1, 64, "")
+    confidence: Annotated[float, Interval(ge=0.01, le=0.99), "1"] = 0.2
+    threads: Annotated[int, Interval(ge=1, le=64), "threads"] = 2
 
 
 @dataclass(frozen=True)
-class MapSetup:
+class MapSetup(Checked):
     """A map of the road for the perception `map`.
 
     file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: how well
@@ -91,27 +79,20 @@ class MapSetup:
     """
 
     file: str
-    localisation_sigma_m: float = 0.05
-
-    def __post_init__(self) -> None:
-        _within("localisation_sigma_m", self.localisation_sigma_m, 0.0, 5.0, "m")
+    localisation_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.05
 
 
 @dataclass(frozen=True)
-class Control:
+class Control(Checked):
     """How often the controller is asked, how much later its command acts, and the controllers' settings."""
 
-    rate_hz: int = 200
-    delay_s: float = 0.0
+    rate_hz: Annotated[int, Interval(ge=10, le=1000), "Hz"] = 200
+    delay_s: Annotated[float, Interval(ge=0.0, le=0.2), "s"] = 0.0
     settings: ControllerSettings = field(default_factory=ControllerSettings)
-
-    def __post_init__(self) -> None:
-        _within("rate_hz", self.rate_hz, 10, 1000, "Hz")
-        _within("delay_s", self.delay_s, 0.0, 0.2, "s")
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(Checked):
     """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
 
     The car starts at `speed_kmh` and goes through the points of `speed`, if there are any, accelerating and
@@ -125,10 +106,10 @@ class Scenario:
 
     name: str
     title: str
-    speed_kmh: float
+    speed_kmh: Annotated[float, Interval(ge=1.0, le=200.0), "km/h"]
     road: Road
     vehicle: Vehicle
-    start_m: float = 2.0
+    start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"] = 2.0
     speed: tuple[SpeedPoint, ...] = ()
     enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
@@ -144,14 +125,11 @@ class Scenario:
     map: MapSetup | None = None
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)
-    tyre_load_weight: float = 3.0
-    seed: int = 0
+    tyre_load_weight: Annotated[float, Interval(ge=0.0, le=1000.0), "(m/s²)²"] = 3.0
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
-        if not 1.0 <= self.speed_kmh <= 200.0:
-            raise InputError(f"speed_kmh must lie in 1 ... 200 km/h, got {self.speed_kmh:g}")
-        _within("tyre_load_weight", self.tyre_load_weight, 0.0, 1000.0, "(m/s²)²")
-        _within("seed", self.seed, 0, 2**32 - 1, "")
+        super().__post_init__()
         room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
         if not 0.0 <= self.start_m < room - 1.0:
             raise InputError(
@@ -184,9 +162,3 @@ class Scenario:
         mapping = strict.to_mapping(self)
         assert isinstance(mapping, dict)
         return mapping
-
-
-def _within(name: str, value: float, low: float, high: float, unit: str) -> None:
-    if not low <= value <= high:
-        allowed = f"{low:g} ... {high:g} {unit}".rstrip()
-        raise InputError(f"{name} must lie in {allowed}, got {value:g}")

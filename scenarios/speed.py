@@ -2,8 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Interval
 
 from files.errors import InputError
+from files.ranges import Checked
 from vehicle.speed import SpeedProfile
 
 KM_H = 1 / 3.6
@@ -11,16 +15,15 @@ HARDEST_M_S2 = 12.0
 
 
 @dataclass(frozen=True)
-class SpeedPoint:
+class SpeedPoint(Checked):
     """Speed `kmh` reached `at_s` into the drive, or with the centre of gravity `at_m` along the road."""
 
-    kmh: float
-    at_s: float | None = None
-    at_m: float | None = None
+    kmh: Annotated[float, Interval(ge=0.0, le=200.0), "km/h"]
+    at_s: Annotated[float, Interval(ge=0.0, le=1e6), "s"] | None = None
+    at_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"] | None = None
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.kmh <= 200.0:
-            raise InputError(f"kmh must lie in 0 ... 200 km/h, got {self.kmh:g}")
+        super().__post_init__()
         if (self.at_s is None) == (self.at_m is None):
             raise InputError("at_s must be given, or at_m, and not both")
 

@@ -5,14 +5,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
 from controller.registry import sees_ahead
 from files import strict
 from files.errors import InputError, shown
+from files.ranges import Checked, Seed
 from files.reading import read_text
 from files.yaml12 import parse
 from scenarios.axis import Axis, Scalar, read_axis, scalar
@@ -21,31 +23,34 @@ from scenarios.loading import load
 from scenarios.named_files import try_files
 from scenarios.runfolder import digest
 
+MOST_DRIVES = 1_000_000
+"""Largest study."""
 TRIED = 20
 """Number of samples of each kind of which at least one must be valid, else the study is refused."""
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(Checked):
     """Study file without its axes. `samples` applies to every sampling except the grid."""
 
     scenarios: tuple[str, ...]
     title: str = ""
     controllers: tuple[str, ...] = ("passive", "mpc_preview")
     perception: tuple[str, ...] = ("oracle",)
-    seeds: tuple[int, ...] = (0,)
+    seeds: tuple[Seed, ...] = (0,)
     sampling: Literal["grid", "latin_hypercube", "sobol", "monte_carlo"] = "grid"
-    samples: int = 0
-    seed: int = 0
+    samples: Annotated[int, Interval(ge=0, le=MOST_DRIVES), "samples"] = 0
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("scenarios", "controllers", "perception", "seeds"):
             if not getattr(self, name):
                 raise InputError(f"{name} must not be empty")
         if self.sampling == "grid" and self.samples:
             raise InputError(f"samples must be left out for a grid, got {self.samples}")
-        if self.sampling != "grid" and not 1 <= self.samples <= 10_000_000:
-            raise InputError(f"samples must lie in 1 ... 10000000 for {self.sampling}, got {self.samples}")
+        if self.sampling != "grid" and not self.samples:
+            raise InputError(f"samples must lie in 1 ... {MOST_DRIVES} for {self.sampling}, got 0")
         if self.sampling == "sobol" and self.samples & (self.samples - 1):
             raise InputError(f"samples must be a power of two for sobol, got {self.samples}")
 

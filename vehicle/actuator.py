@@ -5,19 +5,19 @@ mechanical power and energy that an actuator delivers.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from vehicle.checks import require
+from files.ranges import Checked
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class SlowActive:
+class SlowActive(Checked):
     """Slow-active ("low-bandwidth") actuator in parallel with the damper.
 
     A lag of 50-150 ms, so 1-3 Hz, and a few kN are the class of electro-hydraulic and electro-mechanical
@@ -26,32 +26,18 @@ class SlowActive:
 
     kind: ClassVar[str] = "slow_active"
 
-    force_limit_n: float = 3000.0
-    lag_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        require("force_limit_n", self.force_limit_n, above=0.0)
-        if not 0.05 <= self.lag_s <= 0.15:
-            raise InputError(
-                f"lag_s must lie in 0.05 ... 0.15 s for a slow_active actuator, got {self.lag_s}"
-            )
+    force_limit_n: Annotated[float, Interval(ge=1.0, le=1e6), "N"] = 3000.0
+    lag_s: Annotated[float, Interval(ge=0.05, le=0.15), "s"] = 0.1
 
 
 @dataclass(frozen=True)
-class FullyActive:
+class FullyActive(Checked):
     """Fully active ("high-bandwidth") actuator, faster than the wheel hop: a lag of 5 ms is 32 Hz."""
 
     kind: ClassVar[str] = "fully_active"
 
-    force_limit_n: float = 5000.0
-    lag_s: float = 0.005
-
-    def __post_init__(self) -> None:
-        require("force_limit_n", self.force_limit_n, above=0.0)
-        if not 0.002 <= self.lag_s <= 0.05:
-            raise InputError(
-                f"lag_s must lie in 0.002 ... 0.05 s for a fully_active actuator, got {self.lag_s}"
-            )
+    force_limit_n: Annotated[float, Interval(ge=1.0, le=1e6), "N"] = 5000.0
+    lag_s: Annotated[float, Interval(ge=0.002, le=0.05), "s"] = 0.005
 
 
 Actuator = SlowActive | FullyActive

@@ -5,7 +5,6 @@ from typing import Any
 
 from files.errors import InputError
 from vehicle.actuator import Actuator
-from vehicle.checks import require
 from vehicle.damper import Damper
 
 GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
@@ -84,8 +83,7 @@ def axle_corners(
     )
 
 
-COMMON_POSITIVE = ("damper_lag_s", "wheel_radius_m", "track_m")
-CORNER_POSITIVE = (
+CORNER_FIELDS = (
     "unsprung_mass_kg",
     "spring_n_m",
     "tyre_n_m",
@@ -94,9 +92,9 @@ CORNER_POSITIVE = (
     "damping_passive_ns_m",
     "stop_gap_m",
     "stop_n_m2",
+    "tyre_damping_ns_m",
+    "spring_n_m3",
 )
-CORNER_FIELDS = (*CORNER_POSITIVE, "tyre_damping_ns_m", "spring_n_m3")
-MAY_BE_ZERO = ("tyre_damping_ns_m", "spring_n_m3")
 
 
 def require_order(least: float, passive: float, most: float, suffix: str = "") -> None:
@@ -107,23 +105,12 @@ def require_order(least: float, passive: float, most: float, suffix: str = "") -
 
 
 def require_axles(car: Any) -> None:
-    """Check the axle parameters of a two-axle car, pairs (front, rear), and its seat positions."""
-    for name in CORNER_FIELDS:
-        values = getattr(car, name)
-        if len(values) != 2:
-            raise InputError(f"{name} must hold 2 values (front, rear), got {len(values)}")
-        for i, value in enumerate(values):
-            bound = {"least": 0.0} if name in MAY_BE_ZERO else {"above": 0.0}
-            require(f"{name}[{i}]", value, **bound)
+    """Check the order of a two-axle car's damping, and where its seats are."""
     for i in range(2):
         limits = (car.damping_min_ns_m[i], car.damping_passive_ns_m[i], car.damping_max_ns_m[i])
         require_order(*limits, suffix=f"[{i}]")
-    if car.rebound_gap_m is not None:
-        for i, gap in enumerate(car.rebound_gap_m):
-            require(f"rebound_gap_m[{i}]", gap, above=0.0)
-    require("cg_height_m", car.cg_height_m, least=0.0)
     for i, x in enumerate(car.seat_x_m):
         if not -car.rear_axle_m <= x <= car.front_axle_m:
-            raise InputError(f"seat_x_m[{i}] must lie between the axles, got {x}")
+            raise InputError(f"seat_x_m[{i}] must lie between the axles, got {x:g}")
     if not car.seat_x_m:
         raise InputError("seat_x_m must name at least one seat, got none")

@@ -20,9 +20,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from files.errors import InputError
-from vehicle.checks import require
+from files.errors import InputError, shown
+from files.ranges import Checked
 from vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
+from vehicle.quantities import Current, StrutForce, StrutSpeed
 
 __all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDamper"]
 
@@ -49,7 +50,7 @@ class IdealDamper:
 
 
 @dataclass(frozen=True)
-class ValveDamper:
+class ValveDamper(Checked):
     """Continuously variable valve damper: a force map over velocity and current, linear between its points.
 
     rebound_n, compression_n: one row for each of currents_a (ascending), one value for each of speeds_m_s
@@ -63,25 +64,25 @@ class ValveDamper:
     inner: ClassVar[int] = 0
     substeps: ClassVar[int] = 1
 
-    currents_a: tuple[float, ...] = (0.3, 0.8, 1.6)
-    speeds_m_s: tuple[float, ...] = (0.052, 0.131, 0.262, 0.524, 1.048)
-    rebound_n: tuple[tuple[float, ...], ...] = (
+    currents_a: tuple[Current, ...] = (0.3, 0.8, 1.6)
+    speeds_m_s: tuple[StrutSpeed, ...] = (0.052, 0.131, 0.262, 0.524, 1.048)
+    rebound_n: tuple[tuple[StrutForce, ...], ...] = (
         (60.0, 130.0, 240.0, 470.0, 1000.0),
         (250.0, 520.0, 800.0, 1250.0, 2050.0),
         (700.0, 1350.0, 1900.0, 2600.0, 3800.0),
     )
-    compression_n: tuple[tuple[float, ...], ...] = (
+    compression_n: tuple[tuple[StrutForce, ...], ...] = (
         (40.0, 90.0, 160.0, 300.0, 620.0),
         (120.0, 250.0, 390.0, 620.0, 1050.0),
         (300.0, 560.0, 800.0, 1150.0, 1800.0),
     )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("currents_a", "speeds_m_s"):
             values = getattr(self, name)
             if len(values) < 2 or any(a >= b for a, b in pairwise(values)):
-                raise InputError(f"{name} must hold at least 2 ascending values, got {list(values)}")
-            require(f"{name}[0]", values[0], **{"least" if name == "currents_a" else "above": 0.0})
+                raise InputError(f"{name} must hold at least 2 ascending values, got {shown(values)}")
         for name in ("rebound_n", "compression_n"):
             rows = getattr(self, name)
             if len(rows) != len(self.currents_a) or any(len(row) != len(self.speeds_m_s) for row in rows):

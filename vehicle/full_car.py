@@ -5,14 +5,34 @@ from functools import cached_property
 from typing import ClassVar
 
 from files.errors import InputError
+from files.ranges import Checked
 from vehicle.actuator import Actuator
-from vehicle.checks import require
-from vehicle.corner import COMMON_POSITIVE, Corner, axle_corners, require_axles
+from vehicle.corner import Corner, axle_corners, require_axles
 from vehicle.damper import Damper, IdealDamper
+from vehicle.plausible import require_plausible
+from vehicle.quantities import (
+    AntiRoll,
+    AxleDistance,
+    BodyMass,
+    CubicSpring,
+    Gap,
+    Height,
+    Inertia,
+    Lag,
+    PositiveDamping,
+    Seat,
+    Spring,
+    Stop,
+    Track,
+    TyreDamping,
+    TyreStiffness,
+    UnsprungMass,
+    WheelRadius,
+)
 
 
 @dataclass(frozen=True)
-class FullCar:
+class FullCar(Checked):
     """Body with heave, pitch and roll on two axles of two wheels, SI units; pairs are (front, rear).
 
     Seven degrees of freedom. Masses and inertias are those of the whole sprung mass; unsprung masses,
@@ -25,39 +45,35 @@ class FullCar:
 
     kind: ClassVar[str] = "full_car"
 
-    body_mass_kg: float
-    pitch_inertia_kg_m2: float
-    roll_inertia_kg_m2: float
-    front_axle_m: float
-    rear_axle_m: float
-    unsprung_mass_kg: tuple[float, float]
-    spring_n_m: tuple[float, float]
-    tyre_n_m: tuple[float, float]
-    anti_roll_n_m: tuple[float, float] = (0.0, 0.0)
-    tyre_damping_ns_m: tuple[float, float] = (100.0, 100.0)
-    damping_min_ns_m: tuple[float, float] = (300.0, 300.0)
-    damping_max_ns_m: tuple[float, float] = (4500.0, 4500.0)
-    damping_passive_ns_m: tuple[float, float] = (1500.0, 1500.0)
-    stop_gap_m: tuple[float, float] = (0.08, 0.08)
-    rebound_gap_m: tuple[float, float] | None = None
-    stop_n_m2: tuple[float, float] = (1e7, 1e7)
-    spring_n_m3: tuple[float, float] = (0.0, 0.0)
+    body_mass_kg: BodyMass
+    pitch_inertia_kg_m2: Inertia
+    roll_inertia_kg_m2: Inertia
+    front_axle_m: AxleDistance
+    rear_axle_m: AxleDistance
+    unsprung_mass_kg: tuple[UnsprungMass, UnsprungMass]
+    spring_n_m: tuple[Spring, Spring]
+    tyre_n_m: tuple[TyreStiffness, TyreStiffness]
+    anti_roll_n_m: tuple[AntiRoll, AntiRoll] = (0.0, 0.0)
+    tyre_damping_ns_m: tuple[TyreDamping, TyreDamping] = (100.0, 100.0)
+    damping_min_ns_m: tuple[PositiveDamping, PositiveDamping] = (300.0, 300.0)
+    damping_max_ns_m: tuple[PositiveDamping, PositiveDamping] = (4500.0, 4500.0)
+    damping_passive_ns_m: tuple[PositiveDamping, PositiveDamping] = (1500.0, 1500.0)
+    stop_gap_m: tuple[Gap, Gap] = (0.08, 0.08)
+    rebound_gap_m: tuple[Gap, Gap] | None = None
+    stop_n_m2: tuple[Stop, Stop] = (1e7, 1e7)
+    spring_n_m3: tuple[CubicSpring, CubicSpring] = (0.0, 0.0)
     damper: Damper = field(default_factory=IdealDamper)
     actuator: Actuator | None = None
-    damper_lag_s: float = 0.008
-    wheel_radius_m: float = 0.31
-    track_m: float = 1.5
-    cg_height_m: float = 0.55
-    seat_x_m: tuple[float, ...] = (-0.1, -0.95)
-    seat_y_m: tuple[float, ...] = (0.37, -0.37)
+    damper_lag_s: Lag = 0.008
+    wheel_radius_m: WheelRadius = 0.31
+    track_m: Track = 1.5
+    cg_height_m: Height = 0.55
+    seat_x_m: tuple[Seat, ...] = (-0.1, -0.95)
+    seat_y_m: tuple[Seat, ...] = (0.37, -0.37)
 
     def __post_init__(self) -> None:
-        inertias = ("body_mass_kg", "pitch_inertia_kg_m2", "roll_inertia_kg_m2")
-        for name in (*inertias, "front_axle_m", "rear_axle_m", *COMMON_POSITIVE):
-            require(name, getattr(self, name), above=0.0)
+        super().__post_init__()
         require_axles(self)
-        for i, stiffness in enumerate(self.anti_roll_n_m):
-            require(f"anti_roll_n_m[{i}]", stiffness, least=0.0)
         if self.roll_inertia_kg_m2 > 2.0 * self.pitch_inertia_kg_m2:
             raise InputError(
                 f"roll_inertia_kg_m2 must be <= twice the pitch inertia, got {self.roll_inertia_kg_m2:g}"
@@ -68,7 +84,8 @@ class FullCar:
             )
         for i, y in enumerate(self.seat_y_m):
             if not abs(y) <= self.track_m / 2:
-                raise InputError(f"seat_y_m[{i}] must lie between the wheels, got {y}")
+                raise InputError(f"seat_y_m[{i}] must lie between the wheels, got {y:g}")
+        require_plausible(self)
 
     @property
     def wheels(self) -> int:

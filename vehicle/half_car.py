@@ -4,14 +4,33 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
+from files.ranges import Checked
 from vehicle.actuator import Actuator
-from vehicle.checks import require
-from vehicle.corner import COMMON_POSITIVE, Corner, axle_corners, require_axles
+from vehicle.corner import Corner, axle_corners, require_axles
 from vehicle.damper import Damper, IdealDamper
+from vehicle.plausible import require_plausible
+from vehicle.quantities import (
+    AxleDistance,
+    BodyMass,
+    CubicSpring,
+    Gap,
+    Height,
+    Inertia,
+    Lag,
+    PositiveDamping,
+    Seat,
+    Spring,
+    Stop,
+    Track,
+    TyreDamping,
+    TyreStiffness,
+    UnsprungMass,
+    WheelRadius,
+)
 
 
 @dataclass(frozen=True)
-class HalfCar:
+class HalfCar(Checked):
     """Body with heave and pitch on two axles, SI units; tuples are (front, rear).
 
     Masses, stiffnesses and damping are those of one side of the car. Pitch is positive nose-down and small:
@@ -22,33 +41,33 @@ class HalfCar:
 
     kind: ClassVar[str] = "half_car"
 
-    body_mass_kg: float
-    pitch_inertia_kg_m2: float
-    front_axle_m: float
-    rear_axle_m: float
-    unsprung_mass_kg: tuple[float, float]
-    spring_n_m: tuple[float, float]
-    tyre_n_m: tuple[float, float]
-    tyre_damping_ns_m: tuple[float, float] = (100.0, 100.0)
-    damping_min_ns_m: tuple[float, float] = (300.0, 300.0)
-    damping_max_ns_m: tuple[float, float] = (4500.0, 4500.0)
-    damping_passive_ns_m: tuple[float, float] = (1500.0, 1500.0)
-    stop_gap_m: tuple[float, float] = (0.08, 0.08)
-    rebound_gap_m: tuple[float, float] | None = None
-    stop_n_m2: tuple[float, float] = (1e7, 1e7)
-    spring_n_m3: tuple[float, float] = (0.0, 0.0)
+    body_mass_kg: BodyMass
+    pitch_inertia_kg_m2: Inertia
+    front_axle_m: AxleDistance
+    rear_axle_m: AxleDistance
+    unsprung_mass_kg: tuple[UnsprungMass, UnsprungMass]
+    spring_n_m: tuple[Spring, Spring]
+    tyre_n_m: tuple[TyreStiffness, TyreStiffness]
+    tyre_damping_ns_m: tuple[TyreDamping, TyreDamping] = (100.0, 100.0)
+    damping_min_ns_m: tuple[PositiveDamping, PositiveDamping] = (300.0, 300.0)
+    damping_max_ns_m: tuple[PositiveDamping, PositiveDamping] = (4500.0, 4500.0)
+    damping_passive_ns_m: tuple[PositiveDamping, PositiveDamping] = (1500.0, 1500.0)
+    stop_gap_m: tuple[Gap, Gap] = (0.08, 0.08)
+    rebound_gap_m: tuple[Gap, Gap] | None = None
+    stop_n_m2: tuple[Stop, Stop] = (1e7, 1e7)
+    spring_n_m3: tuple[CubicSpring, CubicSpring] = (0.0, 0.0)
     damper: Damper = field(default_factory=IdealDamper)
     actuator: Actuator | None = None
-    damper_lag_s: float = 0.008
-    wheel_radius_m: float = 0.31
-    track_m: float = 1.5
-    cg_height_m: float = 0.55
-    seat_x_m: tuple[float, ...] = (-0.1, -0.95)
+    damper_lag_s: Lag = 0.008
+    wheel_radius_m: WheelRadius = 0.31
+    track_m: Track = 1.5
+    cg_height_m: Height = 0.55
+    seat_x_m: tuple[Seat, ...] = (-0.1, -0.95)
 
     def __post_init__(self) -> None:
-        for name in ("body_mass_kg", "pitch_inertia_kg_m2", "front_axle_m", "rear_axle_m", *COMMON_POSITIVE):
-            require(name, getattr(self, name), above=0.0)
+        super().__post_init__()
         require_axles(self)
+        require_plausible(self)
 
     @property
     def wheels(self) -> int:

@@ -2,14 +2,21 @@
 
 from dataclasses import dataclass, replace
 from math import atanh, sqrt, tanh
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from annotated_types import Interval
 
 from files.errors import InputError
-from vehicle.checks import require
+from files.ranges import Checked
+from vehicle.quantities import SignedForce, Viscous
+
+Bend = Annotated[float, Interval(ge=-100.0, le=100.0), "1"]
+Creep = Annotated[float, Interval(ge=1.0, le=1e6), "N·s/m"]
+Evolution = Annotated[float, Interval(ge=1.0, le=1e8), "N/m"]
 
 
 @dataclass(frozen=True)
-class MrTanhDamper:
+class MrTanhDamper(Checked):
     """Magnetorheological damper: hyperbolic-tangent model with hysteresis.
 
     force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
@@ -23,23 +30,26 @@ class MrTanhDamper:
     inner: ClassVar[int] = 0
     substeps: ClassVar[int] = 2
 
-    current_max_a: float = 2.0
-    viscous_ns_m: tuple[float, float] = (1232.0, 1929.0)  # constant, per A
-    yield_n: tuple[float, float, float] = (32.0, 918.0, -244.0)  # constant, per A, per A²
-    slope_s_m: float = 100.0
-    hysteresis: tuple[float, float] = (0.58, 0.30)  # constant, per A
-    switch_m: float = 0.001
+    current_max_a: Annotated[float, Interval(ge=0.01, le=100.0), "A"] = 2.0
+    viscous_ns_m: tuple[Viscous, Viscous] = (1232.0, 1929.0)  # constant, per A
+    yield_n: tuple[SignedForce, SignedForce, SignedForce] = (32.0, 918.0, -244.0)  # constant, per A, per A²
+    slope_s_m: Annotated[float, Interval(ge=1e-6, le=1e5), "s/m"] = 100.0
+    hysteresis: tuple[Bend, Bend] = (0.58, 0.30)  # constant, per A
+    switch_m: Annotated[float, Interval(ge=1e-6, le=0.1), "m"] = 0.001
 
     def __post_init__(self) -> None:
-        for name in ("current_max_a", "slope_s_m", "switch_m"):
-            require(name, getattr(self, name), above=0.0)
-        require("viscous_ns_m[0]", self.viscous_ns_m[0], least=0.0)
+        super().__post_init__()
+        if not all(0.0 < self._strength(0.125 * k * self.current_max_a) <= 1e5 for k in range(9)):
+            raise InputError(
+                "yield_n must give > 0 and <= 100000 N at each current of 0 ... current_max_a, "
+                f"got {list(self.yield_n)}"
+            )
 
     def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
         """Force on the body, up, N."""
         amps = self.current_max_a * share
         viscous = self.viscous_ns_m[0] + self.viscous_ns_m[1] * amps
-        strength = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
+        strength = self._strength(amps)
         bent = (self.hysteresis[0] + self.hysteresis[1] * amps) * xp.tanh(travel / self.switch_m)
         return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
 
@@ -50,14 +60,18 @@ class MrTanhDamper:
     def coarse(self, steepest_ns_m: float) -> "MrTanhDamper":
         """Return the damper with a less steep transition through zero and without hysteresis."""
         amps = self.current_max_a
-        strongest = self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
+        strongest = self._strength(amps)
         left = steepest_ns_m - self.viscous_ns_m[0] - self.viscous_ns_m[1] * amps
         slope = min(self.slope_s_m, max(left, 0.1 * steepest_ns_m) / strongest)
         return replace(self, slope_s_m=slope, hysteresis=(0.0, 0.0))
 
+    def _strength(self, amps: Any) -> Any:
+        """Force of the yielded fluid, N."""
+        return self.yield_n[0] + self.yield_n[1] * amps + self.yield_n[2] * amps**2
+
 
 @dataclass(frozen=True)
-class MrBoucWenDamper:
+class MrBoucWenDamper(Checked):
     """Magnetorheological damper: modified Bouc-Wen model; internal states y and z, m.
 
     B. F. Spencer et al., Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123(3), 1997,
@@ -70,24 +84,19 @@ class MrBoucWenDamper:
     inner: ClassVar[int] = 2
     substeps: ClassVar[int] = 4
 
-    voltage_max_v: float = 2.0
-    c0_ns_m: tuple[float, float] = (784.0, 1803.0)
-    c1_ns_m: tuple[float, float] = (14649.0, 34622.0)
-    k0_n_m: float = 3610.0
-    alpha_n_m: tuple[float, float] = (12441.0, 38430.0)
-    gamma_m2: float = 136320.0
-    beta_m2: float = 2059020.0
-    gain: float = 58.0  # A of the paper
+    voltage_max_v: Annotated[float, Interval(ge=0.01, le=100.0), "V"] = 2.0
+    c0_ns_m: tuple[Viscous, Viscous] = (784.0, 1803.0)
+    c1_ns_m: tuple[Creep, Viscous] = (14649.0, 34622.0)
+    k0_n_m: Annotated[float, Interval(ge=0.0, le=1e6), "N/m"] = 3610.0
+    alpha_n_m: tuple[Evolution, Evolution] = (12441.0, 38430.0)
+    gamma_m2: Annotated[float, Interval(ge=1.0, le=1e8), "1/m²"] = 136320.0
+    beta_m2: Annotated[float, Interval(ge=1.0, le=1e8), "1/m²"] = 2059020.0
+    gain: Annotated[float, Interval(ge=0.1, le=1e4), "1"] = 58.0  # A of the paper
 
     def __post_init__(self) -> None:
-        for name in ("voltage_max_v", "gamma_m2", "beta_m2", "gain"):
-            require(name, getattr(self, name), above=0.0)
+        super().__post_init__()
         if self.gamma_m2 >= self.beta_m2:
             raise InputError(f"gamma_m2 must be < beta_m2 ({self.beta_m2:g}), got {self.gamma_m2:g}")
-        for name in ("c0_ns_m", "c1_ns_m", "alpha_n_m"):
-            for i, value in enumerate(getattr(self, name)):
-                require(f"{name}[{i}]", value, least=0.0)
-        require("c1_ns_m[0]", self.c1_ns_m[0], above=0.0)
 
     def _creep(self, share: Any, travel: Any, rate: Any, inner: list) -> tuple[Any, Any]:
         """Velocity of the internal node y, and c₁."""

@@ -4,22 +4,29 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
+from files.ranges import Checked
 from vehicle.actuator import Actuator
-from vehicle.checks import require
-from vehicle.corner import (
-    COMMON_POSITIVE,
-    CORNER_FIELDS,
-    CORNER_POSITIVE,
-    GRAVITY_M_S2,
-    MAY_BE_ZERO,
-    Corner,
-    require_order,
-)
+from vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_order
 from vehicle.damper import Damper, IdealDamper
+from vehicle.plausible import require_plausible
+from vehicle.quantities import (
+    BodyMass,
+    CubicSpring,
+    Gap,
+    Lag,
+    PositiveDamping,
+    Spring,
+    Stop,
+    Track,
+    TyreDamping,
+    TyreStiffness,
+    UnsprungMass,
+    WheelRadius,
+)
 
 
 @dataclass(frozen=True)
-class QuarterCar:
+class QuarterCar(Checked):
     """Quarter car, the two-mass model of ride comfort: one wheel and its share of the body, SI units.
 
     The damper is semi-active: its coefficient follows the command with a first-order lag inside
@@ -31,32 +38,28 @@ class QuarterCar:
 
     kind: ClassVar[str] = "quarter_car"
 
-    sprung_mass_kg: float
-    unsprung_mass_kg: float
-    spring_n_m: float
-    tyre_n_m: float
-    tyre_damping_ns_m: float = 100.0
-    damping_min_ns_m: float = 300.0
-    damping_max_ns_m: float = 4500.0
-    damping_passive_ns_m: float = 1500.0
-    damper_lag_s: float = 0.008
-    stop_gap_m: float = 0.08
-    rebound_gap_m: float | None = None
-    stop_n_m2: float = 1e7
-    spring_n_m3: float = 0.0
+    sprung_mass_kg: BodyMass
+    unsprung_mass_kg: UnsprungMass
+    spring_n_m: Spring
+    tyre_n_m: TyreStiffness
+    tyre_damping_ns_m: TyreDamping = 100.0
+    damping_min_ns_m: PositiveDamping = 300.0
+    damping_max_ns_m: PositiveDamping = 4500.0
+    damping_passive_ns_m: PositiveDamping = 1500.0
+    damper_lag_s: Lag = 0.008
+    stop_gap_m: Gap = 0.08
+    rebound_gap_m: Gap | None = None
+    stop_n_m2: Stop = 1e7
+    spring_n_m3: CubicSpring = 0.0
     damper: Damper = field(default_factory=IdealDamper)
     actuator: Actuator | None = None
-    wheel_radius_m: float = 0.31
-    track_m: float = 1.5
+    wheel_radius_m: WheelRadius = 0.31
+    track_m: Track = 1.5
 
     def __post_init__(self) -> None:
-        for name in ("sprung_mass_kg", *CORNER_POSITIVE, *COMMON_POSITIVE):
-            require(name, getattr(self, name), above=0.0)
-        for name in MAY_BE_ZERO:
-            require(name, getattr(self, name), least=0.0)
-        if self.rebound_gap_m is not None:
-            require("rebound_gap_m", self.rebound_gap_m, above=0.0)
+        super().__post_init__()
         require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
+        require_plausible(self)
 
     @property
     def wheels(self) -> int:

@@ -15,46 +15,43 @@ a 12-bit level sensor over 200 mm.
 
 from collections import deque
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
-from files.errors import InputError
+from files.ranges import Checked
 from vehicle.parameters import GRAVITY_M_S2
 from vehicle.state import VehicleState
 
 Array = NDArray[np.float64]
 
 
-def _require_numbers(values: Any) -> None:
-    for item in fields(values):
-        value = getattr(values, item.name)
-        if isinstance(value, int | float) and not (np.isfinite(value) and value >= 0.0):
-            raise InputError(f"{item.name} must be >= 0 and finite, got {value}")
+Acceleration = Annotated[float, Interval(ge=0.0, le=100.0), "m/s²"]
+AccelerationDensity = Annotated[float, Interval(ge=0.0, le=10.0), "m/s²/√Hz"]
+Rate = Annotated[float, Interval(ge=0.0, le=10.0), "rad/s"]
+RateDensity = Annotated[float, Interval(ge=0.0, le=1.0), "rad/s/√Hz"]
+Speed = Annotated[float, Interval(ge=0.0, le=10.0), "m/s"]
+Travel = Annotated[float, Interval(ge=0.0, le=1.0), "m"]
 
 
 @dataclass(frozen=True)
-class SensorInterface:
+class SensorInterface(Checked):
     """How readings reach the controller: in steps, late, or not at all.
 
     *_step: least difference of two readings, 0 for none. delay_readings: how many readings late all of them
     come. dropout: probability that a channel of a reading is lost, when the last one received stands.
     """
 
-    body_acc_step_m_s2: float = 0.0
-    wheel_acc_step_m_s2: float = 0.0
-    rattle_step_m: float = 0.0
-    pitch_rate_step_rad_s: float = 0.0
-    roll_rate_step_rad_s: float = 0.0
-    speed_step_m_s: float = 0.0
-    delay_readings: int = 0
-    dropout: float = 0.0
-
-    def __post_init__(self) -> None:
-        _require_numbers(self)
-        if self.dropout >= 1.0:
-            raise InputError(f"dropout must be < 1, got {self.dropout}")
+    body_acc_step_m_s2: Acceleration = 0.0
+    wheel_acc_step_m_s2: Acceleration = 0.0
+    rattle_step_m: Travel = 0.0
+    pitch_rate_step_rad_s: Rate = 0.0
+    roll_rate_step_rad_s: Rate = 0.0
+    speed_step_m_s: Speed = 0.0
+    delay_readings: Annotated[int, Interval(ge=0, le=200), "readings"] = 0
+    dropout: Annotated[float, Interval(ge=0.0, lt=1.0), "1"] = 0.0
 
 
 CATALOGUE_STEPS = SensorInterface(
@@ -68,26 +65,23 @@ CATALOGUE_STEPS = SensorInterface(
 
 
 @dataclass(frozen=True)
-class SensorNoise:
+class SensorNoise(Checked):
     """Standard deviations of noise (per sample, inside each sensor's bandwidth) and of offsets (per car)."""
 
-    body_density_m_s2: float = 60e-6 * GRAVITY_M_S2  # per √Hz
-    body_offset_m_s2: float = 3e-3 * GRAVITY_M_S2
-    wheel_density_m_s2: float = 1e-3 * GRAVITY_M_S2  # per √Hz
-    wheel_offset_m_s2: float = 50e-3 * GRAVITY_M_S2
-    pitch_rate_density_rad_s: float = float(np.radians(5e-3))  # per √Hz
-    pitch_rate_offset_rad_s: float = float(np.radians(0.05))
-    roll_rate_density_rad_s: float = float(np.radians(5e-3))  # per √Hz
-    roll_rate_offset_rad_s: float = float(np.radians(0.05))
-    rattle_m: float = 2e-4
-    rattle_offset_m: float = 1e-3
-    speed_m_s: float = 0.02
-    speed_scale: float = 0.003  # relative
-    bandwidth_hz: float = 200.0  # of accelerometers and gyro
+    body_density_m_s2: AccelerationDensity = 60e-6 * GRAVITY_M_S2
+    body_offset_m_s2: Acceleration = 3e-3 * GRAVITY_M_S2
+    wheel_density_m_s2: AccelerationDensity = 1e-3 * GRAVITY_M_S2
+    wheel_offset_m_s2: Acceleration = 50e-3 * GRAVITY_M_S2
+    pitch_rate_density_rad_s: RateDensity = float(np.radians(5e-3))
+    pitch_rate_offset_rad_s: Rate = float(np.radians(0.05))
+    roll_rate_density_rad_s: RateDensity = float(np.radians(5e-3))
+    roll_rate_offset_rad_s: Rate = float(np.radians(0.05))
+    rattle_m: Travel = 2e-4
+    rattle_offset_m: Travel = 1e-3
+    speed_m_s: Speed = 0.02
+    speed_scale: Annotated[float, Interval(ge=0.0, le=0.2), "1"] = 0.003
+    bandwidth_hz: Annotated[float, Interval(ge=0.0, le=10_000.0), "Hz"] = 200.0  # of accelerometers and gyro
     interface: SensorInterface = field(default_factory=SensorInterface)
-
-    def __post_init__(self) -> None:
-        _require_numbers(self)
 
 
 _SILENT: dict[str, Any] = {item.name: 0.0 for item in fields(SensorNoise) if item.name != "interface"}

@@ -104,7 +104,7 @@ def test_realisation_depends_on_the_seed_and_not_on_the_length():
     [
         (lambda: Roughness("I"), "^iso_class must be one of A, B, C, D, E, F, G, H, got 'I'"),
         (lambda: Roughness("b"), "^iso_class must be"),
-        (lambda: Roughness("B", -1), "^seed must be an integer >= 0"),
+        (lambda: Roughness("B", -1), "^seed must lie in 0"),
     ],
 )
 def test_bad_input_names_the_field(make, message):

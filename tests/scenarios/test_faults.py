@@ -56,7 +56,7 @@ def test_answers_are_late_as_often_as_told_and_the_same_seed_repeats_it() -> Non
     ("make", "message"),
     [
         (lambda: SensorFault("all", "stuck", -1.0, 1.0), "start_s must lie in"),
-        (lambda: PreviewFault("frozen", 0.0, 0.0), "duration_s must be > 0"),
+        (lambda: PreviewFault("frozen", 0.0, 0.0), "duration_s must lie in 0.001"),
         (lambda: LateAnswers(0.0, 1.0, 1.5), "probability must lie in"),
         (lambda: SensorFault("all", "stuck", 0.0, 1.0, wheel=4), "wheel must lie in"),
     ],

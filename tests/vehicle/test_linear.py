@@ -1,3 +1,4 @@
+from copy import copy
 from dataclasses import replace
 
 import control
@@ -22,9 +23,17 @@ def test_natural_frequencies_of_the_quarter_car() -> None:
     np.testing.assert_allclose(natural_frequencies_hz(QUARTER), np.sort(np.sqrt(squared)) / (2 * np.pi))
 
 
+def on_rigid_tyres(car: Car) -> Car:
+    """The limit of ever stiffer tyres, which no car's parameters may reach."""
+    rigid = copy(car)
+    vars(rigid).pop("corners", None)
+    object.__setattr__(rigid, "tyre_n_m", (1e12, 1e12))
+    return rigid
+
+
 def test_natural_frequencies_of_a_car_on_rigid_tyres() -> None:
     """Equal springs at equal distance a: heave sqrt(2 k / m), pitch sqrt(2 k a² / I)."""
-    car = replace(HALF, front_axle_m=1.35, rear_axle_m=1.35, tyre_n_m=(1e12, 1e12))
+    car = on_rigid_tyres(replace(HALF, front_axle_m=1.35, rear_axle_m=1.35))
     body = natural_frequencies_hz(car)[:2]
     expected = np.sqrt([2 * 21e3 / 800, 2 * 21e3 * 1.35**2 / 1100]) / (2 * np.pi)
     np.testing.assert_allclose(body, np.sort(expected), rtol=1e-6)
@@ -32,7 +41,7 @@ def test_natural_frequencies_of_a_car_on_rigid_tyres() -> None:
 
 def test_roll_frequency_with_anti_roll_bars_on_rigid_tyres() -> None:
     """Springs at half the track b resist with 4 k b², bars with k (2 b)² per axle: w² = sum / I."""
-    car = replace(FULL, tyre_n_m=(1e12, 1e12))
+    car = on_rigid_tyres(FULL)
     stiffness = 4 * 21e3 * 0.75**2 + (16e3 + 8e3) * 1.5**2
     expected = np.sqrt(stiffness / 540) / (2 * np.pi)
     assert np.abs(natural_frequencies_hz(car) / expected - 1.0).min() < 1e-6

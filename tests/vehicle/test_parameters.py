@@ -77,7 +77,7 @@ def test_errors_of_a_file_name_it(tmp_path: Path) -> None:
     path.write_text(
         "kind: quarter_car\nsprung_mass_kg: -1\nunsprung_mass_kg: 40\nspring_n_m: 1e4\ntyre_n_m: 2e5\n"
     )
-    with pytest.raises(InputError, match=r"car\.yaml: sprung_mass_kg must be > 0 and finite, got -1"):
+    with pytest.raises(InputError, match=r"car\.yaml: sprung_mass_kg must lie in"):
         load_vehicle(path)
 
 

@@ -301,7 +301,7 @@ def test_wrong_use_is_told_in_one_line() -> None:
 
 def test_divergence_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # MuJoCo may write its log here
-    plant = Plant(replace(QUARTER, unsprung_mass_kg=0.01))
-    plant.reset([Haversine(0.08, 0.5)], 0.0, 10.0)
-    with pytest.raises(InputError, match=r"vehicle diverged at 0\.004 s"):
+    plant = Plant(QUARTER)
+    plant.reset([Haversine(1e200, 0.5)], 0.0, 10.0)
+    with pytest.raises(InputError, match=r"vehicle diverged at 0\.\d+ s"):
         plant.step([1500.0], 300)

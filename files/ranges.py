@@ -1,0 +1,134 @@
+"""Numbers whose annotation gives range and unit, and the one check of them.
+
+A field says `Annotated[float, Interval(ge=1.0, le=200.0), "Hz"]`; the unit of a plain ratio is "1". A
+dataclass that derives from `Checked`, or calls `check` in its `__post_init__`, holds no number outside its
+range, whether it was read from a file or built in code. Where a range begins at 0, a number above it is at
+least `LEAST`, so that none can be divided by without harm.
+"""
+
+import math
+import types
+from collections.abc import Iterator
+from dataclasses import fields
+from functools import cache
+from numbers import Integral, Real
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from annotated_types import Interval
+
+from files.errors import InputError, shown
+
+LEAST = 1e-12
+
+Share = Annotated[float, Interval(ge=0.0, le=1.0), "1"]
+Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]
+
+
+class Number(NamedTuple):
+    """What an annotation says of a number."""
+
+    whole: bool
+    interval: Interval
+    unit: str
+
+    def told(self) -> str:
+        """The range with its unit, as messages and reference pages give it."""
+        low, high = (f"{bound:.10g}" for bound in self.bounds())
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if self.interval.gt is None and self.interval.lt is None:
+            return f"{low} ... {high}{unit}"
+        signs = ">=" if self.interval.gt is None else ">", "<=" if self.interval.lt is None else "<"
+        return f"{signs[0]} {low} and {signs[1]} {high}{unit}"
+
+    def bounds(self) -> tuple[float, float]:
+        """Lowest and highest value, or what they must stay within."""
+        i: Any = self.interval
+        low, high = (i.ge if i.gt is None else i.gt), (i.le if i.lt is None else i.lt)
+        return -math.inf if low is None else low, math.inf if high is None else high
+
+    def fits(self, value: Any) -> bool:
+        """Whether the value is a number of this type, in range or not."""
+        return isinstance(value, Integral if self.whole else Real) and not isinstance(value, bool)
+
+    def holds(self, value: Any) -> bool:
+        """Whether the value is such a number; the comparisons also hold for whole numbers of any size."""
+        if not self.fits(value):
+            return False
+        (low, high), i = self.bounds(), self.interval
+        if not low <= value <= high or value in (i.gt, i.lt):
+            return False
+        return not (low == 0.0 < value < LEAST)
+
+
+class Checked:
+    """A dataclass whose numbers are checked against their annotations when it is built."""
+
+    def __post_init__(self) -> None:
+        check(self)
+
+
+def check(values: Any) -> None:
+    """Raise InputError, naming the field, unless all numbers of a dataclass lie in their ranges."""
+    cls: Any = type(values)
+    for name, hint in _ranged(cls):
+        _check(name, getattr(values, name), hint)
+
+
+def number_of(hint: Any) -> Number | None:
+    """What an annotation says of the number that it stands for; None where it stands for no number."""
+    if get_origin(hint) is not Annotated:
+        return None
+    kind, *told = get_args(hint)
+    interval = next((item for item in told if isinstance(item, Interval)), None)
+    unit = next((item for item in told if isinstance(item, str)), "1")
+    return Number(kind is int, interval, unit) if interval else None
+
+
+def numbers_in(hint: Any) -> Iterator[Number]:
+    """The numbers that a field with this annotation may hold, those of inner dataclasses left out."""
+    number = number_of(hint)
+    if number is not None:
+        yield number
+        return
+    for inner in get_args(hint):
+        yield from numbers_in(inner)
+
+
+@cache
+def _ranged(cls: Any) -> tuple[tuple[str, Any], ...]:
+    hints = get_type_hints(cls, include_extras=True)
+    return tuple((f.name, hints[f.name]) for f in fields(cls) if any(True for _ in numbers_in(hints[f.name])))
+
+
+def _check(name: str, value: Any, hint: Any) -> None:
+    origin, arguments = get_origin(hint), get_args(hint)
+    if (number := number_of(hint)) is not None:
+        _check_number(name, value, number)
+    elif origin is tuple:
+        _check_tuple(name, value, arguments)
+    elif origin is dict:
+        for key, item in value.items():
+            _check(f"{name}.{key}", item, arguments[1])
+    elif origin in (Union, types.UnionType) and value is not None:
+        for member in arguments:
+            _check(name, value, member)
+
+
+def _check_tuple(name: str, values: Any, hints: tuple[Any, ...]) -> None:
+    if hints[-1] is Ellipsis:
+        hints = hints[:1] * len(values)
+    if len(values) != len(hints):
+        raise InputError(f"{name} must hold {len(hints)} values, got {len(values)}")
+    for i, (value, hint) in enumerate(zip(values, hints, strict=True)):
+        _check(f"{name}[{i}]", value, hint)
+
+
+def _check_number(name: str, value: Any, number: Number) -> None:
+    if number.holds(value):
+        return
+    allowed = f"lie in {number.told()}" if "..." in number.told() else f"be {number.told()}"
+    if not number.fits(value):
+        allowed = f"be {'a whole number' if number.whole else 'a number'}, and {allowed}"
+    elif 0 < value < LEAST:
+        allowed += f", and be 0 or at least {LEAST:g}"
+    raise InputError(f"{name} must {allowed}, got {shown(value)}")

@@ -1,0 +1,67 @@
+"""What no car can be: parameters that lie in their ranges, but not together."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from files.errors import InputError
+
+Array = NDArray[np.float64]
+FASTEST_1_S = 500.0
+"""Fastest motion that the Runge-Kutta steps of the controllers' models, up to 5 ms long, can follow."""
+SLOWEST_HZ, QUICKEST_HZ = 0.05, 20.0
+LONGEST_SPRING_M = 3.0
+
+
+def require_plausible(car: Any) -> None:
+    """Raise InputError for a car whose springs, dampers and masses do not fit one another.
+
+    Wide limits, from model cars to trucks: the static load must not sink the car by more than its tyres and
+    springs are long, the body must not bounce faster than wheels do, and no motion may be faster than it can
+    be computed.
+    """
+    for i, corner in enumerate(car.corners):
+        sunk = corner.static_tyre_deflection_m, corner.static_rattle_m
+        _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.0, car.wheel_radius_m, "m")
+        _limit("spring_n_m", f"let spring {i} sink by", sunk[1], 0.0, LONGEST_SPRING_M, "m")
+    stiffness, damping, mass = _matrices(car)
+    root = np.sqrt(mass)
+    squares = np.linalg.eigvalsh(stiffness / np.outer(root, root))
+    slowest = float(np.sqrt(max(squares[0], 0.0))) / (2 * np.pi)
+    _limit("spring_n_m", "let the body bounce with", slowest, SLOWEST_HZ, QUICKEST_HZ, "Hz")
+    size = len(mass)
+    system = np.block(
+        [
+            [np.zeros((size, size)), np.eye(size)],
+            [-stiffness / mass[:, None], -damping / mass[:, None]],
+        ]
+    )
+    fastest = max(float(np.abs(np.linalg.eigvals(system)).max()), float(np.sqrt(squares[-1])))
+    names = "unsprung_mass_kg, tyre_n_m and damping_max_ns_m"
+    _limit(names, "give motions of", fastest, 0.0, FASTEST_1_S, "1/s")
+
+
+def _limit(name: str, told: str, value: float, low: float, high: float, unit: str) -> None:
+    if not low <= value <= high:
+        raise InputError(f"{name} must {told} {low:g} ... {high:g} {unit}, got {value:.4g} {unit}")
+
+
+def _matrices(car: Any) -> tuple[Array, Array, Array]:
+    """Stiffness and damping matrices and the diagonal of the masses, dampers at their hardest."""
+    bodies, corners = len(car.body_inertia), car.corners
+    mass = np.array([*car.body_inertia, *(corner.unsprung_mass_kg for corner in corners)], float)
+    stiffness, damping = np.zeros((len(mass), len(mass))), np.zeros((len(mass), len(mass)))
+    struts = []
+    for i, corner in enumerate(corners):
+        strut = np.zeros(len(mass))
+        strut[:bodies], strut[bodies + i] = corner.lever, -1.0
+        stiffness += corner.spring_n_m * np.outer(strut, strut)
+        damping += corner.damping_max_ns_m * np.outer(strut, strut)
+        stiffness[bodies + i, bodies + i] += corner.tyre_n_m
+        damping[bodies + i, bodies + i] += corner.tyre_damping_ns_m
+        struts.append(strut)
+    for axle, bar in enumerate(car.anti_roll_n_m):
+        twist = struts[2 * axle] - struts[2 * axle + 1]
+        stiffness += bar * np.outer(twist, twist)
+    return stiffness, damping, mass
