@@ -129,5 +129,5 @@ def test_lost_readings_keep_the_last_one_as_often_as_asked() -> None:
 def test_an_impossible_interface_is_refused() -> None:
     with pytest.raises(InputError, match="dropout must be >= 0 and < 1"):
         SensorInterface(dropout=1.0)
-    with pytest.raises(InputError, match="rattle_step_m must be >= 0"):
+    with pytest.raises(InputError, match="rattle_step_m must lie in 0"):
         SensorInterface(rattle_step_m=-1.0)
