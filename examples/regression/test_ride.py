@@ -1,4 +1,4 @@
-"""Ride regression test of your own car: `pytest --ride-accept` once, commit `ride_baselines/`, then `pytest`."""
+"""Ride regression test of your car: `pytest --ride-accept` once, commit `ride_baselines/`, then `pytest`."""
 
 import numpy as np
 
