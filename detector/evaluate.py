@@ -35,6 +35,7 @@ from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
 from files.images import read_pixels
+from files.sharing import shared_name
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 
@@ -138,7 +139,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
         judged = judge_folder(args.data, detect, args.skip_bad, not args.ignore_masks, change)
         summary = summary_of(args.data, judged, args.confidence)
-        summary |= {"weights": str(detect.path), "data": str(args.data), "metadata": detect.metadata}
+        summary |= {
+            "weights": shared_name(detect.path),
+            "data": shared_name(args.data),
+            "metadata": detect.metadata,
+        }
         summary |= {"degrade": args.degrade, "strength": args.strength} if args.degrade else {}
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")

@@ -30,6 +30,7 @@ from detector.trainer import Settings, Trainer
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.sharing import shared_name
 
 
 def parser() -> argparse.ArgumentParser:
@@ -134,7 +135,10 @@ def run(args: argparse.Namespace) -> None:
     if args.resume:
         trainer.restore(checkpoint)
     args.out.mkdir(parents=True, exist_ok=True)
-    config = {"settings": asdict(settings)} | {k: str(v) for k, v in vars(args).items()}
+    config = {"settings": asdict(settings)} | {
+        name: shared_name(value) if isinstance(value, Path) else str(value)
+        for name, value in vars(args).items()
+    }
     write_text(args.out / "config.json", json.dumps(config, indent=1) + "\n")
     print(
         f"{len(training)} training, {len(validation)} validation images; {args.stages} on {chosen}",

@@ -12,7 +12,8 @@ from files.cache import cache_folder, temporary_folder, writable
 
 PACKAGES = ("road", "controller")
 """Packages with compiled functions."""
-_ROOT = Path(__file__).resolve().parents[1]
+SOURCE = Path(__file__).resolve().parents[1]
+"""Folder of all packages."""
 
 
 def _prepare() -> Path | None:
@@ -26,7 +27,7 @@ def _prepare() -> Path | None:
     if named and writable(Path(named)):
         return Path(named)
     if all(writable(part / "__pycache__") for part in {source.parent for source in _sources()}):
-        return _ROOT
+        return SOURCE
     if folder is None or not writable(place := folder / "compiled" / _digest()):
         return None
     os.environ["NUMBA_CACHE_DIR"] = str(place)
@@ -42,7 +43,7 @@ def _digest() -> str:
 
 
 def _sources() -> list[Path]:
-    return sorted(path for package in PACKAGES for path in (_ROOT / package).rglob("*.py"))
+    return sorted(path for package in PACKAGES for path in (SOURCE / package).rglob("*.py"))
 
 
 CACHE = _prepare()

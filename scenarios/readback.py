@@ -24,6 +24,8 @@ from scenarios.runfolder import FRAMES
 from scenarios.schema import Scenario
 
 SCHEMA = 1
+ABOVE = 3
+"""Folders above a run's in which the file of its road is looked for."""
 MANIFEST = "manifest.json"
 
 
@@ -37,7 +39,8 @@ def read(folder: Path) -> Run:
     manifest = _parsed(folder / MANIFEST, json.loads)
     if not isinstance(manifest, dict) or manifest.get("schema") != SCHEMA:
         raise InputError(f"{folder / MANIFEST}: is no manifest of schema {SCHEMA}")
-    scenario = strict.structure(Scenario, manifest.get("definition"), f"{folder / MANIFEST}: definition")
+    told = _with_road(manifest.get("definition"), folder)
+    scenario = strict.structure(Scenario, told, f"{folder / MANIFEST}: definition")
     events = _parsed(folder / "events.jsonl", lambda text: [json.loads(line) for line in text.splitlines()])
     table = _table(folder / "signals.parquet")
     try:
@@ -58,6 +61,16 @@ def read(folder: Path) -> Run:
         )
     except KeyError as error:
         raise InputError(f"{folder}: its files lack {error}; a run of another version of foreride") from None
+
+
+def _with_road(definition: Any, folder: Path) -> Any:
+    """Definition with the file of its road located: here, beside the run or in a folder above."""
+    road = definition.get("road") if isinstance(definition, dict) else None
+    if not isinstance(road, dict) or not isinstance(name := road.get("file"), str) or Path(name).is_file():
+        return definition
+    places = [parent / Path(name).name for parent in list(folder.resolve().parents)[:ABOVE]]
+    found = next((str(place) for place in [folder / Path(name).name, *places] if place.is_file()), name)
+    return definition | {"road": road | {"file": found}}
 
 
 def _parsed(path: Path, parse: Callable[[str], Any]) -> Any:

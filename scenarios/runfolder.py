@@ -3,6 +3,8 @@
 import hashlib
 import json
 import platform
+import sys
+from collections.abc import Callable
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -14,6 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from files.atomic import atomic_folder
+from files.sharing import shared_name, shared_target
 from preview.memory import write as write_memory
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
@@ -51,13 +54,28 @@ def digest(value: Any) -> str:
 
 def scenario_hash(scenario: Scenario) -> str:
     """SHA-256 of a scenario's fields; files enter by name only, as folders differ between machines."""
+    return digest(_with_files(scenario, lambda file: Path(file).name))
+
+
+def definition(scenario: Scenario) -> dict[str, Any]:
+    """Fields of a scenario as they are shared, with files by names that tell nothing of this machine."""
+    told = _with_files(scenario, shared_name)
+    return told | {"vehicle": told["vehicle"] | {"model": vehicle_name(scenario)}}
+
+
+def vehicle_name(scenario: Scenario) -> str:
+    """Name of a scenario's car as it is shared: that of the library, or of a file."""
+    return shared_name(scenario.vehicle.model)
+
+
+def _with_files(scenario: Scenario, named: Callable[[str], str]) -> dict[str, Any]:
     told = dict(scenario.mapping)
     for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
         if told[block] and told[block][field]:
-            told[block] = told[block] | {field: Path(told[block][field]).name}
+            told[block] = told[block] | {field: named(told[block][field])}
     if told["memory"]:
-        told["memory"] = Path(told["memory"]).name
-    return digest(told)
+        told["memory"] = named(told["memory"])
+    return told
 
 
 def to_json(value: Any, indent: int | None = 2) -> str:
@@ -75,7 +93,7 @@ def _plain(value: Any) -> Any:
 
 def environment() -> dict[str, Any]:
     """Versions and platform with which a result was computed."""
-    return {"versions": versions(), "platform": platform.platform(), "machine": platform.machine()}
+    return {"versions": versions(), "platform": f"{sys.platform}-{platform.machine()}"}
 
 
 def manifest(run: Run) -> dict[str, Any]:
@@ -84,9 +102,9 @@ def manifest(run: Run) -> dict[str, Any]:
         "schema": 1,
         "scenario": run.case.scenario.name,
         "scenario_hash": scenario_hash(run.case.scenario),
-        "definition": run.case.scenario.mapping,
-        "vehicle": run.case.scenario.vehicle.model,
-        "controller": run.case.controller,
+        "definition": definition(run.case.scenario),
+        "vehicle": vehicle_name(run.case.scenario),
+        "controller": shared_target(run.case.controller),
         "perception": run.case.perception,
         "seed": run.case.seed,
         **run.files_sha256,
@@ -104,8 +122,8 @@ def row(run: Run) -> dict[str, Any]:
     """Summary row of a run for a comparison: case, metrics and run times."""
     return {
         "scenario": run.case.scenario.name,
-        "vehicle": run.case.scenario.vehicle.model,
-        "controller": run.case.controller,
+        "vehicle": vehicle_name(run.case.scenario),
+        "controller": shared_target(run.case.controller),
         "perception": run.case.perception,
         "seed": run.case.seed,
         "metrics": run.metrics,
@@ -123,10 +141,9 @@ def _bound(run: Run) -> dict[str, Any]:
 
 def folder_name(case: Case) -> str:
     """Folder name that identifies a run, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
-    controller = case.controller.replace("/", "_").replace(":", "-")
-    return (
-        f"{case.scenario.name}-{case.scenario.vehicle.model}-{controller}-{case.perception}-seed{case.seed}"
-    )
+    controller = shared_target(case.controller).replace("/", "_").replace(":", "-")
+    car = vehicle_name(case.scenario).replace("/", "_")
+    return f"{case.scenario.name}-{car}-{controller}-{case.perception}-seed{case.seed}"
 
 
 def write(run: Run, folder: Path) -> None:

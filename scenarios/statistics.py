@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from files.errors import InputError
+from files.sharing import shared_target
 
 Row = Mapping[str, Any]
 """Summary row of one run, as returned by `scenarios.runfolder.row`."""
@@ -76,7 +77,11 @@ def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
 def pick(baseline: str, ran: Sequence[tuple[str, str]]) -> tuple[str, str]:
     """Return the (controller, perception) that `baseline` names among those that ran; else InputError."""
     controller, _, perception = baseline.partition("@")
-    found = [pair for pair in ran if pair[0] == controller and perception in ("", pair[1])]
+    found = [
+        pair
+        for pair in ran
+        if shared_target(pair[0]) == shared_target(controller) and perception in ("", pair[1])
+    ]
     if len(found) != 1:
         known = ", ".join("@".join(pair) for pair in dict.fromkeys(ran))
         raise InputError(f"--baseline must name one of {known}, got {baseline!r}")

@@ -12,6 +12,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from files.errors import InputError, shown
+from files.sharing import shared_name, shared_target, without_folders
 from scenarios.closed_loop import simulate
 from scenarios.commands.tables import flat
 from scenarios.parallel import WorkerDied
@@ -41,14 +42,15 @@ def work(sample: Sample) -> dict[str, Any]:
             found = json.loads(to_json(flat(row(simulate(sample.case())))))
         return described(sample, None) | found
     except Exception as error:  # any failure of a case is its result
-        return described(sample, f"{type(error).__name__}: {' '.join(str(error).split())}")
+        return described(sample, without_folders(f"{type(error).__name__}: {' '.join(str(error).split())}"))
 
 
 def described(sample: Sample, error: str | None) -> dict[str, Any]:
     """Common columns of every row: key, error and inputs."""
     asked = {f"set.{path}": value for path, value in sample.point}
-    names = {name: getattr(sample, name) for name in ("scenario", "controller", "perception", "seed")}
-    return {"key": sample.key, "error": error, **names, **asked}
+    names = {"scenario": shared_name(sample.scenario), "controller": shared_target(sample.controller)}
+    drive = {"perception": sample.perception, "seed": sample.seed}
+    return {"key": sample.key, "error": error, **names, **drive, **asked}
 
 
 def run(

@@ -12,7 +12,7 @@ from scenarios.closed_loop import commands, simulate
 from scenarios.commands.options import add_field_options, console, overrides_of
 from scenarios.loading import load
 from scenarios.room import room
-from scenarios.runfolder import environment, scenario_hash, to_json
+from scenarios.runfolder import environment, scenario_hash, to_json, vehicle_name
 from scenarios.schema import Scenario
 from vehicle.actuator import FullyActive, SlowActive
 
@@ -49,7 +49,7 @@ def execute(arguments: argparse.Namespace) -> int:
             "schema": 1,
             "scenario": scenario.name,
             "scenario_hash": scenario_hash(scenario),
-            "vehicle": scenario.vehicle.model,
+            "vehicle": vehicle_name(scenario),
             **found,
             "objective": metrics["objective"],
             "wk_rms": metrics["wk_rms"],

@@ -3,7 +3,7 @@
 import argparse
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from controller.registry import build
 from detector.runtime import Detector
 from files.atomic import write_text
 from files.cache import cached, writable
-from files.compiled import CACHE
+from files.compiled import CACHE, PACKAGES, SOURCE
 from preview.horizon import flat_preview
 from road.appearance import Appearance
 from road.camera import Camera, CameraMount, pose_of
@@ -131,21 +131,28 @@ class _Flat:
 
 def _caches() -> str:
     """Caches."""
+    beside = [CACHE / package for package in PACKAGES] if CACHE == SOURCE else [CACHE]
     places = {
-        "compiled code": CACHE,
-        "bounds": cached("bounds/any").parent,
-        "figures": Path(matplotlib.get_cachedir()),
+        "compiled code": [place for place in beside if place is not None],
+        "bounds": [cached("bounds/any").parent],
+        "figures": [Path(matplotlib.get_cachedir())],
     }
-    return "; ".join(f"{name} {_described(place)}" for name, place in places.items())
+    return "; ".join(f"{name} {_described(folders)}" for name, folders in places.items())
 
 
-def _described(place: Path | None) -> str:
-    if place is None:
+def _described(folders: Sequence[Path]) -> str:
+    if not folders:
         return "nowhere, as no folder can be written"
     kept = ("*.nb[ci]", "*.npz", "*.json")
-    size = sum(file.stat().st_size for pattern in kept for file in place.rglob(pattern))
-    told = f"~/{place.relative_to(home)}" if (home := _home()) and place.is_relative_to(home) else str(place)
-    return f"in {told}, {'writable' if writable(place) else 'read-only'}, {size / 2**20:.1f} MiB"
+    files = (file for folder in folders for pattern in kept for file in folder.rglob(pattern))
+    size = sum(file.stat().st_size for file in files)
+    usable = "writable" if all(map(writable, folders)) else "read-only"
+    return f"in {' and '.join(map(_shortened, folders))}, {usable}, {size / 2**20:.1f} MiB"
+
+
+def _shortened(folder: Path) -> str:
+    home = _home()
+    return f"~/{folder.relative_to(home)}" if home and folder.is_relative_to(home) else str(folder)
 
 
 def _home() -> Path | None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.sharing import shared_name
 from scenarios.commands.options import console, jobs_of, progress_bar
 from scenarios.parallel import WorkerDied
 from scenarios.results import Results
@@ -63,7 +64,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for error in list(dict.fromkeys(failed.values()))[:5]:
         console.print(f"failed: {error}", highlight=False, soft_wrap=True)
     if arguments.json:
-        counts = {"drives": there, "failed": len(failed), "folder": str(results.folder)}
+        counts = {"drives": there, "failed": len(failed), "folder": shared_name(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
     return 0
 

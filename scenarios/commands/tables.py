@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from files.atomic import write_bytes, write_text
+from files.sharing import shared_target
 from scenarios.commands.options import console
 from scenarios.report.table import comparison, latex, markdown
 from scenarios.runfolder import environment, to_json
@@ -31,8 +32,9 @@ def add_table_options(command: argparse.ArgumentParser) -> None:
 def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | None:
     """Return the requested baseline, checked; by default the passive car if it runs, else none."""
     if wished is not None:
+        controller, at, perception = wished.partition("@")
         pick(wished, ran)
-        return wished
+        return shared_target(controller) + at + perception
     return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in ran) else None
 
 

@@ -82,7 +82,7 @@ def test_machine_code_of_other_sources_has_another_folder(
     for package in compiled.PACKAGES:
         (tmp_path / package).mkdir()
         (tmp_path / package / "one.py").write_text("x = 1\n")
-    monkeypatch.setattr(compiled, "_ROOT", tmp_path)
+    monkeypatch.setattr(compiled, "SOURCE", tmp_path)
     before = compiled._digest()
     (tmp_path / "road" / "one.py").write_text("x = 2\n")
     assert compiled._digest() != before
