@@ -1,4 +1,4 @@
-"""What can be set about each controller; a scenario's `control.settings` is a `ControllerSettings`."""
+"""Controller settings; a scenario's `control.settings` is a `ControllerSettings`."""
 
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
@@ -16,14 +16,18 @@ Smoothing = Annotated[float, Interval(ge=1e-4, le=1.0), "m/s"]
 
 @dataclass(frozen=True)
 class PassiveSettings(Checked):
-    """damping_ns_m: one coefficient for every wheel; None takes the vehicle's own passive coefficients."""
+    """Passive dampers of the car as built, or one coefficient for all wheels.
+
+    damping_ns_m: damping coefficient of every wheel, N·s/m; None takes the vehicle's own passive
+    coefficients.
+    """
 
     damping_ns_m: Damping | None = None
 
 
 @dataclass(frozen=True)
 class FixedSettings(Checked):
-    """Constant damping by axle; wheels at or ahead of the centre of gravity are front wheels."""
+    """Constant damping per axle, N·s/m; wheels at or ahead of the centre of gravity are front wheels."""
 
     front_ns_m: Damping = 1500.0
     rear_ns_m: Damping = 1500.0
@@ -31,7 +35,7 @@ class FixedSettings(Checked):
 
 @dataclass(frozen=True)
 class TwoStateSettings(Checked):
-    """Damping of the laws that know hard and soft, as far as the dampers can do it."""
+    """Levels of the on–off laws, N·s/m, clipped to the dampers' range."""
 
     hard_ns_m: Damping = 4500.0
     soft_ns_m: Damping = 300.0
@@ -43,7 +47,7 @@ class TwoStateSettings(Checked):
 
 @dataclass(frozen=True)
 class ShAddSettings(Checked):
-    """Mixed skyhook and acceleration-driven damping: skyhook below `crossover_hz`."""
+    """Mixed skyhook and acceleration-driven damping: skyhook below `crossover_hz`, ADD above."""
 
     hard_ns_m: Damping = 4500.0
     soft_ns_m: Damping = 300.0
@@ -56,7 +60,11 @@ class ShAddSettings(Checked):
 
 @dataclass(frozen=True)
 class HybridSettings(Checked):
-    """alpha: share of skyhook, the rest is groundhook. gain_ns_m: of both. The rest as skyhook's."""
+    """Hybrid skyhook–groundhook law.
+
+    gain_ns_m: gain of both parts, N·s/m. alpha: weight of skyhook, the rest is groundhook. floor_ns_m,
+    smoothing_m_s: as for skyhook.
+    """
 
     gain_ns_m: Damping = 3000.0
     alpha: Share = 0.5
@@ -66,10 +74,11 @@ class HybridSettings(Checked):
 
 @dataclass(frozen=True)
 class LqrSettings(Checked):
-    """The clipped linear-quadratic regulator.
+    """Clipped linear-quadratic regulator.
 
-    nominal_ns_m: damping around which the car is linear. rho: (m/s²)², weight of the relative tyre load.
-    force_weight: of (force in kN)². smoothing_m_s: as skyhook's.
+    nominal_ns_m: damping about which the car is linearised, N·s/m. rho: weight of the relative tyre load,
+    (m/s²)².
+    force_weight: weight of (force in kN)². smoothing_m_s: as for skyhook.
     """
 
     nominal_ns_m: Annotated[float, Interval(ge=0.0, le=1e5), "N·s/m"] = 1000.0
@@ -80,11 +89,11 @@ class LqrSettings(Checked):
 
 @dataclass(frozen=True)
 class SkyhookSettings(Checked):
-    """The imagined dampers of the skyhook family.
+    """Virtual dampers of the skyhook law.
 
-    sky_ns_m: between body and sky. ground_ns_m: between wheel and ground.
-    floor_ns_m: damping where the law asks for less.
-    smoothing_m_s: suspension velocity under which the law fades to the floor, so noise cannot chatter it.
+    sky_ns_m: between body and sky, N·s/m. ground_ns_m: between wheel and ground, N·s/m.
+    floor_ns_m: minimum damping, N·s/m.
+    smoothing_m_s: suspension velocity below which the law fades to the floor, to avoid chatter by noise, m/s.
     """
 
     sky_ns_m: Damping = 4500.0
@@ -95,15 +104,15 @@ class SkyhookSettings(Checked):
 
 @dataclass(frozen=True)
 class RoadSettings(Checked):
-    """How preview and measurement become one road.
+    """Fusion of preview and measurement into the road reference of an MPC.
 
-    uncertainty: what is done about a feature whose place or existence is not certain. "early" takes it to
-    come earlier and lower, "blend" only lower, the less is known the lower, "scenarios" plans for several
-    roads at once, each with its probability.
-    sigmas_early: by how many standard deviations of their position "early" takes features to come earlier, as
-    late preparation costs more than early.
-    blend_m: standard deviation at which "blend" believes half of a feature's height.
-    slope_decay_s: time in which a measured slope that the preview does not explain fades away.
+    uncertainty: treatment of uncertain position and existence of features. "early" expects them earlier and
+    lower, "blend" only lower, the more the greater the uncertainty, "scenarios" plans for several roads at
+    once, each with its probability.
+    sigmas_early: number of standard deviations by which "early" advances features, as late preparation costs
+    more than early one.
+    blend_m: standard deviation at which "blend" halves a feature's height, m.
+    slope_decay_s: time constant with which a measured slope not explained by the preview decays, s.
     """
 
     uncertainty: Literal["early", "blend", "scenarios"] = "early"
@@ -114,11 +123,11 @@ class RoadSettings(Checked):
 
 @dataclass(frozen=True)
 class ForceSettings(Checked):
-    """What a predictive controller may ask of actuators beside the dampers, within their greatest force.
+    """Use of actuators by the predictive controllers, within their force limits.
 
-    weight: of the square of a force in kN. rate_n_s: how fast a force may change; the default leaves that to
-    the actuator's lag. power_w: most that a force may deliver at the rate at which its strut is expected to
-    move.
+    weight: weight of the square of a force in kN. rate_n_s: limit of a force's rate of change, N/s; by
+    default the actuator's lag is the only limit. power_w: limit of the power that a force delivers at the
+    predicted suspension velocity, W.
     """
 
     weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/kN²"] = 1e-3
@@ -130,13 +139,14 @@ class ForceSettings(Checked):
 class MpcSettings(Checked):
     """Horizon and cost of the model predictive controllers.
 
-    horizon_s: length of the plan of a controller that sees ahead.
-    blind_horizon_s: of one that does not; the flat road that it counts on cannot be believed for longer.
-    fine_s: how much of it is planned period by period; after that an interval is two periods.
-    rho: (m/s²)², weight of the relative tyre load, as in the objective J.
-    input_weight: of (c − 1)², c in kN·s/m; keeps the plan definite where nothing moves.
-    force: on a car with actuators, how they are used.
-    road: how preview and measurement become one road.
+    horizon_s: length of the plan with preview, s.
+    blind_horizon_s: length of the plan without preview, s; its assumption of a flat road does not hold for
+    longer.
+    fine_s: initial part of the horizon with intervals of one period, s; later intervals have two periods.
+    rho: weight of the relative tyre load, as in the objective J, (m/s²)².
+    input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
+    force: use of the actuators, if the car has any.
+    road: fusion of preview and measurement.
     """
 
     horizon_s: Horizon = 0.3
@@ -150,10 +160,10 @@ class MpcSettings(Checked):
 
 @dataclass(frozen=True)
 class SupervisorSettings(Checked):
-    """When a controller's answer is not used, and what is used instead.
+    """Conditions and fallback of the supervisor.
 
-    reactive: the law that takes over. stale_s: age from which a preview is no longer believed. highest_m:
-    largest height that a preview may claim. transfer_s: time in which the step between two controllers fades.
+    reactive: fallback law. stale_s: age at which a preview becomes invalid, s. highest_m: largest valid
+    height in a preview, m. transfer_s: time constant with which the step between two controllers decays, s.
     """
 
     reactive: Literal["skyhook", "skyhook2", "groundhook", "hybrid", "add", "sh_add", "pdd"] = "skyhook"
@@ -166,7 +176,7 @@ class SupervisorSettings(Checked):
 class ControllerSettings(Checked):
     """Settings of all controllers, of which each takes its own.
 
-    user: keyword arguments of a controller of the user's own.
+    user: keyword arguments of a user-defined controller.
     """
 
     passive: PassiveSettings = field(default_factory=PassiveSettings)

@@ -25,7 +25,7 @@ Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]
 
 
 class Number(NamedTuple):
-    """What an annotation says of a number."""
+    """Range and unit of a number, read from its annotation."""
 
     whole: bool
     interval: Interval

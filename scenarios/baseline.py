@@ -88,7 +88,7 @@ class _Case:
 
 @dataclass(frozen=True)
 class _File:
-    """What a file holds beside its manifest."""
+    """Contents of a baseline file besides its manifest."""
 
     tolerances: dict[str, float]
     cases: tuple[_Case, ...]

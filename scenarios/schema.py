@@ -35,12 +35,12 @@ class Vehicle:
 
 @dataclass(frozen=True)
 class CameraSetup(Checked):
-    """The camera, when it looks, how late its boxes arrive, and how well its mounting is known.
+    """Camera of a scenario: mounting, rate, latency and calibration errors.
 
-    The camera sits `behind_front_axle_m` behind the front axle. What is true of the mounting differs from
-    what the estimator believes by errors drawn from the run's seed with the two sigmas.
-    `stereo_base_m` puts a second, equal camera so far to its right; 0 for none. What calibration leaves of
-    the pair's relative yaw is drawn with `stereo_yaw_sigma_deg`.
+    The camera is `behind_front_axle_m` behind the front axle. The actual mounting differs from the one
+    assumed by the estimator by errors with the two sigmas, drawn from the run's seed. `stereo_base_m` adds a
+    second, identical camera at this distance to its right; 0 for none. The residual relative yaw of the pair
+    is drawn with `stereo_yaw_sigma_deg`.
     """
 
     intrinsics: Camera = field(default_factory=Camera)
@@ -72,10 +72,10 @@ class Detection(Checked):
 
 @dataclass(frozen=True)
 class MapSetup(Checked):
-    """A map of the road for the perception `map`.
+    """Road map for the perception `map`.
 
-    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: how well
-    the car knows where on the map it is; the error is drawn once a drive.
+    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: standard
+    deviation of the car's position on the map, m; the error is drawn once per drive.
     """
 
     file: str
@@ -84,7 +84,7 @@ class MapSetup(Checked):
 
 @dataclass(frozen=True)
 class Control(Checked):
-    """How often the controller is asked, how much later its command acts, and the controllers' settings."""
+    """Sampling rate and delay of the controller, and the controllers' settings."""
 
     rate_hz: Annotated[int, Interval(ge=10, le=1000), "Hz"] = 200
     delay_s: Annotated[float, Interval(ge=0.0, le=0.2), "s"] = 0.0
@@ -95,13 +95,12 @@ class Control(Checked):
 class Scenario(Checked):
     """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
 
-    The car starts at `speed_kmh` and goes through the points of `speed`, if there are any, accelerating and
-    braking steadily between them. Its centre of gravity starts at `start_m`; the run ends when the front axle
-    reaches the road's end.
-    `enveloping` is the tyre's way over obstacles shorter than itself.
-    `told` lists what the estimator is given exactly of the objects that it finds, to see what errors cost.
-    `memory` is the memory.yaml that an earlier drive over the same road left in its run folder.
-    `tyre_load_weight` is rho in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
+    The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
+    between them. Its centre of gravity starts at `start_m`; the run ends when the front axle reaches the
+    road's end. `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the
+    quantities of detected objects that are replaced by the truth, to measure the cost of errors. `memory` is
+    the memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho
+    in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
 
     name: str

@@ -37,8 +37,8 @@ class FullCar(Checked):
 
     Seven degrees of freedom. Masses and inertias are those of the whole sprung mass; unsprung masses,
     stiffnesses and damping those of one wheel. Roll is positive to the right (left side up) and small like
-    pitch: the body above (x, y) moves by heave - x · pitch + y · roll. An anti-roll bar presses the wheel
-    whose strut is the shorter one down and lifts the other by anti_roll_n_m times their difference.
+    pitch: the body above (x, y) moves by heave - x · pitch + y · roll. An anti-roll bar presses down the
+    wheel whose suspension is compressed more and lifts the other by anti_roll_n_m times their difference.
     Accelerating and braking pitch the body through its inertial force at cg_height_m; no anti-dive geometry
     takes up part of it. The rest is as in `QuarterCar`.
     """

@@ -1,4 +1,4 @@
-"""What no car can be: parameters that lie in their ranges, but not together."""
+"""Plausibility checks of vehicles: parameters that are valid one by one, but not together."""
 
 from typing import Any
 

@@ -29,11 +29,11 @@ from vehicle.quantities import (
 class QuarterCar(Checked):
     """Quarter car, the two-mass model of ride comfort: one wheel and its share of the body, SI units.
 
-    The damper is semi-active: its coefficient follows the command with a first-order lag inside
-    [damping_min_ns_m, damping_max_ns_m]; `damper` says what force that gives (`vehicle.damper`). An
-    `actuator` may stand beside it (`vehicle.actuator`). The spring's rate may rise with the cube of travel.
-    Past stop_gap_m of jounce or rebound_gap_m of rebound (None: the same) a stop pushes back with
-    stop_n_m2 · (overlap)². The tyre cannot pull.
+    The damper is semi-active: its setting follows the command with a first-order lag within
+    [damping_min_ns_m, damping_max_ns_m]; `damper` is its force law (`vehicle.damper`). An `actuator` may be
+    in parallel (`vehicle.actuator`). The spring may have a cubic stiffness. Beyond stop_gap_m of jounce or
+    rebound_gap_m of rebound (None: the same) a stop pushes back with stop_n_m2 · (overlap)². The tyre cannot
+    pull.
     """
 
     kind: ClassVar[str] = "quarter_car"

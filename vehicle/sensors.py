@@ -38,10 +38,10 @@ Travel = Annotated[float, Interval(ge=0.0, le=1.0), "m"]
 
 @dataclass(frozen=True)
 class SensorInterface(Checked):
-    """How readings reach the controller: in steps, late, or not at all.
+    """Interface from the sensors to the controller: quantisation, delay and dropout.
 
-    *_step: least difference of two readings, 0 for none. delay_readings: how many readings late all of them
-    come. dropout: probability that a channel of a reading is lost, when the last one received stands.
+    *_step: resolution of a reading, 0 for none. delay_readings: delay of all channels, in readings. dropout:
+    probability that a channel of a reading is lost; the last one received is then held.
     """
 
     body_acc_step_m_s2: Acceleration = 0.0
@@ -66,7 +66,7 @@ CATALOGUE_STEPS = SensorInterface(
 
 @dataclass(frozen=True)
 class SensorNoise(Checked):
-    """Standard deviations of noise (per sample, inside each sensor's bandwidth) and of offsets (per car)."""
+    """Standard deviations of noise (per sample, within the sensor bandwidth) and of offsets (per car)."""
 
     body_density_m_s2: AccelerationDensity = 60e-6 * GRAVITY_M_S2
     body_offset_m_s2: Acceleration = 3e-3 * GRAVITY_M_S2

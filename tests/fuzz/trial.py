@@ -30,7 +30,7 @@ ALL = READERS | ARGUMENTS
 
 @dataclass(frozen=True)
 class Finding:
-    """What went wrong: kind (exception, message, slow, memory, noise, crash, hang), where, and in words."""
+    """Failure of a trial: kind (exception, message, slow, memory, noise, crash, hang), place and text."""
 
     reader: str
     kind: str
