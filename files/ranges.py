@@ -1,9 +1,9 @@
-"""Numbers whose annotation gives range and unit, and the one check of them.
+"""Range and unit of numbers in their annotations, and the single check of them.
 
-A field says `Annotated[float, Interval(ge=1.0, le=200.0), "Hz"]`; the unit of a plain ratio is "1". A
-dataclass that derives from `Checked`, or calls `check` in its `__post_init__`, holds no number outside its
-range, whether it was read from a file or built in code. Where a range begins at 0, a number above it is at
-least `LEAST`, so that none can be divided by without harm.
+A field is annotated as `Annotated[float, Interval(ge=1.0, le=200.0), "Hz"]`; the unit of a plain ratio is
+"1". A dataclass that derives from `Checked`, or calls `check` in its `__post_init__`, holds no number outside
+its range, whether it was read from a file or built in code. If a range begins at 0, a number above it is at
+least `LEAST`, so that division by it is safe.
 """
 
 import math
@@ -32,7 +32,7 @@ class Number(NamedTuple):
     unit: str
 
     def told(self) -> str:
-        """The range with its unit, as messages and reference pages give it."""
+        """Text of the range with its unit, for messages and reference pages."""
         low, high = (f"{bound:.10g}" for bound in self.bounds())
         unit = "" if self.unit == "1" else f" {self.unit}"
         if self.interval.gt is None and self.interval.lt is None:
@@ -41,17 +41,17 @@ class Number(NamedTuple):
         return f"{signs[0]} {low} and {signs[1]} {high}{unit}"
 
     def bounds(self) -> tuple[float, float]:
-        """Lowest and highest value, or what they must stay within."""
+        """Lowest and highest value, or the limits they must stay within."""
         i: Any = self.interval
         low, high = (i.ge if i.gt is None else i.gt), (i.le if i.lt is None else i.lt)
         return -math.inf if low is None else low, math.inf if high is None else high
 
     def fits(self, value: Any) -> bool:
-        """Whether the value is a number of this type, in range or not."""
+        """Whether the value has this number's type, in range or not."""
         return isinstance(value, Integral if self.whole else Real) and not isinstance(value, bool)
 
     def holds(self, value: Any) -> bool:
-        """Whether the value is such a number; the comparisons also hold for whole numbers of any size."""
+        """Whether the value is in range; the comparisons also hold for integers of any size."""
         if not self.fits(value):
             return False
         (low, high), i = self.bounds(), self.interval
@@ -61,7 +61,7 @@ class Number(NamedTuple):
 
 
 class Checked:
-    """A dataclass whose numbers are checked against their annotations when it is built."""
+    """Base of dataclasses whose numbers are checked against their annotations on construction."""
 
     def __post_init__(self) -> None:
         check(self)
@@ -75,7 +75,7 @@ def check(values: Any) -> None:
 
 
 def number_of(hint: Any) -> Number | None:
-    """What an annotation says of the number that it stands for; None where it stands for no number."""
+    """Range and unit of an annotation; None if it stands for no number."""
     if get_origin(hint) is not Annotated:
         return None
     kind, *told = get_args(hint)
@@ -85,7 +85,7 @@ def number_of(hint: Any) -> Number | None:
 
 
 def numbers_in(hint: Any) -> Iterator[Number]:
-    """The numbers that a field with this annotation may hold, those of inner dataclasses left out."""
+    """Numbers that a field with this annotation may hold, except those of inner dataclasses."""
     number = number_of(hint)
     if number is not None:
         yield number

@@ -9,17 +9,16 @@ from files.errors import InputError
 
 Array = NDArray[np.float64]
 FASTEST_1_S = 500.0
-"""Fastest motion that the Runge-Kutta steps of the controllers' models, up to 5 ms long, can follow."""
+"""Largest eigenvalue that the prediction models' Runge–Kutta steps of up to 5 ms can integrate, 1/s."""
 SLOWEST_HZ, QUICKEST_HZ = 0.05, 20.0
 LONGEST_SPRING_M = 3.0
 
 
 def require_plausible(car: Any) -> None:
-    """Raise InputError for a car whose springs, dampers and masses do not fit one another.
+    """Raise InputError for a car whose springs, dampers and masses do not match.
 
-    Wide limits, from model cars to trucks: the static load must not sink the car by more than its tyres and
-    springs are long, the body must not bounce faster than wheels do, and no motion may be faster than it can
-    be computed.
+    Wide limits, from model cars to trucks: bounded static deflection of tyres and springs, lowest natural
+    frequency within bounds, and no eigenvalue too fast to be integrated.
     """
     for i, corner in enumerate(car.corners):
         sunk = corner.static_tyre_deflection_m, corner.static_rattle_m
@@ -48,7 +47,7 @@ def _limit(name: str, told: str, value: float, low: float, high: float, unit: st
 
 
 def _matrices(car: Any) -> tuple[Array, Array, Array]:
-    """Stiffness and damping matrices and the diagonal of the masses, dampers at their hardest."""
+    """Stiffness and damping matrices at maximum damping, and the diagonal of the mass matrix."""
     bodies, corners = len(car.body_inertia), car.corners
     mass = np.array([*car.body_inertia, *(corner.unsprung_mass_kg for corner in corners)], float)
     stiffness, damping = np.zeros((len(mass), len(mass))), np.zeros((len(mass), len(mass)))

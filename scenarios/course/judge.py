@@ -46,7 +46,7 @@ class Passage:
 
     @property
     def used(self) -> Belief | None:
-        """Last confirmed estimate `USE_M` or farther from the front wheel; None if it was missed."""
+        """Last confirmed estimate `USE_M` or farther away; None if it was missed."""
         ahead = [belief for belief in self.beliefs if belief.confirmed and belief.distance_m >= USE_M]
         fresh = bool(ahead) and ahead[-1].distance_m < USE_M + _FRESH_S * self.speed_m_s
         return ahead[-1] if fresh else None
