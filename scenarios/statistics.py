@@ -127,9 +127,9 @@ def _variant(
     beside: Mapping[tuple[str, str, int], Row],
     rooms: Mapping[tuple[str, str, int], tuple[float, float]],
 ) -> Variant:
-    names = list(members[0]["metrics"])
-    own = _matrix(members, names)
     partners = [beside.get((*_event(row), row["seed"])) for row in members]
+    names = _common([*members, *(partner for partner in partners if partner)])
+    own = _matrix(members, names)
     difference: dict[str, Interval] = {}
     ratio: dict[str, Interval] = {}
     if partners and all(partner is not None for partner in partners):
@@ -177,6 +177,11 @@ def _captured(
             return None
         shares.append(captured(row["metrics"]["objective"], passive, bound))
     return intervals(np.array([shares]))[0]
+
+
+def _common(rows: Sequence[Row]) -> list[str]:
+    """Names of the metrics that all rows have, in the order of the first."""
+    return [name for name in rows[0]["metrics"] if all(name in row["metrics"] for row in rows)]
 
 
 def _matrix(rows: Sequence[Row], names: Sequence[str]) -> NDArray[np.float64]:
