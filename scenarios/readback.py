@@ -14,12 +14,14 @@ from detector.detection import Detections
 from files import strict
 from files.errors import InputError
 from files.images import read_pixels
+from files.reading import reading
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.named_files import HASHES
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog
+from scenarios.record import check_run
 from scenarios.runfolder import FRAMES
 from scenarios.schema import Scenario
 
@@ -36,6 +38,13 @@ def is_run(folder: Path) -> bool:
 
 def read(folder: Path) -> Run:
     """Read the run in `folder`; InputError if a file is missing, damaged or of another version."""
+    with reading(folder):
+        run = _read(folder)
+        check_run(run, str(folder))
+    return run
+
+
+def _read(folder: Path) -> Run:
     manifest = _parsed(folder / MANIFEST, json.loads)
     if not isinstance(manifest, dict) or manifest.get("schema") != SCHEMA:
         raise InputError(f"{folder / MANIFEST}: is no manifest of schema {SCHEMA}")

@@ -61,9 +61,16 @@ def check_row(found: Any, source: str) -> None:
     strict.structure(_Row, _known(_Row, found), source)
 
 
-def check_run(run: Run) -> None:
-    """Raise InputError naming the field unless reports can be made of a run that was read back."""
-    check_row(row(run), "the run")
+def check_run(run: Run, source: str) -> None:
+    """Raise InputError naming `source` and field unless reports can be made of a run that was read back."""
+    check_row(row(run), source)
+    try:
+        _check(run)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def _check(run: Run) -> None:
     if run.track_y_m not in run.case.scenario.vehicle.parameters.wheel_y_m:
         raise InputError(f"track_y_m must be that of a wheel, got {shown(run.track_y_m)}")
     _check_signals(run)

@@ -1,15 +1,16 @@
 """Collection of a report's input: the runs of a folder, the passive reference, and missing parts."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError
+from files.errors import InputError, shown
+from files.strict_json import read_json
 from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
 from scenarios.readback import MANIFEST, is_run, read
+from scenarios.record import check_row
 from scenarios.runfolder import row, scenario_hash
 from scenarios.statistics import Row
 
@@ -31,7 +32,7 @@ def gather(path: Path) -> Gathered:
     A single run is accompanied by the passive car: the run in the same place if there is one, else simulated.
     """
     if path.is_file():
-        return Gathered((), tuple(_document(path).get("rows", ())))
+        return Gathered((), tuple(_rows(_document(path), path)))
     if is_run(path):
         return _single(path)
     folders = sorted(inner.parent for inner in path.glob(f"*/{MANIFEST}")) if path.is_dir() else []
@@ -68,7 +69,7 @@ def _same_drive(one: Case, other: Case) -> bool:
 def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
     """All runs in the order in which the comparison planned them; without a plan by name, passive first."""
     listed = path / COMPARISON
-    planned = list(_document(listed).get("planned", ())) if listed.is_file() else []
+    planned = _planned(_document(listed), listed) if listed.is_file() else []
     runs: dict[str, Run] = {}
     missing = [f"{name} did not run" for name in planned if not (path / name).is_dir()]
     for folder in folders:
@@ -95,11 +96,26 @@ def _drive(run: Run) -> tuple[str, str, int]:
     return run.case.scenario.name, run.case.scenario.vehicle.model, run.case.seed
 
 
+def _rows(document: dict[str, Any], path: Path) -> list[Row]:
+    """Rows of a comparison, each as `runfolder.row` describes it."""
+    rows = document.get("rows", [])
+    if not isinstance(rows, list):
+        raise InputError(f"{path}: rows must be a list, got {shown(rows)}")
+    for number, one in enumerate(rows):
+        check_row(one, f"{path}: rows[{number}]")
+    return rows
+
+
+def _planned(document: dict[str, Any], path: Path) -> list[str]:
+    """Names of the run folders that a comparison planned."""
+    planned = document.get("planned", [])
+    if not (isinstance(planned, list) and all(isinstance(name, str) for name in planned)):
+        raise InputError(f"{path}: planned must be a list of names, got {shown(planned)}")
+    return planned
+
+
 def _document(path: Path) -> dict[str, Any]:
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise InputError(f"{path}: is no JSON ({error})") from None
+    document = read_json(path)
     if not isinstance(document, dict) or document.get("schema") != 1:
         raise InputError(f"{path}: is no comparison of schema 1")
     return document
