@@ -64,7 +64,7 @@ class Constraints:
         return tuple(name for name in NAMES if name in found and np.count_nonzero(found[name]))
 
     def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
-        """Bump-stop contact, and wheel lift-off judged by the static tyre deflection."""
+        """Bump-stop contact, and wheel lift-off by the static tyre deflection."""
         place = self._gauge @ states
         travel, wheel = place[: self._wheels], place[self._wheels :]
         stopped = (travel < self._jounce) | (travel > self._rebound)

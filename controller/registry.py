@@ -63,11 +63,11 @@ UNSUPERVISED = ("passive", "fixed")
 def build(
     name: str, vehicle: Car, settings: ControllerSettings | None = None, timing: Timing | None = None
 ) -> Controller:
-    """Build the controller called `name`, or the user's own named as `path/to/file.py:name`.
+    """Build the controller called `name`, or a user-defined one named as `path/to/file.py:name`.
 
-    Without settings it is tuned as shipped for the vehicle's kind. It knows the vehicle as `prediction_car`
-    has it, without the inner states of its dampers.
-    Raises InputError for a name that does not exist and for settings that do not fit the vehicle.
+    Without settings it is tuned as shipped for the vehicle's kind. It is given the vehicle's control model
+    (`prediction_car`), without the internal states of its dampers.
+    Raises InputError for an unknown name and for settings that do not fit the vehicle.
     """
     settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
     vehicle = prediction_car(vehicle)

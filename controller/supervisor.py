@@ -44,7 +44,7 @@ class Supervised:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past, statistics included."""
+        """Clear the internal state and the statistics."""
         for controller in (self._controller, self._reactive, self._safe):
             controller.reset()
         self._acting: Controller | None = None
@@ -54,20 +54,20 @@ class Supervised:
 
     @property
     def stats(self) -> dict[str, Any]:
-        """Counts of `solves` and `fallbacks`, and `median_ms` and `max_ms` of a step.
+        """Numbers of `solves` and `fallbacks`, and `median_ms` and `max_ms` of a step.
 
-        reasons: {problem: steps}. active: {constraint: steps that it bound}.
+        reasons: {problem: steps}. active: {constraint: steps in which it was active}.
         """
         return self._book.summary()
 
     @property
     def problem(self) -> str | None:
-        """Why the last step fell back; None where it did not."""
+        """Reason for the fallback of the last step, or None."""
         return self._book.problem
 
     @property
     def active(self) -> tuple[str, ...]:
-        """Names of the constraints that bound the last step; none where it fell back."""
+        """Names of the constraints active in the last step; none after a fallback."""
         return self._book.active
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
@@ -88,7 +88,7 @@ class Supervised:
         return command
 
     def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
-        """What forbids to use the controller's answer, if anything does, and the answer."""
+        """Evaluate the controller; return the reason to reject its answer, or None, and the answer."""
         nothing, wheels = np.zeros(len(self._low)), self._vehicle.wheels
         if not estimate.is_finite():
             return "estimate not finite", nothing
@@ -105,7 +105,7 @@ class Supervised:
         return None, full_command(self._vehicle, answer)
 
     def _transfer(self, acting: Controller, wanted: np.ndarray) -> np.ndarray:
-        """Bring the command to where who acts now wants it, without a jump where another one acted before."""
+        """Bumpless transfer: approach the command `wanted` of the acting controller without a jump."""
         if self._acting is not None and acting is not self._acting:
             self._offset, self._fading = self._last - wanted, True
         self._acting = acting
@@ -122,7 +122,7 @@ class Supervised:
 def preview_problem(
     preview: RoadPreview | None, estimate: Estimate, period_s: float, settings: SupervisorSettings
 ) -> str | None:
-    """Why a preview cannot be believed; None where it can, or where there is none."""
+    """Reason why a preview is invalid; None for a valid preview and for none."""
     if preview is None:
         return None
     if preview.wheels != len(estimate.road_height):

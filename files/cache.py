@@ -49,7 +49,7 @@ def writable(folder: Path) -> bool:
 def temporary_folder() -> Path | None:
     """Return the user's own cache folder among the temporary files and say so on stderr, once; None without.
 
-    What others could write to is not used, as cached machine code is executed.
+    Folders writable by others are not used, as cached machine code is executed.
     """
     user = os.getuid() if hasattr(os, "getuid") else "user"
     try:

@@ -35,7 +35,7 @@ def _prepare() -> Path | None:
 
 
 def _digest() -> str:
-    """Hash of all sources: Numba looks only at the file of a function, not at those of what it calls."""
+    """Hash of all sources: Numba checks only the file of a function, not those of the functions it calls."""
     told = hashlib.sha256()
     for source in _sources():
         told.update(source.read_bytes())

@@ -51,7 +51,7 @@ def shortened(text: str, length: int = SHOWN_LENGTH) -> str:
 
 
 def abridged(text: str, length: int = MESSAGE_LENGTH - 1) -> str:
-    """The text with its middle left out where it is longer than `length`: a message ends in what is wrong."""
+    """Truncate a text longer than `length` in the middle, as the cause stands at a message's end."""
     if len(text) <= length:
         return text
     head = (length - 5) // 2

@@ -1,4 +1,4 @@
-"""Names of files in shared documents: relative, without folders that tell of a machine or its user."""
+"""File names in shared documents: relative, without folders that reveal the machine or its user."""
 
 import os
 import re

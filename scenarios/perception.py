@@ -172,7 +172,7 @@ class Seeing:
         return events
 
     def _take(self, exposure_s: float, look: Look) -> Event:
-        """Hand one look to the estimator; returns what is logged of it."""
+        """Pass one exposure to the estimator; return its log entry."""
         self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
         start = perf_counter()
         self._estimator.update_boxes(exposure_s, look.detections, look.image, look.second)
@@ -186,7 +186,7 @@ class Seeing:
         }
 
     def _blame(self, error: BaseException) -> str:
-        """Count and tell a look that failed; returns what failed, without what differs from look to look."""
+        """Count and report a failed exposure; return the cause without exposure-dependent details."""
         self._failed += 1
         code = getattr(self._eye, "__code__", None)
         file = Path(code.co_filename if code else "")

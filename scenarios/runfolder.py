@@ -58,7 +58,7 @@ def scenario_hash(scenario: Scenario) -> str:
 
 
 def definition(scenario: Scenario) -> dict[str, Any]:
-    """Fields of a scenario as they are shared, with files by names that tell nothing of this machine."""
+    """Fields of a scenario as shared: file names without folders."""
     told = _with_files(scenario, shared_name)
     return told | {"vehicle": told["vehicle"] | {"model": vehicle_name(scenario)}}
 

@@ -70,7 +70,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _again(arguments: argparse.Namespace, folder: Path) -> str:
-    """Command line that goes on where this one stopped."""
+    """Command line that continues an interrupted sweep."""
     words = ["foreride", "sweep", str(arguments.study), "--out", str(folder)]
     words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []
     words += ["--jobs", str(arguments.jobs)] if arguments.jobs else []

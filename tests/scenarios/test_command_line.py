@@ -1,4 +1,4 @@
-"""Whatever a command line holds or runs into: one printable line and an exit code that tells which."""
+"""Tests of the command line under any input: one printable line and a meaningful exit code."""
 
 import os
 import subprocess
