@@ -49,7 +49,7 @@ def read_pixels(path: Path | str, flags: int) -> NDArray[Any]:
 
 
 def decode(data: bytes, path: Path | str, flags: int) -> NDArray[Any]:
-    """As `read_pixels`, from the content of the file at `path`."""
+    """Decode as `read_pixels`, from the content of the file at `path`."""
     if not data:
         raise InputError(f"{path}: empty file; must be an image")
     if _is_cut_short(data):

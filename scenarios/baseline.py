@@ -70,7 +70,7 @@ class Baseline:
 
 @dataclass(frozen=True)
 class _Case:
-    """A case as it is written in a file."""
+    """Serialised form of a case."""
 
     scenario: str
     set: tuple[str, ...]

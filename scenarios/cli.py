@@ -40,7 +40,7 @@ def parser() -> argparse.ArgumentParser:
 
     top = Parser(
         prog="foreride",
-        description="What a car gains when its suspension sees the road before the wheels reach it.",
+        description="Closed-loop simulation of a suspension that sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in (
@@ -99,7 +99,7 @@ def _execute(argv: Sequence[str]) -> int:
 
 
 def internal_error(error: Exception) -> str:
-    """One line on a programming error: what, where, and how to see more."""
+    """Message for a programming error: its type and location, and the way to see more."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     place = f"{Path(frame.filename).name}:{frame.lineno}"
     told = shortened(printable(f"{type(error).__name__}: {error}"), 200)

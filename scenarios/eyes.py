@@ -75,7 +75,7 @@ def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generato
 
 
 def load_detector(scenario: Scenario) -> Detector:
-    """The detector with the scenario's weights and threshold."""
+    """Load the detector with the scenario's weights and threshold."""
     wanted = scenario.detection
     weights = WEIGHTS if wanted.weights is None else Path(wanted.weights)
     written_ns = weights.stat().st_mtime_ns if weights.exists() else 0

@@ -82,7 +82,7 @@ def _check(run: Run) -> None:
 
 
 def _known(cls: Any, value: Any) -> Any:
-    """The fields of a mapping, at any depth, that the dataclass has."""
+    """Drop the fields of a mapping, at any depth, that the dataclass lacks."""
     if not isinstance(value, Mapping) or not is_dataclass(cls):
         return value
     hints = get_type_hints(cls)

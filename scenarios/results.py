@@ -102,7 +102,7 @@ def load_results(folder: Path) -> pa.Table:
 
 
 def _row(line: bytes, place: str) -> dict[str, Any]:
-    """One row of a journal; InputError unless it is an object of plain values with a key and an error."""
+    """Check one row of a journal: an object of plain values with a key and an error, else InputError."""
     with reading(place):
         row = parse_json(line.decode(), place)
     if not (isinstance(row, dict) and isinstance(row.get("key"), str) and "error" in row):

@@ -93,7 +93,7 @@ class Control(Checked):
 
 @dataclass(frozen=True)
 class Scenario(Checked):
-    """One drive: road, car, speed, sensors, camera and control. Distances in m, speed in km/h.
+    """Scenario of one drive: road, car, speed, sensors, camera and control; distances in m, speed in km/h.
 
     The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
     between them. Its centre of gravity starts at `start_m`; the run ends when the front axle reaches the

@@ -111,7 +111,7 @@ def _threads(client: Client) -> int:
 
 @contextmanager
 def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Iterator[Client]:
-    """A client of the cluster at `address`, or of one of `workers` processes on this machine.
+    """Connect to the cluster at `address`, or start one of `workers` processes on this machine.
 
     A cluster of this machine talks over the loopback interface only; its dashboard listens at `dashboard`.
     """

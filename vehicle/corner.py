@@ -12,7 +12,7 @@ GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 
 @dataclass(frozen=True)
 class Corner:
-    """One wheel with its suspension, and its attachment to the sprung mass.
+    """Wheel with its suspension, and its attachment to the sprung mass.
 
     `lever` maps body motion to the vertical motion of the body above the wheel: z = lever · (heave[, pitch[,
     roll]]). `body_load_n` is the part of the sprung weight that this corner carries at standstill. At travel

@@ -37,7 +37,7 @@ def _event(event: dict[str, Any]) -> str:
     reactive, whole, exact = (float(event[name]) for name in _NUMBERS)
 
     def share(value: float | None, digits: int) -> str:
-        """As a percentage; a dash where there was nothing to gain, and so no share of it."""
+        """Format as a percentage; a dash if there was no possible gain."""
         return "-" if value is None and reactive <= exact else f"{float(value):.{digits}%}"  # type: ignore[arg-type]
 
     lines: list[list[str]] = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
