@@ -1,50 +1,109 @@
-"""Atomic writing of files and folders."""
+"""Files that are written whole or not at all: through links, into devices and pipes, as the umask says."""
 
 import os
 import shutil
-import tempfile
+import stat
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
+
+from files.errors import InputError, printable
+from files.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Replace `path` by `data` atomically; a reader sees either the old file or the new one."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    """Replace the file at `path` by `data` in one step; a reader sees the old file or the new one.
+
+    A link is followed. Devices, pipes, and what is this program's own output are written to, not replaced.
+    An OSError names `path` and the bytes needed.
+    """
+    with writing(path, len(data)):
+        if (stream := _stream(path)) is not None:
+            with stream:
+                stream.write(data)
+            return
+        with _replacing(Path(os.path.realpath(path))) as scratch:
+            scratch.write(data)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace `path` by `text` (UTF-8) atomically."""
+    """Replace `path` by `text` (UTF-8) in one step."""
     write_bytes(path, text.encode())
 
 
 @contextmanager
-def atomic_folder(path: Path) -> Iterator[Path]:
-    """Yield a scratch folder beside `path` that becomes `path` at success and vanishes at failure.
-
-    A folder that already stands at `path` is replaced only once the new one is complete.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}."))
+def writing(path: Path, size: int) -> Iterator[None]:
+    """Turn an OSError of the block into one that names the file and how much was to be written."""
     try:
-        os.chmod(scratch, 0o755)
-        yield scratch
-        if path.exists():
-            old = Path(tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.old."))
-            os.replace(path, old / path.name)
-            os.replace(scratch, path)
-            shutil.rmtree(old)
-        else:
-            os.replace(scratch, path)
+        yield
+    except OSError as error:
+        told = f"{error.strerror or error}; {size:,} bytes to write".replace(",", " ")
+        raise OSError(error.errno, told, str(path)) from None
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[BinaryIO]:
+    """A stream whose content stands at `path` once the block has ended well."""
+    before = _mode(path)
+    with parent_lock(path):
+        name = scratch_name(path)
+        handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+        hold(handle)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            yield stream
+            stream.flush()
+            os.fsync(handle)
+            if before is not None:
+                os.chmod(name, before)
+            if os.name != "nt":  # still locked, so that nobody takes it for that of a dead process
+                os.replace(name, path)
+        if os.name == "nt":
+            os.replace(name, path)
     except BaseException:
-        shutil.rmtree(scratch, ignore_errors=True)
+        name.unlink(missing_ok=True)
         raise
+    sync(path.parent)
+
+
+def _mode(path: Path) -> int | None:
+    """Permissions of the file that is to be replaced; PermissionError where it may not be written."""
+    if not path.exists():
+        return None
+    if not os.access(path, os.W_OK):
+        raise PermissionError(13, "Permission denied", str(path))
+    return stat.S_IMODE(path.stat().st_mode)
+
+
+def _stream(path: Path) -> BinaryIO | None:
+    """What to write to without replacing it: a device, a pipe, our own output; None for a plain file."""
+    try:
+        found = os.stat(path)
+    except FileNotFoundError:
+        return None
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):
+            if os.path.samestat(found, os.fstat(stream.fileno())):
+                stream.flush()
+                return os.fdopen(os.dup(stream.fileno()), "wb")
+    if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
+        raise InputError(f"{printable(path)}: must be a file, not a block device or a socket")
+    special = stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode)
+    place = os.path.realpath(path.parent)
+    if special or place == "/dev" or place.startswith("/proc/"):  # open files of a process, by number
+        return path.open("ab" if stat.S_ISREG(found.st_mode) else "wb")
+    return None
+
+
+@contextmanager
+def replaced(path: Path) -> Iterator[Path]:
+    """Yield a path of the same suffix for libraries that write by name; its file stands at `path` at success."""
+    target = Path(os.path.realpath(path))
+    with scratch_folder(target) as folder:
+        whole = folder / f"whole{path.suffix}"
+        yield whole
+        with whole.open("rb") as written, writing(path, whole.stat().st_size):
+            with _replacing(target) as stream:
+                shutil.copyfileobj(written, stream)

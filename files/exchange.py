@@ -1,0 +1,56 @@
+"""A folder put in the place of another: at each moment one of the two stands there, where the system can."""
+
+import ctypes
+import errno
+import os
+from pathlib import Path
+
+from files.scratch import old_name
+
+_RENAME_EXCHANGE = 2
+_AT_FDCWD = -100
+_LACKING = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP)
+_TRIES = 100
+
+
+def put(scratch: Path, target: Path) -> None:
+    """Let the folder `scratch` stand at `target`; what stood there is then at `scratch`."""
+    for _ in range(_TRIES):  # others may write there, too, on file systems without locks
+        try:
+            if not os.path.lexists(target):
+                os.rename(scratch, target)
+            elif not exchange(scratch, target):
+                step_aside(scratch, target)
+            return
+        except OSError as error:
+            if error.errno not in (errno.ENOENT, errno.EEXIST, errno.ENOTEMPTY):
+                raise
+            raised = error
+    raise raised
+
+
+def exchange(one: Path, other: Path) -> bool:
+    """Swap two names in one step; False where the system or its file system cannot."""
+    try:
+        rename = ctypes.CDLL(None, use_errno=True).renameat2
+    except (AttributeError, OSError, TypeError):  # not Linux, or an old C library
+        return False
+    names = os.fsencode(one), os.fsencode(other)
+    if rename(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0:
+        return True
+    code = ctypes.get_errno()
+    if code in _LACKING:
+        return False
+    raise OSError(code, os.strerror(code), str(other))
+
+
+def step_aside(scratch: Path, target: Path) -> None:
+    """The swap in three steps; `files.scratch` puts the old folder back where a kill leaves none."""
+    old = old_name(target)
+    os.rename(target, old)
+    try:
+        os.rename(scratch, target)
+    except BaseException:
+        os.rename(old, target)
+        raise
+    os.rename(old, scratch)

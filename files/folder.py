@@ -1,0 +1,125 @@
+"""Folders that commands write: nothing of anybody else's is replaced; whole or not at all."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from files import marker
+from files.atomic import write_text, writing
+from files.errors import InputError, printable
+from files.exchange import put
+from files.marker import Marker
+from files.scratch import MARKER, is_scratch, parent_lock, scratch_folder, sync
+from files.targets import check_parent
+
+DERIVED = ("report.html",)
+"""Made of the other files in a folder, and therefore gone with them."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A folder while it is filled. name: the path that it will have. sha256: of the files in it."""
+
+    folder: Path
+    name: Path
+    sha256: dict[str, str] = field(default_factory=dict)
+
+    def write(self, name: str, data: bytes | str) -> None:
+        """Add a file; `name` is its path within the folder, with / between the parts."""
+        content, path = data.encode() if isinstance(data, str) else data, self.folder / name
+        with writing(self.name / name, len(content)):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+        self.sha256[name] = marker.digest(content)
+
+
+@contextmanager
+def atomic_folder(path: Path, kind: str) -> Iterator[Draft]:
+    """Yield a draft that becomes the folder at `path` at success and vanishes at failure.
+
+    A folder of the same kind that already stands there is replaced only once the new one is complete; what
+    others have put into it stays. Any other that is not empty raises InputError, before the block.
+    """
+    path = check_folder(path, kind)
+    with scratch_folder(path) as scratch:
+        draft = Draft(scratch, path)
+        yield draft
+        draft.write(MARKER, Marker(kind, dict(sorted(draft.sha256.items()))).to_json())
+        for place, _, _ in os.walk(scratch):
+            sync(Path(place))
+        with parent_lock(path):
+            check_folder(path, kind)
+            _carry(path, scratch)
+            put(scratch, path)
+            _carry(scratch, path)  # what came while the two were swapped
+        sync(path.parent)
+
+
+def check_folder(path: Path, kind: str) -> Path:
+    """The folder that `path` is or links to, if foreride may replace it; InputError if not.
+
+    That is one which is missing, empty, or made by foreride as of this kind, and is nobody's working folder.
+    """
+    target = Path(os.path.realpath(path))
+    if target in (here := Path.cwd(), *here.parents, Path.home()):
+        raise InputError(f"{printable(path)}: must not be the working folder, one above it, or your home")
+    _refuse_foreign(target, path, kind)
+    check_parent(target)
+    return target
+
+
+def claim(path: Path, kind: str) -> Path:
+    """Make `path` a folder that foreride adds files to; InputError for one that is not empty nor of this kind."""
+    target = Path(os.path.realpath(path))
+    if not (target.is_dir() and all(_is_ours(target / name) for name in _names(target))):
+        _refuse_foreign(target, path, kind)
+    check_parent(target / MARKER)
+    if not (target / MARKER).exists():
+        write_text(target / MARKER, Marker(kind, {}).to_json())
+    return path
+
+
+def _refuse_foreign(target: Path, path: Path, kind: str) -> None:
+    if not os.path.lexists(target):
+        return
+    if not target.is_dir():
+        raise InputError(f"{printable(path)}: must be a folder, a file is there")
+    found = marker.read(target)
+    if found is None and _names(target):
+        made = f"a folder of an earlier version becomes one with {Marker(kind, {}).to_json().strip()} in {MARKER}"
+        raise InputError(
+            f"{printable(path)}: is not empty and has no {MARKER}, so that foreride did not make it and writes "
+            f"nothing there; choose a new folder ({made})"
+        )
+    if found is not None and found.kind != kind:
+        raise InputError(f"{printable(path)}: must be new, empty or of kind {kind}; it is of kind {found.kind}")
+
+
+def _names(folder: Path) -> list[str]:
+    return [name for name in os.listdir(folder) if not is_scratch(name)]
+
+
+def _is_ours(folder: Path) -> bool:
+    return folder.is_dir() and (folder / MARKER).is_file()
+
+
+def _carry(source: Path, target: Path) -> None:
+    """Have in `target`, too, what others have put into the folder `source`."""
+    if not source.is_dir():
+        return
+    found = marker.read(source)
+    ours = {} if found is None else found.sha256
+    for name in marker.files_in(source):
+        if name in ours or name in DERIVED or os.path.lexists(target / name):
+            continue
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        try:
+            os.link(source / name, target / name, follow_symlinks=False)
+        except OSError:  # a file system without links
+            shutil.copy2(source / name, target / name, follow_symlinks=False)

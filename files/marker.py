@@ -1,0 +1,107 @@
+"""The file by which foreride knows a folder that it made: its kind, and the checksums of what is in it."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from files.errors import InputError, printable, shown
+from files.reading import read_bytes, read_text
+from files.scratch import MARKER, is_scratch
+
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Marker:
+    """kind: what the folder is. sha256: of each file by its path in the folder, empty where files are added."""
+
+    kind: str
+    sha256: dict[str, str]
+
+    def to_json(self) -> str:
+        """The marker file's text."""
+        document = {"kind": self.kind, "version": VERSION}
+        if self.sha256:
+            return json.dumps(document | {"sha256": self.sha256}, indent=2, sort_keys=True) + "\n"
+        return json.dumps(document) + "\n"
+
+
+def read(folder: Path) -> Marker | None:
+    """The folder's marker; None where there is none. InputError for one that is damaged or of another version."""
+    path = folder / MARKER
+    if not path.exists():
+        return None
+    try:
+        document = json.loads(read_text(path))
+        version, kind, sums = document["version"], document["kind"], document.get("sha256", {})
+        whole = isinstance(kind, str) and all(map(_is_inside, sums)) and all(isinstance(one, str) for one in sums.values())
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        whole = False
+    if not whole:
+        raise InputError(f"{printable(path)}: is damaged")
+    if version != VERSION:
+        raise InputError(f"{printable(path)}: version must be {VERSION}, got {shown(version)}")
+    return Marker(kind, sums)
+
+
+def seal(folder: Path, kind: str) -> None:
+    """Write the marker of a folder as it is, with the checksums of all files in it."""
+    sums = {name: digest((folder / name).read_bytes()) for name in sorted(files_in(folder))}
+    (folder / MARKER).write_text(Marker(kind, sums).to_json())
+
+
+def verified(folder: Path, kind: str) -> dict[str, bytes]:
+    """Content of all files that the marker lists, each as it was written.
+
+    Raises InputError for a folder of another kind, without a marker, and for a file that is damaged or missing.
+    """
+    if is_scratch(folder.name):
+        raise InputError(f"{printable(folder)}: half-finished, its process was killed")
+    while True:
+        found = read(folder)
+        if found is None or found.kind != kind:
+            raise InputError(_unmarked(folder, kind, found))
+        try:
+            return {name: _checked(folder / name, sha256) for name, sha256 in found.sha256.items()}
+        except InputError:
+            if read(folder) == found:  # else it was replaced meanwhile by a new one
+                raise
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 in hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def files_in(folder: Path) -> Iterator[str]:
+    """Paths within the folder of all that is neither a folder nor the marker, with / between the parts."""
+    for place, folders, files in os.walk(folder):
+        links = [name for name in folders if os.path.islink(os.path.join(place, name))]
+        for name in files + links:
+            inner = Path(place, name).relative_to(folder).as_posix()
+            if inner != MARKER:
+                yield inner
+
+
+def _is_inside(name: str) -> bool:
+    path = PurePosixPath(name)
+    return not path.is_absolute() and ".." not in path.parts and path.name not in ("", MARKER)
+
+
+def _checked(path: Path, sha256: str) -> bytes:
+    if not path.exists():
+        raise InputError(f"{printable(path.parent)}: half-finished or damaged, {path.name} is missing")
+    data = read_bytes(path)
+    if digest(data) != sha256:
+        raise InputError(f"{printable(path)}: is damaged (its SHA-256 is not that in {MARKER})")
+    return data
+
+
+def _unmarked(folder: Path, kind: str, found: Marker | None) -> str:
+    if found is not None:
+        return f"{printable(folder)}: must be of kind {kind}, got {shown(found.kind)} ({MARKER})"
+    told = f"{MARKER} with the checksums is missing"
+    return f"{printable(folder)}: half-finished, or of a version without checksums ({told}); make it anew"

@@ -1,0 +1,55 @@
+"""Names that become files: one path component of characters that are safe on every system."""
+
+import hashlib
+import re
+
+from files.errors import InputError, shown
+
+LONGEST = 120
+_SAFE = re.compile(r"[a-z0-9_][a-z0-9_.-]*")
+_UNSAFE = re.compile(r"[^a-z0-9_.-]+")
+_RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?")
+_DIGITS = 8
+
+
+def component(text: str) -> str:
+    """The text as a name of one file or folder: itself where it is safe, else made so, with a hash of it.
+
+    Safe are lower-case ASCII letters, digits, `_`, `.`, `-`, not at the start or `.` at the end, at most
+    `LONGEST` of them, and no name that Windows keeps for devices. Different texts give different names, on
+    file systems that take capital letters for small ones, too.
+    """
+    if _is_safe(text):
+        return text
+    return _hashed(text, text)
+
+
+def joined(first: str, *others: str) -> str:
+    """One component of several texts with `-` between them; different texts give different names.
+
+    Only the first may itself hold a `-` without getting a hash.
+    """
+    plain = "-".join((first, *others))
+    if _is_safe(first) and _is_safe(plain) and not any("-" in other for other in others):
+        return plain
+    return _hashed(plain, "\0".join((first, *others)))
+
+
+def check_name(field: str, text: str) -> None:
+    """Raise InputError unless the text can be a name: one line of visible text, no path."""
+    allowed = f"1 ... {LONGEST} characters in one line, without / and \\, and not begin with a dot or space"
+    printed = text.isprintable() and text == text.strip() and not text.startswith(".")
+    if not 0 < len(text) <= LONGEST or not printed or set(text) & set("/\\"):
+        raise InputError(f"{field} must be {allowed}, got {shown(text)}")
+
+
+def _is_safe(text: str) -> bool:
+    fits = len(text) <= LONGEST and not text.endswith(".")
+    return bool(fits and _SAFE.fullmatch(text) and not _RESERVED.fullmatch(text))
+
+
+def _hashed(text: str, whole: str) -> str:
+    told = hashlib.sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
+    kept = _UNSAFE.sub("_", text.lower()).lstrip(".-")[: LONGEST - _DIGITS - 2].rstrip(".")
+    name = f"{kept or '_'}-{told}"
+    return f"_{name}" if _RESERVED.fullmatch(name) else name

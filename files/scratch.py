@@ -1,0 +1,149 @@
+"""Scratch files and folders beside their targets, told from data by name and locked while their process lives."""
+
+import errno
+import os
+import re
+import secrets
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # Windows has no such locks: scratch of killed processes stays there
+    fcntl = None  # type: ignore[assignment]
+
+MARKER = "foreride.json"
+"""File of a folder that foreride made; in a scratch folder its lock says that the process lives."""
+_KEPT = 40  # characters of the target's name, so that no name gets too long
+_SCRATCH = re.compile(r"\..*\.[0-9a-f]{8}\.foreride-part", re.DOTALL)
+_OLD = re.compile(r"\.(.*)\.[0-9a-f]{8}\.foreride-old", re.DOTALL)
+_CLEANED: set[str] = set()
+
+
+def is_scratch(name: str) -> bool:
+    """Whether a file or folder of this name is the scratch of a write, to be read by nobody."""
+    return bool(_SCRATCH.fullmatch(name) or _OLD.fullmatch(name))
+
+
+def scratch_name(target: Path) -> Path:
+    """A new name beside `target` for what will replace it."""
+    return target.with_name(f".{target.name[:_KEPT]}.{secrets.token_hex(4)}.foreride-part")
+
+
+def old_name(target: Path) -> Path:
+    """A new name beside `target` for what stands there, where it must step aside for a moment."""
+    return target.with_name(f".{target.name}.{secrets.token_hex(4)}.foreride-old")
+
+
+@contextmanager
+def parent_lock(target: Path) -> Iterator[None]:
+    """Hold the lock of the folder that `target` lies in, made where it is missing; remains in it are removed.
+
+    The kernel frees such a lock when its process ends, however it ends: none is ever stale.
+    """
+    parent, handle = target.parent, None
+    parent.mkdir(parents=True, exist_ok=True)
+    with suppress(PermissionError):  # one may write into a folder that one may not open
+        handle = _lock(parent)
+    try:
+        if handle is not None and str(parent) not in _CLEANED:
+            _CLEANED.add(str(parent))
+            _clean(parent)
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+@contextmanager
+def scratch_folder(target: Path) -> Iterator[Path]:
+    """Yield a new folder beside `target`; what then stands at its name is removed."""
+    try:
+        with parent_lock(target):
+            folder = scratch_name(target)
+            os.mkdir(folder)
+            handle = os.open(folder / MARKER, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+            hold(handle)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from None
+    try:
+        yield folder
+    finally:
+        os.close(handle)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def hold(handle: int) -> None:
+    """Lock an open file for as long as it is open, where the file system can."""
+    if fcntl is not None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+                raise
+
+
+def sync(folder: Path) -> None:
+    """Have the names in a folder on the disk, where the system can."""
+    if os.name == "nt":
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # one may write into a folder that one may not open
+        return
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.ENOTSUP):
+            raise
+    finally:
+        os.close(handle)
+
+
+def _lock(path: Path, wait: bool = True) -> int | None:
+    """Open and lock; None where the file system has no locks. Raises BlockingIOError if not to wait."""
+    if fcntl is None:
+        return None
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except OSError as error:
+        os.close(handle)
+        if not wait and error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+            raise BlockingIOError(error.errno, error.strerror) from None
+        return None
+    return handle
+
+
+def _clean(folder: Path) -> None:
+    """Remove the scratch of dead processes; put back what such a process had moved aside and not replaced."""
+    for name in os.listdir(folder):
+        aside, path = _OLD.fullmatch(name), folder / name
+        if aside and not os.path.lexists(folder / aside[1]):
+            os.rename(path, folder / aside[1])
+            _say(f"put back {folder / aside[1]}, which a killed process had moved aside")
+        elif is_scratch(name) and _is_dead(path):
+            shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
+            _say(f"removed {path}, left by a killed process")
+
+
+def _is_dead(scratch: Path) -> bool:
+    held = scratch / MARKER if scratch.is_dir() else scratch
+    try:
+        handle = _lock(held, wait=False)
+    except BlockingIOError:
+        return False
+    except FileNotFoundError:  # folders get their marker while the parent's lock is held
+        return True
+    except OSError:
+        return False
+    if handle is not None:
+        os.close(handle)
+    return handle is not None
+
+
+def _say(text: str) -> None:
+    print(f"foreride: {text}", file=sys.stderr)
