@@ -1,7 +1,6 @@
 """Conversion of labelled images between YOLO and COCO format: `foreride detector convert`."""
 
 import json
-import shutil
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -10,14 +9,18 @@ from pathlib import Path
 from detector.dataset import image_paths, read_labels
 from detector.detection import CLASS_NAMES
 from detector.imagefile import read_image
-from files.atomic import atomic_folder, write_text
+from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.folder import atomic_folder, check_folder
 from files.reading import reading
 from files.strict_json import read_json
+from files.targets import check_files
 
 COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""
+KIND = "images"
+"""Of labelled folders, in their marker."""
 _MOST_CLASSES = 1000  # limit for a foreign data set
 Box = tuple[float, float, float, float]
 Names = dict[str, str]  # a source's class name or number -> one of CLASS_NAMES
@@ -100,16 +103,15 @@ def write_yolo(rows: Iterable[Labelled], out: Path) -> None:
     """Write a new folder with images/ (copies) and labels/, atomically."""
     if out.exists():
         raise InputError(f"{out}: already exists; choose a new folder")
-    with atomic_folder(out) as scratch:
-        (scratch / "images").mkdir()
-        (scratch / "labels").mkdir()
+    taken: set[str] = set()
+    with atomic_folder(out, KIND) as draft:
         for row in rows:
-            target = scratch / "images" / row.path.name
-            if target.exists():
-                raise InputError(f"{row.path}: a second image named {row.path.name}; names must differ")
-            shutil.copyfile(row.path, target)
+            if row.path.stem in taken:  # its labels have the same name
+                raise InputError(f"{row.path}: a second image of the name {row.path.stem}; names must differ")
+            taken.add(row.path.stem)
+            draft.write(f"images/{row.path.name}", row.path.read_bytes())
             lines = [_yolo_line(cls, box, row.width, row.height) for cls, box in row.objects]
-            (scratch / "labels" / f"{row.path.stem}.txt").write_text("".join(lines))
+            draft.write(f"labels/{row.path.stem}.txt", "".join(lines))
 
 
 def write_coco(rows: Iterable[Labelled], out: Path) -> None:
@@ -156,6 +158,15 @@ def _yolo_line(cls: int, box: Box, width: int, height: int) -> str:
     return f"{cls} {(x0 + x1) / 2:.6f} {(y0 + y1) / 2:.6f} {x1 - x0:.6f} {y1 - y0:.6f}\n"
 
 
+def _check_out(out: Path, source: Path) -> None:
+    """Raise InputError, before anything is read, unless `out` can be written."""
+    if out.suffix == ".json":
+        return check_files(out, inputs=[source])
+    if out.exists():
+        raise InputError(f"{out}: already there; choose a new folder")
+    check_folder(out, KIND)
+
+
 def _class_names(pairs: list[str]) -> Names:
     names = {}
     for pair in pairs:
@@ -184,6 +195,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         names = _class_names(options.pairs)
+        _check_out(options.out, options.source)
         if options.source.suffix == ".json":
             rows = read_coco(options.source, options.images or options.source.parent, names, options.skip_bad)
         else:

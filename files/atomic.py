@@ -99,11 +99,11 @@ def _stream(path: Path) -> BinaryIO | None:
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """Yield a path of the same suffix for libraries that write by name; its file stands at `path` at success."""
+    """Yield a path of the same suffix for libraries that write by name; at success its file is at `path`."""
     target = Path(os.path.realpath(path))
     with scratch_folder(target) as folder:
         whole = folder / f"whole{path.suffix}"
         yield whole
-        with whole.open("rb") as written, writing(path, whole.stat().st_size):
-            with _replacing(target) as stream:
-                shutil.copyfileobj(written, stream)
+        size = whole.stat().st_size
+        with whole.open("rb") as written, writing(path, size), _replacing(target) as stream:
+            shutil.copyfileobj(written, stream)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from files import marker
 from files.atomic import write_text, writing
-from files.errors import InputError, printable
+from files.errors import InputError, printable, shown
 from files.exchange import put
 from files.marker import Marker
-from files.scratch import MARKER, is_scratch, parent_lock, scratch_folder, sync
+from files.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
 from files.targets import check_parent
 
 DERIVED = ("report.html",)
@@ -75,7 +75,7 @@ def check_folder(path: Path, kind: str) -> Path:
 
 
 def claim(path: Path, kind: str) -> Path:
-    """Make `path` a folder that foreride adds files to; InputError for one that is not empty nor of this kind."""
+    """Make `path` a folder that foreride adds files to; InputError unless it is empty or of this kind."""
     target = Path(os.path.realpath(path))
     if not (target.is_dir() and all(_is_ours(target / name) for name in _names(target))):
         _refuse_foreign(target, path, kind)
@@ -85,6 +85,17 @@ def claim(path: Path, kind: str) -> Path:
     return path
 
 
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep a claimed folder to this process, while it lives; InputError where another has it."""
+    with open(folder / MARKER, "rb") as marked:
+        try:
+            hold(marked.fileno())
+        except BlockingIOError:
+            raise InputError(f"{printable(folder)}: another process is writing there") from None
+        yield
+
+
 def _refuse_foreign(target: Path, path: Path, kind: str) -> None:
     if not os.path.lexists(target):
         return
@@ -92,13 +103,15 @@ def _refuse_foreign(target: Path, path: Path, kind: str) -> None:
         raise InputError(f"{printable(path)}: must be a folder, a file is there")
     found = marker.read(target)
     if found is None and _names(target):
-        made = f"a folder of an earlier version becomes one with {Marker(kind, {}).to_json().strip()} in {MARKER}"
         raise InputError(
-            f"{printable(path)}: is not empty and has no {MARKER}, so that foreride did not make it and writes "
-            f"nothing there; choose a new folder ({made})"
+            f"{printable(path)}: is not empty and has no {MARKER}, by which foreride knows its own folders: "
+            f"nothing is written; choose a new one (a folder of an earlier version is taken with a file "
+            f"{MARKER} in it that reads {Marker(kind, {}).to_json().strip()})"
         )
     if found is not None and found.kind != kind:
-        raise InputError(f"{printable(path)}: must be new, empty or of kind {kind}; it is of kind {found.kind}")
+        raise InputError(
+            f"{printable(path)}: must be new, empty or of kind {kind}, got kind {shown(found.kind)}"
+        )
 
 
 def _names(folder: Path) -> list[str]:

@@ -16,7 +16,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class Marker:
-    """kind: what the folder is. sha256: of each file by its path in the folder, empty where files are added."""
+    """kind: what the folder is. sha256: of each file by its path in it, empty where files are added."""
 
     kind: str
     sha256: dict[str, str]
@@ -30,14 +30,18 @@ class Marker:
 
 
 def read(folder: Path) -> Marker | None:
-    """The folder's marker; None where there is none. InputError for one that is damaged or of another version."""
+    """The folder's marker; None where there is none. InputError for a damaged or unknown one."""
     path = folder / MARKER
     if not path.exists():
         return None
     try:
         document = json.loads(read_text(path))
         version, kind, sums = document["version"], document["kind"], document.get("sha256", {})
-        whole = isinstance(kind, str) and all(map(_is_inside, sums)) and all(isinstance(one, str) for one in sums.values())
+        whole = (
+            isinstance(kind, str)
+            and all(map(_is_inside, sums))
+            and all(isinstance(one, str) for one in sums.values())
+        )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         whole = False
     if not whole:
@@ -56,7 +60,7 @@ def seal(folder: Path, kind: str) -> None:
 def verified(folder: Path, kind: str) -> dict[str, bytes]:
     """Content of all files that the marker lists, each as it was written.
 
-    Raises InputError for a folder of another kind, without a marker, and for a file that is damaged or missing.
+    Raises InputError for a folder of another kind or without a marker, and for a damaged or missing file.
     """
     if is_scratch(folder.name):
         raise InputError(f"{printable(folder)}: half-finished, its process was killed")

@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+from collections.abc import Sequence
 
 from files.errors import InputError, shown
 
@@ -24,15 +25,16 @@ def component(text: str) -> str:
     return _hashed(text, text)
 
 
-def joined(first: str, *others: str) -> str:
+def joined(shown: Sequence[str], meant: Sequence[str] = ()) -> str:
     """One component of several texts with `-` between them; different texts give different names.
 
-    Only the first may itself hold a `-` without getting a hash.
+    meant: what each stands for, if another text. Only the first may hold a `-` without getting a hash.
     """
-    plain = "-".join((first, *others))
-    if _is_safe(first) and _is_safe(plain) and not any("-" in other for other in others):
+    plain = "-".join(shown)
+    clear = _is_safe(shown[0]) and not any("-" in other for other in shown[1:])
+    if clear and _is_safe(plain) and tuple(meant or shown) == tuple(shown):
         return plain
-    return _hashed(plain, "\0".join((first, *others)))
+    return _hashed(plain, "\0".join(meant or shown))
 
 
 def check_name(field: str, text: str) -> None:

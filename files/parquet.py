@@ -20,7 +20,11 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pa.Tab
     Raises InputError for a file of more than DATA_LIMIT bytes, MAX_COLUMNS columns or MAX_CELLS cells, one
     that lacks a column, and a damaged one.
     """
-    data = read_bytes(path, DATA_LIMIT)
+    return table_from(read_bytes(path, DATA_LIMIT), path, columns)
+
+
+def table_from(data: bytes, path: Path | str, columns: Sequence[str] | None = None) -> pa.Table:
+    """As `read_table`, from the content of the file at `path`."""
     with reading(path):
         file = pq.ParquetFile(pa.BufferReader(data))
         told = file.metadata

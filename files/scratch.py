@@ -1,4 +1,4 @@
-"""Scratch files and folders beside their targets, told from data by name and locked while their process lives."""
+"""Scratch beside the target of a write: told from data by its name, locked while its process lives."""
 
 import errno
 import os

@@ -52,4 +52,6 @@ def _check_file(path: Path) -> None:
     check_parent(target)
     found = marker.read(target.parent) if (target.parent / marker.MARKER).is_file() else None
     if found is not None and target.name in (*found.sha256, marker.MARKER):
-        raise InputError(f"{printable(path)}: belongs to the {found.kind} in this folder; choose another place")
+        raise InputError(
+            f"{printable(path)}: belongs to the {found.kind} in this folder; choose another place"
+        )

@@ -118,7 +118,12 @@ def read(path: Path | str) -> Memory:
 
 def write(path: Path, memory: Memory) -> None:
     """Write a memory atomically."""
-    write_text(path, yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
+    write_text(path, to_text(memory))
+
+
+def to_text(memory: Memory) -> str:
+    """The content of a memory's file, YAML."""
+    return str(yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 
 def of_mounting(kept: Mounting) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Cases of a comparison: combinations of scenario, seed, controller and perception."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from controller.registry import sees_ahead
@@ -42,3 +42,16 @@ def cases(
         for controller in controllers
         for perception in (perceptions if sees_ahead(controller) else ["none"])
     ]
+
+
+def distinct(wanted: Iterable[Case]) -> list[Case]:
+    """The cases, each once; InputError for different scenarios of one name, whose runs would be mixed up."""
+    kept: dict[tuple[str, str, str, str, int], Case] = {}
+    for case in wanted:
+        scenario = case.scenario
+        key = (scenario.name, scenario.vehicle.model, case.controller, case.perception, case.seed)
+        if kept.setdefault(key, case).scenario.mapping != scenario.mapping:
+            raise InputError(
+                f"scenarios must differ in their `name`, got two that are called {scenario.name}"
+            )
+    return list(kept.values())

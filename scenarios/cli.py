@@ -90,9 +90,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _execute(argv: Sequence[str]) -> int:
     check_texts(argv)
     arguments = parser().parse_args(argv)
+    from scenarios.commands.outputs import check_outputs
     from scenarios.parallel import WorkerDied
 
     try:
+        check_outputs(arguments)
         return int(arguments.execute(arguments) or 0)
     except WorkerDied as error:
         return _told(error, CHECK_FAILED)

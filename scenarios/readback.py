@@ -1,20 +1,22 @@
 """Reading of run folders, for reports and videos."""
 
-import json
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from detector.detection import Detections
 from files import strict
 from files.errors import InputError
-from files.images import read_pixels
+from files.images import decode
+from files.marker import verified
+from files.parquet import table_from
 from files.reading import reading
+from files.scratch import is_scratch
+from files.strict_json import parse_json
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
@@ -22,18 +24,18 @@ from scenarios.named_files import HASHES
 from scenarios.perception import Event, Look
 from scenarios.preview_log import PreviewLog
 from scenarios.record import check_run
-from scenarios.runfolder import FRAMES
+from scenarios.runfolder import KIND, MANIFEST, frame_name
 from scenarios.schema import Scenario
 
 SCHEMA = 1
 ABOVE = 3
 """Folders above a run's in which the file of its road is looked for."""
-MANIFEST = "manifest.json"
+SIGNALS = "signals.parquet"
 
 
 def is_run(folder: Path) -> bool:
-    """Whether `folder` looks like a run folder, complete or not."""
-    return (folder / MANIFEST).is_file() or (folder / "signals.parquet").is_file()
+    """Whether `folder` looks like that of a run, whole or not; the scratch of a write does not."""
+    return not is_scratch(folder.name) and any((folder / name).is_file() for name in (MANIFEST, SIGNALS))
 
 
 def read(folder: Path) -> Run:
@@ -45,18 +47,19 @@ def read(folder: Path) -> Run:
 
 
 def _read(folder: Path) -> Run:
-    manifest = _parsed(folder / MANIFEST, json.loads)
+    files = _Files(folder, verified(folder, KIND))
+    manifest = files.json(MANIFEST)
     if not isinstance(manifest, dict) or manifest.get("schema") != SCHEMA:
         raise InputError(f"{folder / MANIFEST}: is no manifest of schema {SCHEMA}")
     told = _with_road(manifest.get("definition"), folder)
     scenario = strict.structure(Scenario, told, f"{folder / MANIFEST}: definition")
-    events = _parsed(folder / "events.jsonl", lambda text: [json.loads(line) for line in text.splitlines()])
-    table = _table(folder / "signals.parquet")
+    events = files.json_lines("events.jsonl")
+    table = files.table(SIGNALS)
     try:
         return Run(
             case=Case(scenario, manifest["controller"], manifest["perception"], manifest["seed"]),
             signals={name: table[name].to_numpy() for name in table.column_names},
-            metrics=_parsed(folder / "metrics.json", json.loads),
+            metrics=files.json("metrics.json"),
             events=events,
             solver=manifest["solver"],
             observer=manifest["observer_error"],
@@ -64,8 +67,8 @@ def _read(folder: Path) -> Run:
             timing=manifest["timing"],
             files_sha256={name: manifest.get(name) for name in HASHES},
             track_y_m=manifest["track_y_m"],
-            looks=[_look(event, folder) for event in events if event["event"] == "boxes"],
-            previews=_previews(_table(folder / "previews.parquet")),
+            looks=[_look(event, files) for event in events if event["event"] == "boxes"],
+            previews=_previews(files.table("previews.parquet")),
             bound=manifest.get("bound"),
         )
     except KeyError as error:
@@ -82,29 +85,42 @@ def _with_road(definition: Any, folder: Path) -> Any:
     return definition | {"road": road | {"file": found}}
 
 
-def _parsed(path: Path, parse: Callable[[str], Any]) -> Any:
-    try:
-        return parse(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path.parent}: half-finished or no run, {path.name} is missing") from None
-    except ValueError as error:
-        raise InputError(f"{path}: is damaged ({' '.join(str(error).split())})") from None
+@dataclass(frozen=True)
+class _Files:
+    """The files of a run folder, all of which are as they were written."""
+
+    folder: Path
+    content: dict[str, bytes]
+
+    def json(self, name: str) -> Any:
+        """A JSON file."""
+        return parse_json(self._text(name), str(self.folder / name))
+
+    def json_lines(self, name: str) -> list[Any]:
+        """A file of one JSON value per line."""
+        lines = self._text(name).splitlines()
+        return [parse_json(line, f"{self.folder / name}:{number}") for number, line in enumerate(lines, 1)]
+
+    def table(self, name: str) -> pa.Table:
+        """A Parquet file."""
+        return table_from(self._of(name), self.folder / name)
+
+    def _text(self, name: str) -> str:
+        with reading(self.folder / name):
+            return self._of(name).decode()
+
+    def _of(self, name: str) -> bytes:
+        if name not in self.content:
+            raise InputError(f"{self.folder}: half-finished or no run, {name} is missing")
+        return self.content[name]
 
 
-def _table(path: Path) -> pa.Table:
-    try:
-        return pq.read_table(path)
-    except FileNotFoundError:
-        raise InputError(f"{path.parent}: half-finished or no run, {path.name} is missing") from None
-    except pa.ArrowException as error:
-        raise InputError(f"{path}: is damaged ({' '.join(str(error).split())})") from None
-
-
-def _look(event: Event, folder: Path) -> Look:
+def _look(event: Event, files: _Files) -> Look:
     tick = round(event["exposed_s"] * TICKS_PER_SECOND)
     boxes = np.array(event["boxes"], np.float32).reshape(-1, 4)
-    stored = folder / FRAMES / f"{tick:07d}.jpg"
-    image = read_pixels(stored, cv2.IMREAD_COLOR) if stored.exists() else None
+    name = frame_name(tick)
+    stored = files.content.get(name)
+    image = None if stored is None else decode(stored, files.folder / name, cv2.IMREAD_COLOR)
     rgb = None if image is None else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
     return Look(tick, Detections(boxes, event["scores"], event["classes"]), rgb)
 

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,17 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from files.atomic import write_bytes
+from files.atomic import write_bytes, writing
 from files.errors import InputError
+from files.folder import claim
 from files.parquet import read_table
 from files.reading import read_bytes, reading
 from files.strict_json import JSON_LIMIT, parse_json
 
+KIND = "sweep"
+"""Of folders of results, in their marker."""
 ROWS_A_PART = 500
+_PART = re.compile(r"part-[0-9]{5,}\.parquet")
 _JOURNAL = "journal.jsonl"
 _TEXT = frozenset({"error"})
 
@@ -29,8 +34,7 @@ class Results:
     """
 
     def __init__(self, folder: Path) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        self.folder = folder
+        self.folder = claim(folder, KIND)
         self.done: dict[str, str | None] = {}
         for part in self._parts():
             table = read_table(part, ["key", "error"])
@@ -54,7 +58,9 @@ class Results:
         """Write the waiting rows as a part."""
         if not self._waiting:
             return
-        part = self.folder / f"part-{len(self._parts()):05d}.parquet"
+        last = self._parts()[-1:]
+        number = int(last[0].stem.removeprefix("part-")) + 1 if last else 0  # gaps are not filled
+        part = self.folder / f"part-{number:05d}.parquet"
         sink = io.BytesIO()
         pq.write_table(_typed(pa.Table.from_pylist(_even(self._waiting))), sink, compression="zstd")
         write_bytes(part, sink.getvalue())
@@ -62,7 +68,7 @@ class Results:
         self._restart_journal()
 
     def _parts(self) -> list[Path]:
-        return sorted(self.folder.glob("part-*.parquet"))
+        return sorted(path for path in self.folder.glob("part-*.parquet") if _PART.fullmatch(path.name))
 
     def _journalled(self) -> list[dict[str, Any]]:
         """Rows of the journal; a last line truncated by a kill is left out, any other damage is refused."""
@@ -84,8 +90,9 @@ class Results:
         write_bytes(self.folder / _JOURNAL, "".join(lines).encode())
 
     def _append(self, row: Mapping[str, Any]) -> None:
-        with (self.folder / _JOURNAL).open("a", encoding="utf-8") as journal:
-            journal.write(json.dumps(row) + "\n")
+        path, line = self.folder / _JOURNAL, json.dumps(row) + "\n"
+        with writing(path, len(line)), path.open("a", encoding="utf-8") as journal:
+            journal.write(line)
             journal.flush()
             os.fsync(journal.fileno())
 

@@ -1,6 +1,7 @@
 """Writing of run folders, atomically; `scenarios.readback` reads them."""
 
 import hashlib
+import io
 import json
 import platform
 import sys
@@ -15,14 +16,18 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from files.atomic import atomic_folder
+from files.folder import atomic_folder
+from files.names import joined
 from files.sharing import shared_name, shared_target
-from preview.memory import write as write_memory
+from preview.memory import to_text as memory_text
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
 from scenarios.preview_log import PreviewLog
 from scenarios.schema import Scenario
 
+KIND = "run"
+"""Of run folders, in their marker."""
+MANIFEST = "manifest.json"
 FRAMES = "frames"
 _VERSIONED = (
     "foreride",
@@ -141,26 +146,37 @@ def _bound(run: Run) -> dict[str, Any]:
 
 def folder_name(case: Case) -> str:
     """Folder name that identifies a run, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
-    controller = shared_target(case.controller).replace("/", "_").replace(":", "-")
-    car = vehicle_name(case.scenario).replace("/", "_")
-    return f"{case.scenario.name}-{car}-{controller}-{case.perception}-seed{case.seed}"
+    car, controller = case.scenario.vehicle.model, case.controller
+    shown = (vehicle_name(case.scenario), shared_target(controller))
+    others = (case.perception, f"seed{case.seed}")
+    return joined((case.scenario.name, *shown, *others), (case.scenario.name, car, controller, *others))
 
 
 def write(run: Run, folder: Path) -> None:
     """Write manifest, metrics, signals, events, previews and, if any, memory and frames."""
-    with atomic_folder(folder) as scratch:
-        (scratch / "manifest.json").write_text(to_json(manifest(run)) + "\n")
-        (scratch / "metrics.json").write_text(to_json(run.metrics) + "\n")
-        lines = "".join(to_json(event, indent=None) + "\n" for event in run.events)
-        (scratch / "events.jsonl").write_text(lines)
-        pq.write_table(pa.table(run.signals), scratch / "signals.parquet", compression="zstd")
-        pq.write_table(_preview_table(run.previews), scratch / "previews.parquet", compression="zstd")
+    with atomic_folder(folder, KIND) as draft:
+        draft.write(MANIFEST, to_json(manifest(run)) + "\n")
+        draft.write("metrics.json", to_json(run.metrics) + "\n")
+        draft.write("events.jsonl", "".join(to_json(event, indent=None) + "\n" for event in run.events))
+        draft.write("signals.parquet", to_parquet(pa.table(run.signals)))
+        draft.write("previews.parquet", to_parquet(_preview_table(run.previews)))
         if run.memory is not None:
-            write_memory(scratch / "memory.yaml", run.memory)
+            draft.write("memory.yaml", memory_text(run.memory))
         for look in run.looks:
             if look.image is not None:
-                (scratch / FRAMES).mkdir(exist_ok=True)
-                (scratch / FRAMES / f"{look.tick:07d}.jpg").write_bytes(encode_jpeg(look.image))
+                draft.write(frame_name(look.tick), encode_jpeg(look.image))
+
+
+def frame_name(tick: int) -> str:
+    """Place within the run folder of the image exposed at a tick."""
+    return f"{FRAMES}/{tick:07d}.jpg"
+
+
+def to_parquet(table: pa.Table) -> bytes:
+    """The table as a Parquet file."""
+    sink = io.BytesIO()
+    pq.write_table(table, sink, compression="zstd")
+    return sink.getvalue()
 
 
 def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:

@@ -9,6 +9,7 @@ from annotated_types import Interval
 from controller.settings import ControllerSettings
 from files import strict
 from files.errors import InputError
+from files.names import check_name
 from files.ranges import Checked, Seed
 from preview.perception import BoxErrors
 from preview.settings import Settings as EstimatorSettings
@@ -129,6 +130,7 @@ class Scenario(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_name("name", self.name)
         room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
         if not 0.0 <= self.start_m < room - 1.0:
             raise InputError(

@@ -138,6 +138,8 @@ def _unit_cube(study: Study, dimensions: int) -> NDArray[np.float64]:
 def _samples(
     study: Study, space: Sequence[Mapping[str, Scalar]], fixed: Mapping[str, Scalar], folder: Path
 ) -> Iterator[Sample]:
+    if len({Path(name).name for name in study.scenarios}) < len(set(study.scenarios)):
+        raise InputError("scenarios must differ in their files' names, got two of one name")
     places = [str(folder / name) if (folder / name).is_file() else name for name in study.scenarios]
     sight = {name: study.perception if sees_ahead(name) else ("none",) for name in study.controllers}
     for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):

@@ -37,7 +37,7 @@ def add(commands: argparse._SubParsersAction) -> None:
         "--out", type=Path, metavar="FILE", help="write the block `camera` of a scenario (YAML)"
     )
     command.add_argument("--json", type=Path, metavar="FILE", help="write all numbers")
-    command.set_defaults(execute=execute)
+    command.set_defaults(execute=execute, out_is_file=True)
 
 
 def execute(arguments: argparse.Namespace) -> int:

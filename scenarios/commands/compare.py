@@ -15,6 +15,7 @@ from scenarios.commands.options import (
     progress_bar,
     simulated,
 )
+from scenarios.commands.outputs import runs_folder
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.gather import COMPARISON
 from scenarios.room import room
@@ -42,6 +43,7 @@ def execute(arguments: argparse.Namespace) -> int:
     jobs = jobs_of(arguments)
     planned = [folder_name(case) for case in wanted]
     if arguments.out:
+        runs_folder(arguments.out, wanted)
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
     rooms = rooms_of(wanted) if arguments.bound else {}
     rows = []

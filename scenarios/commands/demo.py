@@ -1,12 +1,12 @@
 """`foreride demo`: bump, hump and pothole with passive dampers, skyhook, reactive MPC and camera preview."""
 
 import argparse
-from pathlib import Path
 
 from files.atomic import write_text
 from scenarios.cases import cases
 from scenarios.closed_loop import Run
 from scenarios.commands.options import add_output_options, console, simulate_all
+from scenarios.commands.outputs import runs_folder
 from scenarios.commands.tables import add_table_options, publish
 from scenarios.loading import load
 from scenarios.report.figures import write_overview
@@ -29,8 +29,8 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run, print and write everything under `--out` (default runs/demo)."""
-    out = arguments.out or Path("runs/demo")
     wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
+    out = runs_folder(arguments.out or runs_folder(None) / "demo", wanted)
     runs = simulate_all(wanted, keep_images=True)
     for run in runs:
         write(run, out / folder_name(run.case))

@@ -22,7 +22,7 @@ from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError, shown
 from files.reading import read_text
-from scenarios.cases import PERCEPTIONS, Case, cases
+from scenarios.cases import PERCEPTIONS, Case, cases, distinct
 from scenarios.closed_loop import Run
 from scenarios.named_files import try_files
 from scenarios.parallel import simulate_each
@@ -47,8 +47,8 @@ def verdict(passed: bool) -> Text:
 
 
 def comma_list(text: str) -> list[str]:
-    """Split `a,b,c` into its parts."""
-    parts = [part.strip() for part in text.split(",") if part.strip()]
+    """Split `a,b,c` into its parts; what is named twice counts once."""
+    parts = list(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
     if not parts:
         raise argparse.ArgumentTypeError(f"must name at least one, got {shown(text)}")
     return parts
@@ -57,11 +57,13 @@ def comma_list(text: str) -> list[str]:
 def add_case_options(command: argparse.ArgumentParser, controllers: str, perceptions: str) -> None:
     """Add the options that select the cases: controllers, perception, seeds, and scenario fields."""
     names, ladder = comma_list(controllers), comma_list(perceptions)
-    own = f"names, or your own as path/to/file.py:name (default {controllers})"
+    own = f"names, or your own as path/to/file.py:name; each runs once (default {controllers})"
     command.add_argument("--controllers", type=comma_list, default=names, metavar="A,B,...", help=own)
     known = f"{', '.join(PERCEPTIONS)} (default {perceptions})"
     command.add_argument("--perception", type=comma_list, default=ladder, metavar="A,B,...", help=known)
-    command.add_argument("--seeds", type=comma_list, metavar="0,1,...", help="overrides the scenario's seed")
+    command.add_argument(
+        "--seeds", type=comma_list, metavar="0,1,...", help="override the scenario's; each runs once"
+    )
     command.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
     )
@@ -141,13 +143,13 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
         seeds = [-1]
     if not seeds or min(seeds) < 0:
         raise InputError(f"--seeds must be whole numbers >= 0, got {','.join(arguments.seeds)!r}")
-    return seeds
+    return list(dict.fromkeys(seeds))
 
 
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     """Cases selected by the command line, in order, after checking the files that they name."""
     scenarios = load_all(names, overrides_of(arguments))
-    wanted = cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments))
+    wanted = distinct(cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments)))
     for case in wanted:
         try_files(case)
     return wanted

@@ -18,6 +18,7 @@ from scenarios.commands.options import (
     seeds_of,
     simulate_all,
 )
+from scenarios.commands.outputs import runs_folder
 from scenarios.course.roads import COURSES, LOOKS, MIXED, course
 from scenarios.course.summary import summarise
 from scenarios.course.table import error_table, use_table
@@ -74,6 +75,8 @@ def execute(arguments: argparse.Namespace) -> int:
     """Simulate, evaluate, print; `--out` plots error over distance, `--json` writes the rows."""
     jobs = jobs_of(arguments)
     groups = _courses(arguments) if arguments.courses else _scenarios(arguments)
+    if arguments.out:
+        runs_folder(arguments.out)
     rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups]
     console.print(use_table(rows))
     console.print(error_table(rows))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.targets import check_files
 from scenarios.baseline import REFERENCE, Baseline, Held, read, seen_from, write
 from scenarios.commands.options import (
     add_case_options,
@@ -41,6 +42,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.scenarios and not arguments.accept:
         raise InputError("scenarios are named only with --accept, which adds them to the baseline")
     path: Path = arguments.baseline
+    if arguments.accept:
+        check_files(path)
     baseline = Baseline() if arguments.scenarios and not path.exists() else read(path)
     held = _named(arguments) if arguments.scenarios else baseline.held
     if not held:

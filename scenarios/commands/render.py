@@ -1,7 +1,6 @@
 """`foreride render`: camera images along a scenario, with bounding boxes."""
 
 import argparse
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -9,16 +8,21 @@ from rich.progress import track
 
 from detector.detection import Detections
 from detector.runtime import Detector
-from files.atomic import atomic_folder, write_text
+from files.atomic import write_text
 from files.errors import InputError
+from files.folder import atomic_folder, check_folder
+from files.names import component
 from road.camera import pose_of
 from road.render import Frame, Scene
 from scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
+from scenarios.commands.outputs import runs_folder
 from scenarios.eyes import load_detector
 from scenarios.loading import load
 from scenarios.report.film import mark
 from scenarios.runfolder import to_json
 from scenarios.schema import Scenario
+
+KIND = "render"
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -42,27 +46,34 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError(f"--every must be > 0 m, got {arguments.every:g}")
     scenario = load(arguments.scenario, overrides_of(arguments))
     detector = load_detector(scenario) if arguments.detect else None
-    out = arguments.out or Path("runs") / f"render-{scenario.name}"
+    out = arguments.out or runs_folder(None) / component(f"render-{scenario.name}")
+    check_folder(out, KIND)
     end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
     places = np.arange(scenario.start_m, end, arguments.every)
     scene = Scene(scenario.road, scenario.appearance, scenario.seed)
     found = {}
-    with atomic_folder(out) as scratch:
+    with atomic_folder(out, KIND) as draft:
         for index, x in enumerate(track(places, "rendering", console=console, transient=True)):
             name = f"{index:04d}-{x:06.1f}m.png"
             image, detections = photograph(scenario, scene, float(x), index, detector)
-            cv2.imwrite(str(scratch / name), cv2.cvtColor(mark(image, detections), cv2.COLOR_RGB2BGR))
+            draft.write(name, _png(mark(image, detections)))
             found[name] = {
                 "x_m": x,
                 "boxes": detections.boxes,
                 "scores": detections.scores,
                 "classes": detections.classes,
             }
-        (scratch / "boxes.json").write_text(to_json(found) + "\n")
+        draft.write("boxes.json", to_json(found) + "\n")
     console.print(f"{len(places)} images: {out}/")
     if arguments.json:
         write_text(arguments.json, to_json(found) + "\n")
     return 0
+
+
+def _png(image: np.ndarray) -> bytes:
+    done, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+    assert done
+    return data.tobytes()
 
 
 def photograph(

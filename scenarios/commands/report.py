@@ -1,6 +1,7 @@
 """`foreride report`: HTML report or video of a run or a comparison."""
 
 import argparse
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -8,6 +9,7 @@ from pathlib import Path
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.targets import check_files
 from scenarios.closed_loop import Run
 from scenarios.commands.options import console, progress_bar
 from scenarios.report.budget import error_budget_section
@@ -30,12 +32,14 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--no-render", action="store_true", help=none)
     told = "add where the gain of preview is lost, as `python -m benchmarks.tables.budget --json` wrote it"
     command.add_argument("--budget", type=Path, metavar="FILE", help=told)
-    command.set_defaults(execute=execute)
+    command.set_defaults(execute=execute, out_is_file=True)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write the report, and the video if requested."""
     source: Path = arguments.source
+    out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
+    check_files(out, arguments.film, inputs=[source])
     gathered = gather(source)
     budget = error_budget_section(arguments.budget) if arguments.budget else ""
     shown = first_seeds(gathered.runs)
@@ -43,11 +47,10 @@ def execute(arguments: argparse.Namespace) -> int:
     if rendered or arguments.film:
         filled = {id(run): run_with for run, run_with in zip(shown, _with_frames(shown), strict=True)}
         gathered = replace(gathered, runs=tuple(filled.get(id(run), run) for run in gathered.runs))
-    out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
     write_text(out, page(gathered, _RENDERED if rendered else "", budget))
     console.print(f"report: {out} ({out.stat().st_size / 1e6:.1f} MB)")
     for message in gathered.missing:
-        console.print(f"partial: {message}", highlight=False)
+        print(f"foreride: partial report: {message}", file=sys.stderr)
     if arguments.film:
         with console.status("writing the film"):
             write_film(arguments.film, _pairs(first_seeds(gathered.runs)))

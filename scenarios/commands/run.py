@@ -1,8 +1,8 @@
 """`foreride run`: simulation of one scenario, with all results in a run folder."""
 
 import argparse
-from pathlib import Path
 
+from files.names import component
 from scenarios.commands.options import (
     add_case_options,
     add_frames_option,
@@ -11,6 +11,7 @@ from scenarios.commands.options import (
     jobs_of,
     simulated,
 )
+from scenarios.commands.outputs import runs_folder
 from scenarios.commands.tables import add_table_options, baseline_of, publish
 from scenarios.report.figures import write_event_figure
 from scenarios.runfolder import folder_name, row, write
@@ -30,12 +31,13 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run the cases, print their table, write a folder for each."""
     wanted = cases_of(arguments, [arguments.scenario])
     baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
-    out = arguments.out or Path("runs")
+    jobs = jobs_of(arguments)
+    out = runs_folder(arguments.out, wanted)
     runs = []
-    for run in simulated(wanted, arguments.frames, jobs_of(arguments)):
+    for run in simulated(wanted, arguments.frames, jobs):
         write(run, out / folder_name(run.case))
         runs.append(run)
     publish(arguments, [row(run) for run in runs])
-    write_event_figure(out / f"{runs[0].case.scenario.name}.png", runs)
+    write_event_figure(out / component(f"{runs[0].case.scenario.name}.png"), runs)
     console.print(f"run folders and figure: {out}/")
     return 0

@@ -2,16 +2,20 @@
 
 import argparse
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 
 from files.atomic import write_text
 from files.errors import InputError
+from files.folder import alone, claim
+from files.names import component
 from files.sharing import shared_name
 from scenarios.commands.options import console, jobs_of, progress_bar
+from scenarios.commands.outputs import runs_folder
 from scenarios.parallel import WorkerDied
-from scenarios.results import Results
+from scenarios.results import KIND, Results
 from scenarios.runfolder import environment, to_json
-from scenarios.study import read
+from scenarios.study import Sample, read
 from scenarios.sweep import LOOPBACK, cluster, run
 
 
@@ -36,7 +40,12 @@ def execute(arguments: argparse.Namespace) -> int:
     """Run the drives that are missing; every finished drive is saved at once."""
     samples = {sample.key: sample for sample in read(arguments.study)}
     jobs = jobs_of(arguments)
-    results = Results(arguments.out or Path("runs") / arguments.study.stem)
+    out = arguments.out or runs_folder(None) / component(arguments.study.stem)
+    with alone(claim(out, KIND)):
+        return _sweep(arguments, samples, jobs, Results(out))
+
+
+def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: int, results: Results) -> int:
     if results.done and not results.done.keys() & samples.keys():
         raise InputError(f"{results.folder}: holds the results of another study; choose another --out")
     again = {key for key, error in results.done.items() if error} if arguments.retry_failed else set()
@@ -57,6 +66,12 @@ def execute(arguments: argparse.Namespace) -> int:
         raise WorkerDied(f"{death}; {kept}; go on with: {_again(arguments, results.folder)}") from None
     finally:
         results.flush()
+    _tell(arguments, samples, results)
+    return 0
+
+
+def _tell(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> None:
+    """Print the counts of drives and the first errors; write the counts where `--json` asks for them."""
     failed = {key: error for key, error in results.done.items() if error}
     there = len(results.done.keys() & samples.keys())
     told = f"{there} of {len(samples)} drives are there, {len(failed)} of them failed: {results.folder}/"
@@ -66,7 +81,6 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.json:
         counts = {"drives": there, "failed": len(failed), "folder": shared_name(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
-    return 0
 
 
 def _again(arguments: argparse.Namespace, folder: Path) -> str:

@@ -1,12 +1,12 @@
 """`foreride tune`: tuning of the reactive controllers on roads that no report uses."""
 
 import argparse
-from pathlib import Path
 
 from controller.tuned import TUNED
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError
+from files.targets import check_files
 from scenarios.commands.options import (
     add_field_options,
     add_output_options,
@@ -15,6 +15,7 @@ from scenarios.commands.options import (
     overrides_of,
     progress_bar,
 )
+from scenarios.commands.outputs import runs_folder
 from scenarios.runfolder import environment, to_json
 from scenarios.schema import Scenario
 from scenarios.sets import load_all
@@ -41,7 +42,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--seed", type=int, default=1, help="seed of the search (default 1)")
     add_field_options(command)
     add_output_options(command)
-    command.set_defaults(execute=execute)
+    command.set_defaults(execute=execute, out_is_file=True)
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -53,6 +54,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if any(scenario.vehicle.parameters != car for scenario in scenarios):
         raise InputError("tuning scenarios must all have the same car; --vehicle sets it")
     searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
+    out = arguments.out or runs_folder(None) / "tuned" / f"{car.kind}.yaml"
+    check_files(out)
     found = []
     with progress_bar() as progress:
         bar = progress.add_task("passive", total=len(searches) * arguments.evaluations)
@@ -66,7 +69,6 @@ def execute(arguments: argparse.Namespace) -> int:
             )
             found.append(tuned)
             scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]
-    out = arguments.out or Path("runs") / "tuned" / f"{car.kind}.yaml"
     write_text(out, settings_file(scenarios[0], found, _command(arguments)))
     console.print(f"settings: {out}")
     if arguments.json:

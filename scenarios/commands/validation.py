@@ -25,7 +25,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command = commands.add_parser("validation", help="compare with closed forms, standards, other programs")
     command.add_argument("--out", type=Path, metavar="FILE", help="write the table as Markdown")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
-    command.set_defaults(execute=execute)
+    command.set_defaults(execute=execute, out_is_file=True)
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from detector.detection import CLASS_NAMES, Detections
+from files.atomic import replaced
 from files.errors import InputError
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
@@ -69,19 +70,15 @@ def write_film(
     codecs = {".mp4": "mp4v", ".webm": "VP90"}
     if path.suffix not in codecs:
         raise InputError(f"{path}: a film ends in .mp4 or .webm, got {path.suffix!r}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_name(f".{path.stem}.part{path.suffix}")
     fourcc = cv2.VideoWriter.fourcc(*codecs[path.suffix])
-    writer = cv2.VideoWriter(str(scratch), fourcc, fps, (WIDTH, HEIGHT))
-    try:
-        if not writer.isOpened():
-            raise InputError(f"{path}: cannot be written as a film")
-        for passive, preview in pairs:
-            for picture in pictures(passive, preview, fps, slow_motion):
-                writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-            advance()
-        writer.release()
-        scratch.replace(path)
-    finally:
-        writer.release()
-        scratch.unlink(missing_ok=True)
+    with replaced(path) as scratch:
+        writer = cv2.VideoWriter(str(scratch), fourcc, fps, (WIDTH, HEIGHT))
+        try:
+            if not writer.isOpened():
+                raise InputError(f"{path}: cannot be written as a film")
+            for passive, preview in pairs:
+                for picture in pictures(passive, preview, fps, slow_motion):
+                    writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+                advance()
+        finally:
+            writer.release()

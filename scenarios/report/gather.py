@@ -1,6 +1,7 @@
 """Collection of a report's input: the runs of a folder, the passive reference, and missing parts."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from files.errors import InputError, shown
 from files.strict_json import read_json
 from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
-from scenarios.readback import MANIFEST, is_run, read
+from scenarios.readback import is_run, read
 from scenarios.record import check_row
 from scenarios.runfolder import row, scenario_hash
 from scenarios.statistics import Row
@@ -35,7 +36,7 @@ def gather(path: Path) -> Gathered:
         return Gathered((), tuple(_rows(_document(path), path)))
     if is_run(path):
         return _single(path)
-    folders = sorted(inner.parent for inner in path.glob(f"*/{MANIFEST}")) if path.is_dir() else []
+    folders = sorted(inner for inner in path.iterdir() if is_run(inner)) if path.is_dir() else []
     if not folders:
         raise InputError(
             f"{path}: neither a run's folder, nor a folder of runs, nor a comparison's JSON file"
@@ -55,9 +56,11 @@ def _single(path: Path) -> Gathered:
 
 def _passive_beside(path: Path, run: Run) -> Run | None:
     for folder in sorted(path.resolve().parent.glob("*passive*")):
-        if is_run(folder):
+        if not is_run(folder):
+            continue
+        with suppress(InputError):  # a damaged one is as good as none: the passive car is driven anew
             found = read(folder)
-            if _same_drive(found.case, run.case):
+            if found.case.controller == "passive" and _same_drive(found.case, run.case):
                 return found
     return None
 

@@ -34,7 +34,8 @@ def test_run_writes_the_run_folder(short: str, tmp_path: Path) -> None:
     assert main(["run", short, "--perception", "oracle", "--out", str(out)]) == 0
     folder = out / "short-quarter-mpc_preview-oracle-seed0"
     names = {path.name for path in folder.iterdir()}
-    assert names == {"manifest.json", "metrics.json", "signals.parquet", "events.jsonl", "previews.parquet"}
+    tables = {"signals.parquet", "previews.parquet"}
+    assert names == {"foreride.json", "manifest.json", "metrics.json", "events.jsonl"} | tables
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["schema"] == 1
     assert manifest["seed"] == 0

@@ -49,8 +49,11 @@ def test_a_run_leaves_nothing_half_written(short: Path, capsys: pytest.CaptureFi
     with room(20_000):
         status = main(["run", str(short), "--controllers", "passive", "--out", str(out)])
     assert status == 2
-    assert "File too large" in one_line(capsys)
-    assert not [path for path in out.rglob("*") if path.is_file()]
+    told = one_line(capsys)
+    assert "File too large" in told
+    assert "signals.parquet" in told
+    assert "bytes to write" in told
+    assert [path.name for path in out.rglob("*")] == ["foreride.json"]
 
 
 def test_a_report_leaves_the_old_one(short: Path, capsys: pytest.CaptureFixture[str]) -> None:

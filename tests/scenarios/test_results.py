@@ -81,9 +81,31 @@ def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
 
 
 def test_a_foreign_file_is_refused(tmp_path: Path) -> None:
+    Results(tmp_path)
     (tmp_path / "part-00000.parquet").write_text("nothing of ours")
     with pytest.raises(InputError, match="part-00000"):
         Results(tmp_path)
+
+
+def test_a_folder_of_others_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+    (tmp_path / "journal.jsonl").write_text("mine")
+    with pytest.raises(InputError, match="is not empty"):
+        Results(tmp_path)
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("journal.jsonl", "mine")]
+
+
+def test_a_part_never_takes_the_place_of_another(tmp_path: Path) -> None:
+    results = Results(tmp_path)
+    for number in range(2):
+        results.add(row(number))
+        results.flush()
+    (tmp_path / "part-00000.parquet").unlink()
+    kept = (tmp_path / "part-00001.parquet").read_bytes()
+    again = Results(tmp_path)
+    again.add(row(2))
+    again.flush()
+    assert (tmp_path / "part-00001.parquet").read_bytes() == kept
+    assert (tmp_path / "part-00002.parquet").exists()
 
 
 @pytest.mark.parametrize(
