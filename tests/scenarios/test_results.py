@@ -134,6 +134,7 @@ def test_a_damaged_line_before_the_last_is_named_and_nothing_is_changed(
 
 
 def test_a_part_without_keys_is_refused(tmp_path: Path) -> None:
+    Results(tmp_path)
     pq.write_table(pa.table({"key": [1], "error": [None]}), tmp_path / "part-00000.parquet")
     with pytest.raises(InputError, match=r"part-00000\.parquet: each key must be text"):
         Results(tmp_path)
