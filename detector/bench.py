@@ -26,7 +26,7 @@ from detector.progress import Progress
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
-from files.numbers import is_whole
+from files.numbers import is_whole, within
 
 GRAPHS = ("plain", "optimised")
 PRECISIONS = ("fp32", "fp16", "int8")
@@ -202,8 +202,7 @@ def check(args: argparse.Namespace) -> None:
     for threads in args.threads:
         if not is_whole(threads) or int(threads) < 1:
             raise InputError(f"--threads: must be whole numbers >= 1, got {threads!r}")
-    if args.runs < 1:
-        raise InputError(f"--runs must be >= 1, got {args.runs}")
+    within("--runs", args.runs, 1, 1_000_000)
 
 
 def compare(args: argparse.Namespace) -> list[dict]:

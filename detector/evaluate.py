@@ -35,6 +35,7 @@ from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
 from files.images import read_pixels
+from files.numbers import within
 from files.sharing import shared_name
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
@@ -133,6 +134,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise InputError(f"--confidence must be > 0 and <= 1, got {args.confidence:g}")
         if not 0 <= args.strength <= 1:
             raise InputError(f"--strength must be in 0..1, got {args.strength:g}")
+        within("--threads", args.threads, 1, 1024)
         change = unchanged
         if args.degrade:
             change = partial(degraded, effect=args.degrade, strength=args.strength)

@@ -5,11 +5,11 @@ import re
 
 from files.errors import InputError, shown
 
-_WHOLE = re.compile(r"[0-9]{1,9}")
+_WHOLE = re.compile(r"[0-9]{1,10}")
 
 
 def is_whole(text: str) -> bool:
-    """Whether the text is one to nine ASCII digits; `str.isdigit` would also accept superscripts."""
+    """Whether the text is one to ten ASCII digits; `str.isdigit` would also accept superscripts."""
     return _WHOLE.fullmatch(text) is not None
 
 
@@ -23,5 +23,5 @@ def whole(text: str, name: str, low: int, high: int) -> int:
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
     """Raise InputError, by `name`, unless the number lies in low ... high."""
     if not (math.isfinite(value) and low <= value <= high):
-        allowed = f"{low:g} ... {high:g} {unit}".rstrip()
+        allowed = f"{low:.10g} ... {high:.10g} {unit}".rstrip()
         raise InputError(f"{name} must lie in {allowed}, got {shown(value)}")

@@ -15,6 +15,7 @@ from rich.progress import Progress
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.numbers import within
 from road.boxes import NAMES
 from road.card import real_statistics, write_card
 from road.labelled import SPLITS, VIEWS_PER_ROAD, Job, render_road
@@ -47,6 +48,9 @@ def write_dataset(
     for split, count in counts.items():
         if split not in SPLITS or count < 0:
             raise InputError(f"counts must map {', '.join(SPLITS)} to numbers >= 0, got {split}: {count}")
+    within("images in all", sum(counts.values()), 0, 10_000_000)
+    within("seed", seed, 0, 2**32 - 1)
+    within("workers", workers, 1, 1024)
     if (out / "dataset.json").exists():
         raise InputError(f"{out}: already holds a data set; choose an empty folder")
     digest, done = hashlib.sha256(), 0

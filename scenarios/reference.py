@@ -12,6 +12,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from comfort import METRICS
 from files import strict
 from files.atomic import write_text
+from files.ranges import numbers_in
 from scenarios.cli import parser
 from scenarios.schema import Scenario
 from vehicle.audit import energy_audit
@@ -36,7 +37,7 @@ def write(folder: Path) -> None:
 
 
 def scenario_page() -> str:
-    """Page of all scenario fields: type, default and description."""
+    """Page of all scenario fields: type, range with unit, default and description."""
     lines = [_SCENARIO_HEAD]
     for path, cls in blocks(Scenario):
         own = [item for item in fields(cls) if item.init]
@@ -44,10 +45,12 @@ def scenario_page() -> str:
         lines += [f"## {path or 'The file itself'}", "", prose, ""]
         if own:
             hints = get_type_hints(cls)
-            lines += ["| field | type | default | |", "|---|---|---|---|"]
+            ranged = get_type_hints(cls, include_extras=True)
+            lines += ["| field | type | range | default | |", "|---|---|---|---|---|"]
             for item in own:
                 meaning = meanings.get(item.name) or _first_line(hints[item.name])
-                cells = f"`{item.name}`", _type(hints[item.name]), _default(item), meaning
+                allowed = ", ".join(dict.fromkeys(one.told() for one in numbers_in(ranged[item.name])))
+                cells = f"`{item.name}`", _type(hints[item.name]), allowed, _default(item), meaning
                 lines.append(f"| {' | '.join(cells)} |")
             lines.append("")
     return "\n".join(lines)

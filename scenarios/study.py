@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -25,6 +26,8 @@ from scenarios.runfolder import digest
 
 MOST_DRIVES = 1_000_000
 """Largest study."""
+MOST_NUMBERS = 20_000_000
+"""Most values of varied fields that a study samples."""
 TRIED = 20
 """Number of samples of each kind of which at least one must be valid, else the study is refused."""
 
@@ -88,6 +91,7 @@ def read(path: Path) -> list[Sample]:
     for field, value in fixed.items():
         scalar(value, f"{path}: set.{field}")
     try:
+        _check_size(study, axes)
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
         for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
             _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIED])
@@ -106,6 +110,22 @@ def _try(samples: Sequence[Sample]) -> None:
         except InputError as error:
             errors.append(error)
     raise errors[0]
+
+
+def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:
+    """Refuse a study of more than `MOST_DRIVES`, by count and before any of its drives is listed."""
+    sight = sum(len(study.perception) if sees_ahead(name) else 1 for name in study.controllers)
+    grid = prod(max(len(axis.values), 1) for axis in axes.values())
+    drives = (
+        (grid if study.sampling == "grid" else study.samples)
+        * len(study.scenarios)
+        * len(study.seeds)
+        * sight
+    )
+    if drives > MOST_DRIVES:
+        raise InputError(f"a study must have at most {MOST_DRIVES} drives, got {shown(drives)}")
+    if study.sampling != "grid" and study.samples * len(axes) > MOST_NUMBERS:
+        raise InputError(f"samples times the fields of vary must be <= {MOST_NUMBERS}")
 
 
 def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:

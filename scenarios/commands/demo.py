@@ -3,6 +3,7 @@
 import argparse
 
 from files.atomic import write_text
+from files.numbers import within
 from scenarios.cases import cases
 from scenarios.closed_loop import Run
 from scenarios.commands.options import add_output_options, console, simulate_all
@@ -29,6 +30,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run, print and write everything under `--out` (default runs/demo)."""
+    within("--seed", arguments.seed, 0, 2**32 - 1)
     wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
     out = runs_folder(arguments.out or runs_folder(None) / "demo", wanted)
     runs = simulate_all(wanted, keep_images=True)

@@ -21,6 +21,7 @@ from rich.text import Text
 from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError, shown
+from files.numbers import is_whole, within
 from files.reading import read_text
 from scenarios.cases import PERCEPTIONS, Case, cases, distinct
 from scenarios.closed_loop import Run
@@ -30,6 +31,7 @@ from scenarios.report.table import short_name
 from scenarios.sets import load_all
 
 _FILE_WIDTH = 140
+MOST_SEED = 2**32 - 1
 
 
 def _console() -> Console:
@@ -73,8 +75,7 @@ def add_case_options(command: argparse.ArgumentParser, controllers: str, percept
 
 def jobs_of(arguments: argparse.Namespace) -> int:
     """Number of worker processes requested."""
-    if arguments.jobs < 0:
-        raise InputError(f"--jobs must be >= 0, got {arguments.jobs}")
+    within("--jobs", arguments.jobs, 0, 1024)
     return arguments.jobs or os.cpu_count() or 1
 
 
@@ -137,12 +138,10 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
     """Parse `--seeds`; None leaves each scenario its own."""
     if arguments.seeds is None:
         return None
-    try:
-        seeds = [int(text) for text in arguments.seeds]
-    except ValueError:
-        seeds = [-1]
-    if not seeds or min(seeds) < 0:
-        raise InputError(f"--seeds must be whole numbers >= 0, got {','.join(arguments.seeds)!r}")
+    seeds = [int(text) for text in arguments.seeds if is_whole(text)]
+    if not seeds or len(seeds) < len(arguments.seeds) or max(seeds) > MOST_SEED:
+        got = shown(",".join(arguments.seeds))
+        raise InputError(f"--seeds must be whole numbers >= 0 and <= {MOST_SEED}, got {got}")
     return list(dict.fromkeys(seeds))
 
 

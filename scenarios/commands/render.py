@@ -12,6 +12,7 @@ from files.atomic import write_text
 from files.errors import InputError
 from files.folder import atomic_folder, check_folder
 from files.names import component
+from files.numbers import within
 from road.camera import pose_of
 from road.render import Frame, Scene
 from scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
@@ -23,6 +24,7 @@ from scenarios.runfolder import to_json
 from scenarios.schema import Scenario
 
 KIND = "render"
+MOST_IMAGES = 10_000
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -42,13 +44,14 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write one PNG per position, and `boxes.json` with the boxes drawn on them."""
-    if not arguments.every > 0:
-        raise InputError(f"--every must be > 0 m, got {arguments.every:g}")
+    within("--every", arguments.every, 0.01, 10_000.0, "m")
     scenario = load(arguments.scenario, overrides_of(arguments))
     detector = load_detector(scenario) if arguments.detect else None
     out = arguments.out or runs_folder(None) / component(f"render-{scenario.name}")
     check_folder(out, KIND)
     end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
+    if (end - scenario.start_m) / arguments.every > MOST_IMAGES:
+        raise InputError(f"--every must give at most {MOST_IMAGES} images, got {arguments.every:g} m")
     places = np.arange(scenario.start_m, end, arguments.every)
     scene = Scene(scenario.road, scenario.appearance, scenario.seed)
     found = {}

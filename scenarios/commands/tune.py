@@ -6,6 +6,7 @@ from controller.tuned import TUNED
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError
+from files.numbers import within
 from files.targets import check_files
 from scenarios.commands.options import (
     add_field_options,
@@ -47,8 +48,8 @@ def add(commands: argparse._SubParsersAction) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Tune one controller after the other; write the settings to `--out` (default runs/tuned/KIND.yaml)."""
-    if arguments.evaluations < 8:
-        raise InputError(f"--evaluations must be >= 8, got {arguments.evaluations}")
+    within("--evaluations", arguments.evaluations, 8, 10_000)
+    within("--seed", arguments.seed, 0, 2**32 - 1)
     scenarios = load_all(arguments.events, overrides_of(arguments))
     car = scenarios[0].vehicle.parameters
     if any(scenario.vehicle.parameters != car for scenario in scenarios):

@@ -41,7 +41,7 @@ def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         (["--backends", "npu"], "--backends: must be of cpu, "),
         (["--threads", "x"], "--threads: must be whole numbers >= 1, got 'x'"),
         (["--threads", "0"], "--threads: must be whole numbers >= 1, got '0'"),
-        (["--runs", "0"], "--runs must be >= 1, got 0"),
+        (["--runs", "0"], "--runs must lie in 1 ... 1000000, got 0"),
         (["--graphs", "plain", "--precisions", "int8"], "no case to time"),
     ],
 )

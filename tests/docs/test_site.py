@@ -23,7 +23,10 @@ def test_every_field_of_a_scenario_is_on_its_page() -> None:
             assert not item.init or f"| `{item.name}` |" in page
     for place in ("road.features: pothole", "camera.intrinsics", "control.settings.mpc"):
         assert f"\n## {place}\n" in page
-    assert "| `depth_m` | number | **required** | depth of the floor under the road. |" in page
+    assert (
+        "| `depth_m` | number | 0.0001 ... 0.5 m | **required** | depth of the floor under the road. |"
+        in page
+    )
 
 
 def test_blocks_follow_the_mapping_of_a_scenario() -> None:

@@ -50,7 +50,7 @@ def test_the_command_reports_a_drive_with_a_stereo_pair(tmp_path: Path, capsys) 
 def test_jobs_are_refused_below_zero(tmp_path: Path, capsys, wrong: str) -> None:
     (tmp_path / "short.yaml").write_text(SHORT)
     assert main(["perception", str(tmp_path / "short.yaml"), f"--jobs={wrong}"]) == 2
-    assert "--jobs must be >= 0" in capsys.readouterr().err
+    assert "--jobs must lie in 0 ... 1024" in capsys.readouterr().err
 
 
 def test_what_nothing_tells_is_a_dash() -> None:
