@@ -47,7 +47,7 @@ class Sight(NamedTuple):
 
 
 class Direct(NamedTuple):
-    """Direct measurement of one state entry: index, value, standard deviation."""
+    """Measurement of a single state entry by other means than boxes: index, value, standard deviation."""
 
     entry: int
     value: float

@@ -102,7 +102,7 @@ class Gauge:
         return _WINDOW_M if track.best.kind.sign > 0 else 0.33 * _WINDOW_M
 
     def _rows_of(self, pose: CameraPose, track: Track) -> tuple[int, int] | None:
-        """Rows that show the object and some road around it within the method's range."""
+        """Range of rows that shows the object and some road around it, within the method's range."""
         near = max(track.start_m - _MARGIN_M - pose.x, self.settings.gauge_near_m)
         far = min(track.end_m + _MARGIN_M - pose.x, self.settings.gauge_far_m)
         if not track.confirmed or track.start_m - pose.x > self.settings.gauge_far_m or far - near < 1.0:

@@ -61,7 +61,7 @@ class RowBias(Checked):
 
 @dataclass(frozen=True)
 class Remembered(Checked):
-    """Remembered object: kind, position and size (m), existence; each sigma is that of the value before it.
+    """Object kept from a drive: kind, position, size (m), existence; a sigma is that of the value before it.
 
     Length and height are the measured ones, without the prior of the object's kind; None if not measured.
     """

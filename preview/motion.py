@@ -40,7 +40,7 @@ class Measurement(Protocol):
 
     @property
     def roll_rate(self) -> float:
-        """Roll rate, positive left side up, rad/s; 0 for a car without roll."""
+        """Rate of roll, positive left side up, rad/s; 0 for a car without roll."""
 
     @property
     def speed_m_s(self) -> float:
@@ -184,7 +184,7 @@ class EgoMotion:
             self._states[k] = replace(was, heave_m=heave, pitch_rad=was.pitch_rad + turn.pitch_rad)
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:
-        """Body height over the road less its value at rest, at each wheel.
+        """Height of the body over the road less its value at rest, at each wheel.
 
         Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
         """

@@ -1,6 +1,6 @@
-"""Roll of the sprung mass relative to the road plane: a Kalman filter of roll gyro and rattle space.
+"""Kalman filter of the roll angle of the sprung mass over the road plane, by roll gyro and rattle space.
 
-Roll of a symmetric car is independent of heave and pitch, so it has a filter of its own beside
+The roll of a symmetric car is independent of heave and pitch, so it has a filter of its own beside
 `preview.body`, with the same weighting by roughness.
 """
 
@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 class Roll:
-    """Kalman filter of roll (rad, left side up) and gyro offset (rad/s), with covariance (2, 2).
+    """Filter of the roll angle (rad, left side up) and the gyro offset (rad/s), with covariance (2, 2).
 
     axle_x_m, wheel_y_m: positions of the wheels; without an axle with wheels on both sides there is no roll.
     """
