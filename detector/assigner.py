@@ -2,8 +2,8 @@
 
 Candidates are the points within one stride *around* a box at each level, not only those inside it: a bump
 five pixels high often lies between two rows of a coarse level, and would otherwise have no point at all. A
-box is assigned only to levels with a stride of at most COARSEST times its height, so that its rows are
-resolved; without this limit, whichever level first learns wide boxes keeps them.
+box is assigned only to levels with a stride of at most COARSEST times its height, so that its rows
+are resolved; without this limit, whichever level first learns wide boxes keeps them.
 """
 
 from dataclasses import dataclass

@@ -54,7 +54,7 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 def trace(  # type: ignore[no-untyped-def]
     view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
 ):
-    """Cast one ray per pixel; fills four (H, W) images. Heights are those over the plane of `View.over`.
+    """Cast one ray per pixel; fills four (H, W) images. Heights refer to the plane of `View.over`.
 
     drop: depth of the intersection below the camera (m), 0 if the ray meets no ground. slope: dz/dx there, if
     a feature is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m),

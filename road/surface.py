@@ -143,8 +143,8 @@ def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:
 def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Road height (n, m) float32 at x (n, 1), y (1, m).
 
-    Between features it is sampled COARSE times more sparsely across the road and interpolated, as roughness
-    itself is between its tracks.
+    Between features it is sampled COARSE times more sparsely across the road and interpolated, as
+    roughness itself is between its tracks.
     """
     plain = np.ones(len(x), bool)
     for feature in road.features:
