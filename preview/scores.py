@@ -5,8 +5,8 @@ These score lower, the more so the taller the box is. Errors of frames of one ob
 mean score is used, and no product over frames.
 
 Measured with the shipped weights on rendered drives (class B road; day, dusk, rain; plain, and with bumps,
-humps and potholes): the medians of the scores of
-real objects and of others are about equidistant from `_EVEN`.
+humps and potholes): the medians of the scores of real objects and of others are about
+equidistant from `_EVEN`.
 """
 
 import numpy as np
