@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: through links, into devices and pipes, as the umask says."""
+"""Atomic writing of files, through links, to devices and pipes, and with the umask's permissions."""
 
 import os
 import shutil
@@ -14,9 +14,9 @@ from files.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
 
 
 def write_bytes(path: Path, data: bytes) -> None:
-    """Replace the file at `path` by `data` in one step; a reader sees the old file or the new one.
+    """Replace the file at `path` by `data` atomically; a reader sees the old file or the new one.
 
-    A link is followed. Devices, pipes, and what is this program's own output are written to, not replaced.
+    Links are followed. Devices, pipes and this program's own output streams are written to, not replaced.
     An OSError names `path` and the bytes needed.
     """
     with writing(path, len(data)):
@@ -29,13 +29,13 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace `path` by `text` (UTF-8) in one step."""
+    """Replace `path` by `text` (UTF-8) atomically."""
     write_bytes(path, text.encode())
 
 
 @contextmanager
 def writing(path: Path, size: int) -> Iterator[None]:
-    """Turn an OSError of the block into one that names the file and how much was to be written."""
+    """Convert an OSError of the block to one that names the file and the size to be written."""
     try:
         yield
     except OSError as error:
@@ -45,7 +45,7 @@ def writing(path: Path, size: int) -> Iterator[None]:
 
 @contextmanager
 def _replacing(path: Path) -> Iterator[BinaryIO]:
-    """A stream whose content stands at `path` once the block has ended well."""
+    """Stream whose content replaces `path` if the block ends without error."""
     before = _mode(path)
     with parent_lock(path):
         name = scratch_name(path)
@@ -58,7 +58,7 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
             os.fsync(handle)
             if before is not None:
                 os.chmod(name, before)
-            if os.name != "nt":  # still locked, so that nobody takes it for that of a dead process
+            if os.name != "nt":  # still locked: must not look like that of a dead process
                 os.replace(name, path)
         if os.name == "nt":
             os.replace(name, path)
@@ -69,7 +69,7 @@ def _replacing(path: Path) -> Iterator[BinaryIO]:
 
 
 def _mode(path: Path) -> int | None:
-    """Permissions of the file that is to be replaced; PermissionError where it may not be written."""
+    """Permissions of the file to be replaced; PermissionError if it must not be written."""
     if not path.exists():
         return None
     if not os.access(path, os.W_OK):
@@ -78,7 +78,7 @@ def _mode(path: Path) -> int | None:
 
 
 def _stream(path: Path) -> BinaryIO | None:
-    """What to write to without replacing it: a device, a pipe, our own output; None for a plain file."""
+    """Stream for a target that is not replaced: a device, a pipe, our own output; None for a plain file."""
     try:
         found = os.stat(path)
     except FileNotFoundError:
@@ -99,7 +99,7 @@ def _stream(path: Path) -> BinaryIO | None:
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """Yield a path of the same suffix for libraries that write by name; at success its file is at `path`."""
+    """Yield a path of the same suffix for libraries that write by name; on success it replaces `path`."""
     target = Path(os.path.realpath(path))
     with scratch_folder(target) as folder:
         whole = folder / f"whole{path.suffix}"

@@ -28,7 +28,7 @@ def cache_folder() -> Path | None:
 
 
 def cached(name: str) -> Path:
-    """Place of one cached result: where it already is, else where it can be written."""
+    """Path of one cached result: its present location, else a writable one."""
     folder = cache_folder()
     if folder is not None and ((folder / name).is_file() or writable(folder)):
         return folder / name
@@ -36,7 +36,7 @@ def cached(name: str) -> Path:
 
 
 def writable(folder: Path) -> bool:
-    """Whether a file can be made in the folder, which is created where it does not exist."""
+    """Whether a file can be created in the folder, which is created if missing."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
@@ -47,7 +47,7 @@ def writable(folder: Path) -> bool:
 
 @lru_cache(maxsize=1)
 def temporary_folder() -> Path | None:
-    """Return the user's own cache folder among the temporary files and say so on stderr, once; None without.
+    """Return the user's own cache folder for temporary files, with one notice on stderr; None if impossible.
 
     Folders writable by others are not used, as cached machine code is executed.
     """
@@ -66,7 +66,7 @@ def temporary_folder() -> Path | None:
 
 
 def _private(folder: Path) -> bool:
-    """Whether the folder is no link, and belongs to and is open to this user alone."""
+    """Whether the folder is not a link, and is owned by and open to this user alone."""
     found = folder.lstat()
     mine = not hasattr(os, "getuid") or (found.st_uid == os.getuid() and not found.st_mode & 0o077)
     return stat.S_ISDIR(found.st_mode) and mine

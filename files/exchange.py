@@ -1,4 +1,4 @@
-"""A folder put in the place of another: at each moment one of the two stands there, where the system can."""
+"""Atomic exchange of a folder with its replacement, where the system supports it."""
 
 import ctypes
 import errno
@@ -14,8 +14,8 @@ _TRIES = 100
 
 
 def put(scratch: Path, target: Path) -> None:
-    """Let the folder `scratch` stand at `target`; what stood there is then at `scratch`."""
-    for _ in range(_TRIES):  # others may write there, too, on file systems without locks
+    """Move the folder `scratch` to `target`; a previous folder there is then at `scratch`."""
+    for _ in range(_TRIES):  # without locks, other processes may write here as well
         try:
             if not os.path.lexists(target):
                 os.rename(scratch, target)
@@ -30,7 +30,7 @@ def put(scratch: Path, target: Path) -> None:
 
 
 def exchange(one: Path, other: Path) -> bool:
-    """Swap two names in one step; False where the system or its file system cannot."""
+    """Swap two names atomically; False if the system or its file system cannot."""
     try:
         rename = ctypes.CDLL(None, use_errno=True).renameat2
     except (AttributeError, OSError, TypeError):  # not Linux, or an old C library
@@ -45,7 +45,7 @@ def exchange(one: Path, other: Path) -> bool:
 
 
 def step_aside(scratch: Path, target: Path) -> None:
-    """The swap in three steps; `files.scratch` puts the old folder back where a kill leaves none."""
+    """Swap in three steps; `files.scratch` restores the old folder if a kill leaves none."""
     old = old_name(target)
     os.rename(target, old)
     try:

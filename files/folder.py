@@ -1,4 +1,4 @@
-"""Folders that commands write: nothing of anybody else's is replaced; whole or not at all."""
+"""Output folders: written atomically, and replaced only if foreride made them."""
 
 import os
 import shutil
@@ -16,19 +16,19 @@ from files.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder,
 from files.targets import check_parent
 
 DERIVED = ("report.html",)
-"""Made of the other files in a folder, and therefore gone with them."""
+"""Files derived from others in a folder, and removed with them."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """A folder while it is filled. name: the path that it will have. sha256: of the files in it."""
+    """Folder during writing. name: its final path. sha256: hashes of the files in it."""
 
     folder: Path
     name: Path
     sha256: dict[str, str] = field(default_factory=dict)
 
     def write(self, name: str, data: bytes | str) -> None:
-        """Add a file; `name` is its path within the folder, with / between the parts."""
+        """Add a file; `name` is its path within the folder, with / as separator."""
         content, path = data.encode() if isinstance(data, str) else data, self.folder / name
         with writing(self.name / name, len(content)):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -41,10 +41,10 @@ class Draft:
 
 @contextmanager
 def atomic_folder(path: Path, kind: str) -> Iterator[Draft]:
-    """Yield a draft that becomes the folder at `path` at success and vanishes at failure.
+    """Yield a draft that becomes the folder at `path` on success and is removed on failure.
 
-    A folder of the same kind that already stands there is replaced only once the new one is complete; what
-    others have put into it stays. Any other that is not empty raises InputError, before the block.
+    An existing folder of the same kind is replaced only once the new one is complete; files added to it by
+    others are kept. Any other folder that is not empty raises InputError, before the block.
     """
     path = check_folder(path, kind)
     with scratch_folder(path) as scratch:
@@ -57,14 +57,15 @@ def atomic_folder(path: Path, kind: str) -> Iterator[Draft]:
             check_folder(path, kind)
             _carry(path, scratch)
             put(scratch, path)
-            _carry(scratch, path)  # what came while the two were swapped
+            _carry(scratch, path)  # files added during the swap
         sync(path.parent)
 
 
 def check_folder(path: Path, kind: str) -> Path:
-    """The folder that `path` is or links to, if foreride may replace it; InputError if not.
+    """Return the folder that `path` is or links to, if foreride may replace it, else raise InputError.
 
-    That is one which is missing, empty, or made by foreride as of this kind, and is nobody's working folder.
+    It may if the folder is missing, empty, or made by foreride as of this kind, and is no process's working
+    folder.
     """
     target = Path(os.path.realpath(path))
     if target in (here := Path.cwd(), *here.parents, Path.home()):
@@ -75,7 +76,7 @@ def check_folder(path: Path, kind: str) -> Path:
 
 
 def claim(path: Path, kind: str) -> Path:
-    """Make `path` a folder that foreride adds files to; InputError unless it is empty or of this kind."""
+    """Make `path` a folder to which foreride adds files; InputError unless it is empty or of this kind."""
     target = Path(os.path.realpath(path))
     if not (target.is_dir() and all(_is_ours(target / name) for name in _names(target))):
         _refuse_foreign(target, path, kind)
@@ -87,7 +88,7 @@ def claim(path: Path, kind: str) -> Path:
 
 @contextmanager
 def alone(folder: Path) -> Iterator[None]:
-    """Keep a claimed folder to this process, while it lives; InputError where another has it."""
+    """Lock a claimed folder for this process; InputError if another one holds it."""
     with open(folder / MARKER, "rb") as marked:
         try:
             hold(marked.fileno())
@@ -123,7 +124,7 @@ def _is_ours(folder: Path) -> bool:
 
 
 def _carry(source: Path, target: Path) -> None:
-    """Have in `target`, too, what others have put into the folder `source`."""
+    """Copy files that others have put into the folder `source` to `target`."""
     if not source.is_dir():
         return
     found = marker.read(source)
@@ -134,5 +135,5 @@ def _carry(source: Path, target: Path) -> None:
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         try:
             os.link(source / name, target / name, follow_symlinks=False)
-        except OSError:  # a file system without links
+        except OSError:  # file systems without links
             shutil.copy2(source / name, target / name, follow_symlinks=False)

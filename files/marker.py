@@ -1,4 +1,4 @@
-"""The file by which foreride knows a folder that it made: its kind, and the checksums of what is in it."""
+"""Marker file of folders made by foreride: their kind and the checksums of their files."""
 
 import hashlib
 import json
@@ -16,13 +16,13 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class Marker:
-    """kind: what the folder is. sha256: of each file by its path in it, empty where files are added."""
+    """Marker of a folder. kind: its kind. sha256: hash of each file by its path, empty if files are added."""
 
     kind: str
     sha256: dict[str, str]
 
     def to_json(self) -> str:
-        """The marker file's text."""
+        """Text of the marker file."""
         document = {"kind": self.kind, "version": VERSION}
         if self.sha256:
             return json.dumps(document | {"sha256": self.sha256}, indent=2, sort_keys=True) + "\n"
@@ -30,7 +30,7 @@ class Marker:
 
 
 def read(folder: Path) -> Marker | None:
-    """The folder's marker; None where there is none. InputError for a damaged or unknown one."""
+    """Read the folder's marker; None if there is none. InputError for a damaged or unknown one."""
     path = folder / MARKER
     if not path.exists():
         return None
@@ -52,13 +52,13 @@ def read(folder: Path) -> Marker | None:
 
 
 def seal(folder: Path, kind: str) -> None:
-    """Write the marker of a folder as it is, with the checksums of all files in it."""
+    """Write the marker of a folder in its present state, with the checksums of all files in it."""
     sums = {name: digest((folder / name).read_bytes()) for name in sorted(files_in(folder))}
     (folder / MARKER).write_text(Marker(kind, sums).to_json())
 
 
 def verified(folder: Path, kind: str) -> dict[str, bytes]:
-    """Content of all files that the marker lists, each as it was written.
+    """Return the content of all files that the marker lists, after checking their hashes.
 
     Raises InputError for a folder of another kind or without a marker, and for a damaged or missing file.
     """
@@ -71,7 +71,7 @@ def verified(folder: Path, kind: str) -> dict[str, bytes]:
         try:
             return {name: _checked(folder / name, sha256) for name, sha256 in found.sha256.items()}
         except InputError:
-            if read(folder) == found:  # else it was replaced meanwhile by a new one
+            if read(folder) == found:  # else it has been replaced by a new one meanwhile
                 raise
 
 
@@ -81,7 +81,7 @@ def digest(data: bytes) -> str:
 
 
 def files_in(folder: Path) -> Iterator[str]:
-    """Paths within the folder of all that is neither a folder nor the marker, with / between the parts."""
+    """Paths within the folder of all files except the marker, with / as separator."""
     for place, folders, files in os.walk(folder):
         links = [name for name in folders if os.path.islink(os.path.join(place, name))]
         for name in files + links:

@@ -1,4 +1,4 @@
-"""Names that become files: one path component of characters that are safe on every system."""
+"""Safe file names: one path component of characters that are valid on every system."""
 
 import hashlib
 import re
@@ -14,11 +14,11 @@ _DIGITS = 8
 
 
 def component(text: str) -> str:
-    """The text as a name of one file or folder: itself where it is safe, else made so, with a hash of it.
+    """Convert text to the name of one file or folder: unchanged if safe, else made safe with a hash.
 
     Safe are lower-case ASCII letters, digits, `_`, `.`, `-`, not at the start or `.` at the end, at most
-    `LONGEST` of them, and no name that Windows keeps for devices. Different texts give different names, on
-    file systems that take capital letters for small ones, too.
+    `LONGEST` of them, and no reserved device name of Windows. Different texts give different names, even on
+    file systems that ignore case.
     """
     if _is_safe(text):
         return text
@@ -26,9 +26,9 @@ def component(text: str) -> str:
 
 
 def joined(shown: Sequence[str], meant: Sequence[str] = ()) -> str:
-    """One component of several texts with `-` between them; different texts give different names.
+    """Join several texts with `-` to one component; different texts give different names.
 
-    meant: what each stands for, if another text. Only the first may hold a `-` without getting a hash.
+    meant: the text that each stands for, if different. Only the first may contain a `-` without a hash.
     """
     plain = "-".join(shown)
     clear = _is_safe(shown[0]) and not any("-" in other for other in shown[1:])
@@ -38,7 +38,7 @@ def joined(shown: Sequence[str], meant: Sequence[str] = ()) -> str:
 
 
 def check_name(field: str, text: str) -> None:
-    """Raise InputError unless the text can be a name: one line of visible text, no path."""
+    """Raise InputError unless the text can be a name: one line of visible text, not a path."""
     allowed = f"1 ... {LONGEST} characters in one line, without / and \\, and not begin with a dot or space"
     printed = text.isprintable() and text == text.strip() and not text.startswith(".")
     if not 0 < len(text) <= LONGEST or not printed or set(text) & set("/\\"):

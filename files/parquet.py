@@ -24,7 +24,7 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pa.Tab
 
 
 def table_from(data: bytes, path: Path | str, columns: Sequence[str] | None = None) -> pa.Table:
-    """As `read_table`, from the content of the file at `path`."""
+    """Read as `read_table`, from the content of the file at `path`."""
     with reading(path):
         file = pq.ParquetFile(pa.BufferReader(data))
         told = file.metadata

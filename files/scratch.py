@@ -1,4 +1,4 @@
-"""Scratch beside the target of a write: told from data by its name, locked while its process lives."""
+"""Scratch files and folders beside the target of a write, locked while their process lives."""
 
 import errno
 import os
@@ -12,11 +12,11 @@ from pathlib import Path
 
 try:
     import fcntl
-except ImportError:  # Windows has no such locks: scratch of killed processes stays there
+except ImportError:  # Windows has no such locks: scratch files of killed processes remain
     fcntl = None  # type: ignore[assignment]
 
 MARKER = "foreride.json"
-"""File of a folder that foreride made; in a scratch folder its lock says that the process lives."""
+"""Marker file of a folder made by foreride; its lock in a scratch folder shows that the process lives."""
 _KEPT = 40  # characters of the target's name, so that no name gets too long
 _SCRATCH = re.compile(r"\..*\.[0-9a-f]{8}\.foreride-part", re.DOTALL)
 _OLD = re.compile(r"\.(.*)\.[0-9a-f]{8}\.foreride-old", re.DOTALL)
@@ -24,29 +24,29 @@ _CLEANED: set[str] = set()
 
 
 def is_scratch(name: str) -> bool:
-    """Whether a file or folder of this name is the scratch of a write, to be read by nobody."""
+    """Whether a file or folder of this name is scratch of a write, which must not be read."""
     return bool(_SCRATCH.fullmatch(name) or _OLD.fullmatch(name))
 
 
 def scratch_name(target: Path) -> Path:
-    """A new name beside `target` for what will replace it."""
+    """New name beside `target` for its replacement."""
     return target.with_name(f".{target.name[:_KEPT]}.{secrets.token_hex(4)}.foreride-part")
 
 
 def old_name(target: Path) -> Path:
-    """A new name beside `target` for what stands there, where it must step aside for a moment."""
+    """New name beside `target` for the present file or folder while it is moved aside."""
     return target.with_name(f".{target.name}.{secrets.token_hex(4)}.foreride-old")
 
 
 @contextmanager
 def parent_lock(target: Path) -> Iterator[None]:
-    """Hold the lock of the folder that `target` lies in, made where it is missing; remains in it are removed.
+    """Lock the folder that contains `target`, created if missing; scratch remains in it are removed.
 
-    The kernel frees such a lock when its process ends, however it ends: none is ever stale.
+    The kernel releases such a lock when its process ends in any way, so locks are never stale.
     """
     parent, handle = target.parent, None
     parent.mkdir(parents=True, exist_ok=True)
-    with suppress(PermissionError):  # one may write into a folder that one may not open
+    with suppress(PermissionError):  # a folder may be writable but not readable
         handle = _lock(parent)
     try:
         if handle is not None and str(parent) not in _CLEANED:
@@ -60,7 +60,7 @@ def parent_lock(target: Path) -> Iterator[None]:
 
 @contextmanager
 def scratch_folder(target: Path) -> Iterator[Path]:
-    """Yield a new folder beside `target`; what then stands at its name is removed."""
+    """Yield a new folder beside `target`; anything left at its name afterwards is removed."""
     try:
         with parent_lock(target):
             folder = scratch_name(target)
@@ -77,7 +77,7 @@ def scratch_folder(target: Path) -> Iterator[Path]:
 
 
 def hold(handle: int) -> None:
-    """Lock an open file for as long as it is open, where the file system can."""
+    """Lock an open file for as long as it is open, if the file system supports it."""
     if fcntl is not None:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -87,12 +87,12 @@ def hold(handle: int) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Have the names in a folder on the disk, where the system can."""
+    """Flush the names in a folder to disk, if the system supports it."""
     if os.name == "nt":
         return
     try:
         handle = os.open(folder, os.O_RDONLY)
-    except PermissionError:  # one may write into a folder that one may not open
+    except PermissionError:  # a folder may be writable but not readable
         return
     try:
         os.fsync(handle)
@@ -104,7 +104,7 @@ def sync(folder: Path) -> None:
 
 
 def _lock(path: Path, wait: bool = True) -> int | None:
-    """Open and lock; None where the file system has no locks. Raises BlockingIOError if not to wait."""
+    """Open and lock; None if the file system has no locks. Raises BlockingIOError if not to wait."""
     if fcntl is None:
         return None
     handle = os.open(path, os.O_RDONLY)
@@ -119,7 +119,7 @@ def _lock(path: Path, wait: bool = True) -> int | None:
 
 
 def _clean(folder: Path) -> None:
-    """Remove the scratch of dead processes; put back what such a process had moved aside and not replaced."""
+    """Remove the scratch of dead processes; restore originals that such a process had moved aside."""
     for name in os.listdir(folder):
         aside, path = _OLD.fullmatch(name), folder / name
         if aside and not os.path.lexists(folder / aside[1]):

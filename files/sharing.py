@@ -8,7 +8,7 @@ _FOLDERS = re.compile(r"(?<![\w.~-])(?:[A-Za-z]:)?[/\\](?:[^/\\\s:'\"]+[/\\])+")
 
 
 def shared_name(path: str | Path) -> str:
-    """Path relative to the working directory; outside of it the file's name alone."""
+    """Path relative to the working directory; for files outside of it the name alone."""
     whole = Path(os.path.abspath(path))
     try:
         return whole.relative_to(Path.cwd()).as_posix()
@@ -17,11 +17,11 @@ def shared_name(path: str | Path) -> str:
 
 
 def shared_target(target: str) -> str:
-    """Name of a controller, whose file is named as `shared_name` does: `path/to/file.py:name`."""
+    """Name of a controller whose file is given as by `shared_name`: `path/to/file.py:name`."""
     path, separator, name = target.rpartition(":")
     return shared_name(path) + separator + name if path.endswith(".py") else target
 
 
 def without_folders(text: str) -> str:
-    """Text, such as a message, whose absolute paths are cut down to the names of their files."""
+    """Text, such as a message, with absolute paths reduced to the names of their files."""
     return _FOLDERS.sub("", text)

@@ -1,4 +1,4 @@
-"""Files that a command is asked to write, judged before it does any work."""
+"""Checks of output files before a command does any work."""
 
 import os
 import stat
@@ -10,7 +10,7 @@ from files.errors import InputError, printable
 
 
 def check_files(*paths: Path | None, inputs: Iterable[Path | None] = ()) -> None:
-    """Raise InputError unless each path can be written as a file of its own; None stands for none asked for.
+    """Raise InputError unless each path can be written as a separate file; None stands for no file.
 
     Existing files are replaced, but neither those in `inputs`, which the command reads, nor those of a folder
     that foreride made.
@@ -28,7 +28,7 @@ def check_files(*paths: Path | None, inputs: Iterable[Path | None] = ()) -> None
 
 
 def check_parent(path: Path) -> None:
-    """Raise InputError unless a new file or folder can be made at `path`."""
+    """Raise InputError unless a new file or folder can be created at `path`."""
     folder = path.parent
     while not os.path.lexists(folder):
         folder = folder.parent

@@ -45,7 +45,7 @@ def cases(
 
 
 def distinct(wanted: Iterable[Case]) -> list[Case]:
-    """The cases, each once; InputError for different scenarios of one name, whose runs would be mixed up."""
+    """Remove duplicate cases; InputError for different scenarios of one name, as their runs would mix."""
     kept: dict[tuple[str, str, str, str, int], Case] = {}
     for case in wanted:
         scenario = case.scenario

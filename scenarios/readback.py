@@ -29,12 +29,12 @@ from scenarios.schema import Scenario
 
 SCHEMA = 1
 ABOVE = 3
-"""Folders above a run's in which the file of its road is looked for."""
+"""Number of parent folders of a run in which the file of its road is searched."""
 SIGNALS = "signals.parquet"
 
 
 def is_run(folder: Path) -> bool:
-    """Whether `folder` looks like that of a run, whole or not; the scratch of a write does not."""
+    """Whether `folder` looks like a run folder, complete or not; scratch of a write does not."""
     return not is_scratch(folder.name) and any((folder / name).is_file() for name in (MANIFEST, SIGNALS))
 
 
@@ -76,7 +76,7 @@ def _read(folder: Path) -> Run:
 
 
 def _with_road(definition: Any, folder: Path) -> Any:
-    """Definition with the file of its road located: here, beside the run or in a folder above."""
+    """Definition with the file of its road located: as given, beside the run or in a parent folder."""
     road = definition.get("road") if isinstance(definition, dict) else None
     if not isinstance(road, dict) or not isinstance(name := road.get("file"), str) or Path(name).is_file():
         return definition
@@ -87,22 +87,22 @@ def _with_road(definition: Any, folder: Path) -> Any:
 
 @dataclass(frozen=True)
 class _Files:
-    """The files of a run folder, all of which are as they were written."""
+    """Files of a run folder, verified against its checksums."""
 
     folder: Path
     content: dict[str, bytes]
 
     def json(self, name: str) -> Any:
-        """A JSON file."""
+        """Parse a JSON file."""
         return parse_json(self._text(name), str(self.folder / name))
 
     def json_lines(self, name: str) -> list[Any]:
-        """A file of one JSON value per line."""
+        """Parse a file of one JSON value per line."""
         lines = self._text(name).splitlines()
         return [parse_json(line, f"{self.folder / name}:{number}") for number, line in enumerate(lines, 1)]
 
     def table(self, name: str) -> pa.Table:
-        """A Parquet file."""
+        """Read a Parquet file."""
         return table_from(self._of(name), self.folder / name)
 
     def _text(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Checks of what is read back of runs: rows of comparisons, and whole runs with their signals and events."""
+"""Checks of recorded runs read from files: comparison rows, and whole runs with signals and events."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
@@ -13,9 +13,9 @@ from scenarios.report.table import COLUMNS
 from scenarios.runfolder import row
 
 METRICS = ("objective", *(column.metric for column in COLUMNS))
-"""Metrics that each row must have."""
+"""Metrics that each row must contain."""
 SIGNALS = ("time_s", "x_m", "heave_m", "seat_acc_0", "road_height_0", "damping_0", "damper_force_0")
-"""Signals that each run must have, and `wheel_z_0`, ... for each wheel, all finite."""
+"""Signals that each run must contain, and `wheel_z_0`, ... for each wheel, all finite."""
 MOST = 1e12
 """Maximum magnitude of a metric."""
 
@@ -35,7 +35,7 @@ class _Bound:
 
 @dataclass(frozen=True)
 class _Row:
-    """Fields of a comparison's row that reports rely on; others may stand beside them."""
+    """Fields of a comparison's row that reports rely on; further ones are allowed."""
 
     scenario: str
     vehicle: str
@@ -57,12 +57,12 @@ class _Row:
 
 
 def check_row(found: Any, source: str) -> None:
-    """Raise InputError naming `source` and field unless `found` is a row as `runfolder.row` describes it."""
+    """Raise InputError naming `source` and field unless `found` is a row as written by `runfolder.row`."""
     strict.structure(_Row, _known(_Row, found), source)
 
 
 def check_run(run: Run, source: str) -> None:
-    """Raise InputError naming `source` and field unless reports can be made of a run that was read back."""
+    """Raise InputError naming `source` and field unless the run is complete enough for reports."""
     check_row(row(run), source)
     try:
         _check(run)

@@ -19,7 +19,7 @@ from files.reading import read_bytes, reading
 from files.strict_json import JSON_LIMIT, parse_json
 
 KIND = "sweep"
-"""Of folders of results, in their marker."""
+"""Kind of result folders in their marker."""
 ROWS_A_PART = 500
 _PART = re.compile(r"part-[0-9]{5,}\.parquet")
 _JOURNAL = "journal.jsonl"
@@ -71,7 +71,7 @@ class Results:
         return sorted(path for path in self.folder.glob("part-*.parquet") if _PART.fullmatch(path.name))
 
     def _journalled(self) -> list[dict[str, Any]]:
-        """Rows of the journal; a last line truncated by a kill is left out, any other damage is refused."""
+        """Rows of the journal; a truncated last line is dropped, any other damage raises InputError."""
         path = self.folder / _JOURNAL
         if not path.exists():
             return []

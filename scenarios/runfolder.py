@@ -26,7 +26,7 @@ from scenarios.preview_log import PreviewLog
 from scenarios.schema import Scenario
 
 KIND = "run"
-"""Of run folders, in their marker."""
+"""Kind of run folders in their marker."""
 MANIFEST = "manifest.json"
 FRAMES = "frames"
 _VERSIONED = (
@@ -69,7 +69,7 @@ def definition(scenario: Scenario) -> dict[str, Any]:
 
 
 def vehicle_name(scenario: Scenario) -> str:
-    """Name of a scenario's car as it is shared: that of the library, or of a file."""
+    """Shared name of a scenario's car: its name in the library, or the name of its file."""
     return shared_name(scenario.vehicle.model)
 
 
@@ -168,12 +168,12 @@ def write(run: Run, folder: Path) -> None:
 
 
 def frame_name(tick: int) -> str:
-    """Place within the run folder of the image exposed at a tick."""
+    """Path within the run folder of the image exposed at a tick."""
     return f"{FRAMES}/{tick:07d}.jpg"
 
 
 def to_parquet(table: pa.Table) -> bytes:
-    """The table as a Parquet file."""
+    """Encode the table as a Parquet file."""
     sink = io.BytesIO()
     pq.write_table(table, sink, compression="zstd")
     return sink.getvalue()

@@ -25,9 +25,9 @@ from scenarios.named_files import try_files
 from scenarios.runfolder import digest
 
 MOST_DRIVES = 1_000_000
-"""Largest study."""
+"""Maximum number of drives of a study."""
 MOST_NUMBERS = 20_000_000
-"""Most values of varied fields that a study samples."""
+"""Maximum number of sampled values of varied fields."""
 TRIED = 20
 """Number of samples of each kind of which at least one must be valid, else the study is refused."""
 
@@ -113,7 +113,7 @@ def _try(samples: Sequence[Sample]) -> None:
 
 
 def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:
-    """Refuse a study of more than `MOST_DRIVES`, by count and before any of its drives is listed."""
+    """Reject a study of more than `MOST_DRIVES` by count, before any of its drives is listed."""
     sight = sum(len(study.perception) if sees_ahead(name) else 1 for name in study.controllers)
     grid = prod(max(len(axis.values), 1) for axis in axes.values())
     drives = (

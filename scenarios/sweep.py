@@ -56,10 +56,10 @@ def described(sample: Sample, error: str | None) -> dict[str, Any]:
 def run(
     client: Client, samples: Sequence[Sample], results: Results, advance: Callable[[], None] = lambda: None
 ) -> None:
-    """Drive all samples; each row is in `results` before `advance` is called. Needs no order.
+    """Run all samples; each row is in `results` before `advance` is called. The order is arbitrary.
 
-    A worker that dies gives its drives to others; one that kills its worker four times is recorded as failed.
-    Raises `WorkerDied` when no worker is left, or the scheduler is gone.
+    The drives of a worker that dies are given to others; one that kills its worker four times is recorded as
+    failed. Raises `WorkerDied` if no worker is left, or the scheduler is gone.
     """
 
     waiting = iter(samples)
@@ -85,7 +85,7 @@ def run(
 
 
 def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future]]:
-    """Futures that have a result, at least one, and the others."""
+    """Wait for results; return the finished futures, at least one, and the others."""
     from distributed import wait
 
     while True:
@@ -102,7 +102,7 @@ def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future
 
 
 def _threads(client: Client) -> int:
-    """Threads of all workers; none where the scheduler does not answer."""
+    """Threads of all workers; none if the scheduler does not answer."""
     try:
         return sum(client.nthreads().values())
     except (OSError, TimeoutError, *_CANCELLED):

@@ -1,4 +1,4 @@
-"""Files and folders that a command is asked to write, judged before it drives anything."""
+"""Checks of a command's output files and folders before any simulation."""
 
 import argparse
 import os
@@ -13,13 +13,13 @@ from scenarios.cases import Case
 from scenarios.runfolder import folder_name
 
 KIND = "runs"
-"""Of folders that runs, comparisons and figures are added to, in their marker."""
+"""Kind, in their marker, of folders to which runs, comparisons and figures are added."""
 USUAL = Path("runs")
 _FILES = ("json", "parquet", "markdown", "latex", "film")
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:
-    """Raise InputError unless every file that the command line names for output can be written.
+    """Raise InputError unless every output file named on the command line can be written.
 
     Commands whose `--out` is a file have `out_is_file` among their defaults.
     """
@@ -29,9 +29,9 @@ def check_outputs(arguments: argparse.Namespace) -> None:
 
 
 def runs_folder(out: Path | None, wanted: Iterable[Case] = ()) -> Path:
-    """The folder that runs go to, `runs` unless `out` is given.
+    """Return the folder for runs, `runs` unless `out` is given.
 
-    Raises InputError for one of other content, and where no folder can be written for one of the cases.
+    Raises InputError for one with other content, and if the folder of a case could not be written.
     """
     folder = claim(out or USUAL, KIND)
     for case in wanted:
@@ -40,7 +40,7 @@ def runs_folder(out: Path | None, wanted: Iterable[Case] = ()) -> Path:
 
 
 def _paths(values: Any) -> Iterator[Path]:
-    """The files among the values of options, alone or in lists."""
+    """Paths among the values of options, alone or in lists."""
     for value in values:
         if isinstance(value, list):
             yield from _paths(value)

@@ -1,4 +1,4 @@
-"""Files written whole or not at all, through links and devices, with the modes that the umask leaves."""
+"""Tests of atomic file writing, through links and devices, with the umask's permissions."""
 
 import os
 import stat

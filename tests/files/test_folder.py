@@ -1,4 +1,4 @@
-"""Folders: nothing of anybody else's is replaced or lost, old or new is always there."""
+"""Tests of output folders: foreign files are never replaced, and old or new content is always there."""
 
 import multiprocessing
 import os

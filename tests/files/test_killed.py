@@ -1,4 +1,4 @@
-"""Processes killed at many points of a write: old or new is there, and the remains go with the next write."""
+"""Tests of processes killed at many points of a write: old or new content, and no lasting remains."""
 
 import os
 import signal
@@ -31,7 +31,7 @@ for number in range(10**9):
 
 
 def killed(place: Path, after_s: float) -> None:
-    """Have a process write into `place` until it is killed."""
+    """Run a process that writes into `place` until it is killed."""
     with subprocess.Popen([sys.executable, "-c", WRITER, str(place)], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         process.stdout.readline()

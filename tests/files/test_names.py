@@ -1,4 +1,4 @@
-"""Names that become files: safe everywhere, and different ones for different things."""
+"""Tests of safe file names: valid everywhere, and different for different texts."""
 
 import pytest
 from hypothesis import given

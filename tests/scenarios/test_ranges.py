@@ -1,4 +1,4 @@
-"""Every number that a file may give has a range on both sides and a unit, and is held to it."""
+"""Tests that every number in a file has a bounded range and a unit, which is enforced."""
 
 import math
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ FAR = (1e300, -1e300, math.nan, math.inf, -math.inf, 10**400)
 
 
 def numeric(hint: Any) -> bool:
-    """Whether an annotation lets in numbers, ranged or not."""
+    """Whether an annotation admits numbers, with or without range."""
     if hint in (int, float) or number_of(hint) is not None:
         return True
     return any(numeric(inner) for inner in get_args(hint)) and get_origin(hint) is not None
@@ -50,14 +50,14 @@ IDS = [f"{cls.__name__}.{name}" for cls, name, _ in NUMBERS]
 
 
 def bare(hint: Any) -> bool:
-    """Whether an annotation lets in a number without a range."""
+    """Whether an annotation admits a number without a range."""
     if number_of(hint) is not None:
         return False
     return hint in (int, float) or any(bare(inner) for inner in get_args(hint))
 
 
 def with_first_number(hint: Any, value: Any) -> Any:
-    """A value of that annotation whose first number is `value`."""
+    """Value of the annotation whose first number is `value`."""
     if number_of(hint) is not None:
         return value
     inner = get_args(hint)
@@ -110,14 +110,14 @@ def tiny(number: Number) -> tuple[float, ...]:
 
 
 def required(cls: Any) -> dict[str, Any]:
-    """A mapping of the fields that the class cannot do without."""
+    """Mapping of the fields without default."""
     hints = get_type_hints(cls, include_extras=True)
     without = [f for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING]
     return {item.name: least(hints[item.name]) for item in without}
 
 
 def least(hint: Any) -> Any:
-    """A plain value that such a field takes."""
+    """Plain value that such a field accepts."""
     if hint == Car:
         return strict.to_mapping(load_vehicle("quarter"))
     if (number := number_of(hint)) is not None:
