@@ -23,11 +23,13 @@ from files import strict, yaml12
 from files.errors import InputError, shown
 from files.numbers import is_whole, within
 from files.reading import read_text
+from files.sharing import shared_target
 from scenarios.cases import PERCEPTIONS, Case, cases, distinct
 from scenarios.closed_loop import Run
 from scenarios.named_files import try_files
 from scenarios.parallel import simulate_each
 from scenarios.report.table import short_name
+from scenarios.runfolder import vehicle_name
 from scenarios.sets import load_all
 
 _FILE_WIDTH = 140
@@ -149,9 +151,21 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     """Cases selected by the command line, in order, after checking the files that they name."""
     scenarios = load_all(names, overrides_of(arguments))
     wanted = distinct(cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments)))
+    _check_names(wanted)
     for case in wanted:
         try_files(case)
     return wanted
+
+
+def _check_names(wanted: Sequence[Case]) -> None:
+    """Raise InputError for different files of one name, which tables and manifests could not tell apart."""
+    for kind, files in (
+        ("--controllers", {(shared_target(case.controller), case.controller) for case in wanted}),
+        ("--vehicle", {(vehicle_name(case.scenario), case.scenario.vehicle.model) for case in wanted}),
+    ):
+        if len(files) > len(names := {name for name, _ in files}):
+            known = ", ".join(sorted(names))
+            raise InputError(f"{kind}: two files have the same name (of {known}); each must have its own")
 
 
 def simulate_all(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:

@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from files.sharing import shared_name, shared_target, without_folders
+from scenarios.cli import main
 from scenarios.runfolder import environment
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -149,3 +150,15 @@ def test_names_are_relative_to_where_one_stands(tmp_path: Path, monkeypatch: pyt
         == "E: 'b.csv': bad d.py:3 m/s and 1/2"
     )
     assert set(environment()) == {"versions", "platform"}
+
+
+def test_files_of_one_name_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "own.py").write_text(OWN)
+    both = ",".join(f"{tmp_path / folder / 'own.py'}:Own" for folder in ("a", "b"))
+    out = tmp_path / "out"
+    given = ["hump_flat_30", "--controllers", both, "--vehicle", "quarter", "--out", str(out)]
+    assert main(["compare", *given]) == 2
+    assert "--controllers: two files have the same name (of own.py:Own)" in capsys.readouterr().err
+    assert not out.exists()
