@@ -17,6 +17,7 @@ from road.appearance import Appearance
 from road.camera import Camera, CameraMount
 from road.enveloping import Enveloping, RigidWheel
 from road.profile import Road
+from scenarios.applicable import require_applicable
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.faults import Fault
 from scenarios.oracle import OracleErrors
@@ -24,6 +25,9 @@ from scenarios.speed import KM_H, SpeedPoint, profile
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 from vehicle.speed import SpeedProfile
+
+LONGEST_S = 7200
+"""Longest drive: its signals, one sample per millisecond, still fit into memory."""
 
 
 @dataclass(frozen=True)
@@ -131,12 +135,17 @@ class Scenario(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_name("name", self.name)
+        require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
         room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
         if not 0.0 <= self.start_m < room - 1.0:
             raise InputError(
                 f"start_m must lie in 0 ... {room - 1.0:g} m (the road's end), got {self.start_m:g}"
             )
-        _ = self.motion
+        if self.ticks > LONGEST_S * TICKS_PER_SECOND:
+            raise InputError(
+                f"road.length_m, speed_kmh and speed must give a drive of at most {LONGEST_S} s, "
+                f"got {self.ticks / TICKS_PER_SECOND:.0f} s"
+            )
 
     @property
     def speed_m_s(self) -> float:
