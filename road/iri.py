@@ -23,8 +23,8 @@ MAX_STEP_M = 0.3  # ASTM E1926
 def iri(heights: ArrayLike, step_m: float) -> float:
     """IRI (m/km) of a profile of (n,) heights (m) every `step_m` along x.
 
-    Raises InputError for a step over MAX_STEP_M, a road shorter than START_M, or heights that are
-    not finite.
+    Raises InputError for a step over MAX_STEP_M, a road shorter than START_M, or heights
+    that are not finite.
     """
     return float(np.mean(rectified_slope(heights, step_m)) * 1000)
 
