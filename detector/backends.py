@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from files.errors import InputError
 
-ort.disable_telemetry_events()  # its builds may report their use to their maker
+ort.disable_telemetry_events()  # some builds send usage data to the vendor
 
 Run = Callable[[NDArray[np.uint8]], tuple[NDArray[np.float32], NDArray[np.float32]]]
-"""Image (H, W, 3) uint8 → boxes (1, K, 4) in pixels and scores (1, K, classes), as the network answers."""
+"""Image (H, W, 3) uint8 → boxes (1, K, 4) in pixels and scores (1, K, classes): raw network output."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from files.targets import check_files
 COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""
 KIND = "images"
-"""Of labelled folders, in their marker."""
+"""Format name in the marker file of labelled folders."""
 _MOST_CLASSES = 1000  # limit for a foreign data set
 Box = tuple[float, float, float, float]
 Names = dict[str, str]  # a source's class name or number -> one of CLASS_NAMES

@@ -41,7 +41,7 @@ def exif_orientation(data: bytes) -> int:
     try:
         with Image.open(io.BytesIO(data)) as image:
             asked = int(image.getexif().get(ExifTags.Base.Orientation, _UPRIGHT))
-    except Exception:  # a broken block says nothing; whether the image itself is sound was seen before
+    except Exception:  # a broken EXIF block counts as absent; the image itself was checked before
         return _UPRIGHT
     return asked if asked in range(1, 9) else _UPRIGHT
 

@@ -25,7 +25,7 @@ CORNERS = 9
 
 
 def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray[np.uint8]:
-    """A copy of the image (H, W, 3) with 2 to 60 pieces in its lower part, larger toward its bottom.
+    """Copy of the image (H, W, 3) with 2 to 60 pieces in its lower part, larger toward its bottom.
 
     strength: 0..1, scales their number
     """

@@ -11,7 +11,7 @@ LEAST_CONFIDENCE = 0.001
 """Least score of an evaluated detection: average precision covers all thresholds."""
 
 MOST_CANDIDATES = 10_000
-"""Number of candidates that are judged, the best by score, so that the time for an image is bounded."""
+"""Maximum number of candidates processed, best by score; bounds the time per image."""
 MOST_KEPT = 300
 """Maximum number of detections of a class in one image."""
 

@@ -19,9 +19,9 @@ from files.reading import read_bytes
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
 MOST_WIDTH = 4096
-"""Maximum training width (px) that a model may name, as its images are scaled to it."""
+"""Maximum training width (px) in a model's metadata; images are scaled to it."""
 MOST_VALUE = 1e6
-"""Maximum magnitude of what a network may answer."""
+"""Maximum magnitude of a network output."""
 MODEL_LIMIT = 512 << 20
 """Maximum size of a model file: 512 MiB."""
 LEAST = 64  # smaller images have fewer anchor points than the network returns candidates
@@ -98,7 +98,7 @@ class Detector:
         return boxes[0], scores[0]
 
     def _check(self, boxes: NDArray[np.float32], scores: NDArray[np.float32]) -> None:
-        """Raise InputError unless the network's answer is one; NaN must not pass for an empty road."""
+        """Raise InputError unless the network output is valid; NaN must not be taken for an empty road."""
         shapes = [np.shape(values) for values in (boxes, scores)]
         count = shapes[0][1] if len(shapes[0]) == 3 else -1
         if shapes != [(1, count, 4), (1, count, len(CLASS_NAMES))]:

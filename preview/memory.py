@@ -122,7 +122,7 @@ def write(path: Path, memory: Memory) -> None:
 
 
 def to_text(memory: Memory) -> str:
-    """The content of a memory's file, YAML."""
+    """Text of a memory file (YAML)."""
     return str(yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 

@@ -78,7 +78,7 @@ def _hills(image: np.ndarray, rng: np.random.Generator, horizon: np.ndarray, lig
 
 
 def _wood(image: np.ndarray, rng: np.random.Generator, light: float) -> None:
-    """A continuous band of trees or bushes along the horizon, on most roads."""
+    """Continuous band of trees or bushes along the horizon, on most roads."""
     if rng.random() < 0.25:
         return
     edge = fractal(rng, (1, _COLUMNS), (0.5, 0.5, 0.4, 0.35, 0.3, 0.25, 0.2))[0]

@@ -17,7 +17,7 @@ MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or mi
 MAX_LENGTH_M = 100_000.0
 MAX_PLACE_M = 1e7
 LEAST_STEP_M = 1e-6
-"""Nearest that two stations, or two lines, may lie: closer ones are a mistake of units."""
+"""Minimum spacing of stations and of lines (m); a smaller one indicates a mistake of units."""
 FORMATS = (".csv", ".crg")
 
 

@@ -47,7 +47,7 @@ def read(path: Path) -> tuple[Array, Array, Array]:
 
 
 def _check_header(path: Path, data: bytes) -> None:
-    """Refuse what would take PyOpenCRG without bound in time or memory, or to another file."""
+    """Refuse a file for which PyOpenCRG would need unbounded time or memory, or read another file."""
     head, found, _ = data[:_HEADER_LIMIT].partition(b"$$$$")
     sections = len(re.findall(rb"^D:", head, re.MULTILINE | re.IGNORECASE))
     if not found or not sections:

@@ -1,4 +1,4 @@
-"""Ranges of what lies on a road, with their units."""
+"""Value ranges of feature dimensions, with units."""
 
 from typing import Annotated
 
