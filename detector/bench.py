@@ -27,6 +27,7 @@ from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
 from files.numbers import is_whole, within
+from files.targets import check_files
 
 GRAPHS = ("plain", "optimised")
 PRECISIONS = ("fp32", "fp16", "int8")
@@ -178,6 +179,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
+        check_files(args.json)
         if args.memory:
             rows = [{"model": "shipped", "size": "640x384", "peak_memory_mib": fresh_peak_memory_mib()}]
             print(f"peak memory {rows[0]['peak_memory_mib']:.0f} MiB")

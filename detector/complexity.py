@@ -1,6 +1,7 @@
 """Model complexity: parameters and operations, compared with the paper: `foreride detector models`."""
 
 import json
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +12,8 @@ from detector.blocks import VoVGSCSPC
 from detector.models import MODELS, Network, build
 from files.atomic import write_text
 from files.command_line import Parser
+from files.errors import InputError
+from files.targets import check_files
 
 PAPER = {
     "yolo11n": (2.58, 6.3),
@@ -66,10 +69,15 @@ def table(size: int = 640) -> list[dict]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line; exit code 0."""
+    """Command line; exit code 0, or 2 on bad input."""
     p = Parser(prog="foreride detector models", description=__doc__)
     p.add_argument("--json", type=Path, help="write the numbers here")
     args = p.parse_args(arguments)
+    try:
+        check_files(args.json)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
     rows = table()
     print(f"{'model':12} parameters M: ours, with the released code's dead ones, paper;  GFLOPs: ours, paper")
     for row in rows:

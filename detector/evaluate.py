@@ -34,9 +34,11 @@ from detector.runtime import Detector
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.folder import claim
 from files.images import read_pixels
 from files.numbers import within
 from files.sharing import shared_name
+from files.targets import check_files
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 
@@ -135,6 +137,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not 0 <= args.strength <= 1:
             raise InputError(f"--strength must be in 0..1, got {args.strength:g}")
         within("--threads", args.threads, 1, 1024)
+        check_files(args.json, inputs=[args.weights])
+        if args.out:
+            claim(args.out, "evaluation")
         change = unchanged
         if args.degrade:
             change = partial(degraded, effect=args.degrade, strength=args.strength)

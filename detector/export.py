@@ -34,6 +34,7 @@ from detector.rewrite import rewrite
 from files.atomic import write_bytes
 from files.command_line import Parser
 from files.errors import InputError
+from files.targets import check_files
 
 OPSET = 17
 PRECISIONS = ("fp32", "fp16", "int8", "int8-conv")
@@ -134,6 +135,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     args = parser().parse_args(arguments)
     try:
+        check_files(args.out, inputs=[args.weights])
         whole = args.precision.startswith("int8")
         if whole and args.data is None:
             raise InputError(

@@ -30,7 +30,11 @@ from detector.trainer import Settings, Trainer
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.folder import claim
 from files.sharing import shared_name
+
+KIND = "training"
+"""Of run folders of trainings, in their marker."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -127,6 +131,8 @@ def run(args: argparse.Namespace) -> None:
     checkpoint = args.out / "checkpoint.pt"
     if checkpoint.exists() and not args.resume:
         raise InputError(f"{checkpoint}: already exists; add --resume to continue or choose another --out")
+    if args.out.exists():
+        claim(args.out, KIND)  # refused before the images are read
     torch.set_num_threads(args.threads)
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
     training = load_store(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
@@ -134,7 +140,7 @@ def run(args: argparse.Namespace) -> None:
     trainer = Trainer(settings, torch.device(chosen), args.init, args.teacher)
     if args.resume:
         trainer.restore(checkpoint)
-    args.out.mkdir(parents=True, exist_ok=True)
+    claim(args.out, KIND)
     config = {"settings": asdict(settings)} | {
         name: shared_name(value) if isinstance(value, Path) else str(value)
         for name, value in vars(args).items()

@@ -12,6 +12,7 @@ from files.command_line import Parser
 from files.errors import InputError, shown
 from files.images import read_pixels
 from files.reading import read_text
+from files.targets import check_files
 
 NAMES = ("speed_bump", "pothole")
 WIDTH_PX = 640  # reference width: box sizes are scaled to an image of this width
@@ -98,6 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="also write the numbers to this file")
     options = parser.parse_args(arguments)
     try:
+        check_files(options.json)
         statistics = {folder.name: box_statistics(folder) for folder in options.folders}
     except InputError as error:
         print(error, file=sys.stderr)

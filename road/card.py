@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 
+from files import marker
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError, printable, shortened
@@ -53,6 +54,8 @@ def write_card(folder: Path, real: dict[str, dict]) -> None:
     manifest_file = folder / "dataset.json"
     if not manifest_file.is_file():
         raise InputError(f"{manifest_file}: missing; the folder must hold a finished rendered data set")
+    if (folder / "README.md").exists() and marker.read(folder) is None:
+        raise InputError(f"{folder}: has no {marker.MARKER}, so that its README.md is not replaced")
     manifest = read_json(manifest_file)
     with reading(manifest_file):
         splits = [split for split in _SPLITS if manifest["counts"][split]]

@@ -15,6 +15,7 @@ from rich.progress import Progress
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
+from files.folder import claim
 from files.numbers import within
 from road.boxes import NAMES
 from road.card import real_statistics, write_card
@@ -22,6 +23,8 @@ from road.labelled import SPLITS, VIEWS_PER_ROAD, Job, render_road
 from road.visible import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX
 
 FORMAT = 1
+KIND = "dataset"
+"""Of folders of rendered sets, in their marker."""
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
 _TELL_EVERY = 120
 
@@ -53,6 +56,7 @@ def write_dataset(
     within("workers", workers, 1, 1024)
     if (out / "dataset.json").exists():
         raise InputError(f"{out}: already holds a data set; choose an empty folder")
+    claim(out, KIND)
     digest, done = hashlib.sha256(), 0
     for split in _ORDER:
         lines = []

@@ -5,9 +5,12 @@ import json
 from pathlib import Path
 
 from detector.schedule import Stage
+from detector.train import KIND
 from detector.train import main as train
 from files.atomic import write_text
 from files.errors import InputError
+from files.folder import claim
+from files.scratch import MARKER
 from files.strict_json import read_json
 
 
@@ -19,7 +22,7 @@ def settings_of(stage: Stage, args: argparse.Namespace) -> dict:
 
 def check_begun(out: Path, asked: dict) -> None:
     """Raise InputError if a row's folder holds a training with other settings."""
-    if not out.exists() or not any(out.iterdir()):
+    if not out.exists() or {path.name for path in out.iterdir()} <= {MARKER}:
         return
     found = _begun(out)
     for name, value in asked.items():
@@ -50,6 +53,7 @@ def _begun(out: Path) -> dict:
 def begin(out: Path, asked: dict) -> None:
     """Record the settings of a row, unless recorded. Raises InputError if they differ."""
     check_begun(out, asked)
+    claim(out, KIND)
     write_text(out / "row.json", json.dumps(asked) + "\n")
 
 
