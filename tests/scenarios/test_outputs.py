@@ -1,4 +1,4 @@
-"""What commands write: nothing of anybody else's is touched, and it is said before any work is done."""
+"""Tests of the commands' output checks: foreign files are untouched, and errors come before any work."""
 
 import shutil
 from pathlib import Path
