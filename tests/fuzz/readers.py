@@ -357,12 +357,10 @@ def _run(path: Path) -> object:
     from scenarios.readback import read
     from scenarios.runfolder import KIND
 
-    seal(path.parent, KIND)  # what is wrong in it shall not be found by its checksum alone
-    return read(path.parent)
-
-
-def _run_of_frame(path: Path) -> object:
-    return _run(path.parent)
+    folder = path.parent.parent if path.parent.name == "frames" else path.parent
+    if path.is_file():
+        seal(folder, KIND)  # what is wrong in it shall not be found by its checksum alone
+    return read(folder)
 
 
 def _baseline(path: Path) -> object:
@@ -437,7 +435,7 @@ READERS: dict[str, Reader] = {
     "run's events": Reader(_in_run("events.jsonl"), _run),
     "run's signals": Reader(_in_run("signals.parquet"), _run),
     "run's previews": Reader(_in_run("previews.parquet"), _run),
-    "run's frame": Reader(_frame_file, _run_of_frame),
+    "run's frame": Reader(_frame_file, _run),
     "comparison": Reader(_comparison_file, _comparison),
     "baseline": Reader(_text("baseline.json", json.dumps(BASELINE)), _baseline),
     "budget": Reader(_text("budget.json", json.dumps(BUDGET)), _budget),
