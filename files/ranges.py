@@ -18,7 +18,7 @@ from annotated_types import Interval
 
 from files.errors import InputError, shown
 
-LEAST = 1e-12
+LEAST = 1e-15
 
 Share = Annotated[float, Interval(ge=0.0, le=1.0), "1"]
 Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]

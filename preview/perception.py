@@ -123,5 +123,5 @@ def _false_boxes(count: int, camera: Camera, limit: float, rng: np.random.Genera
     """Random false boxes, flat and wide, on the lower half of the image."""
     bottom = rng.uniform(0.45 * limit, limit - 5.0, count)
     height, width = rng.uniform(4.0, 30.0, count), rng.uniform(20.0, 200.0, count)
-    left = rng.uniform(0.0, camera.width_px - width)
+    left = rng.uniform(0.0, np.maximum(camera.width_px - width, 0.0))
     return np.stack([left, bottom - height, left + width, bottom], axis=1)

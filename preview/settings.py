@@ -10,9 +10,9 @@ from files.ranges import Checked
 from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias
 from road.checks import check_choice
 
-Angle = Annotated[float, Interval(ge=1e-6, le=30.0), "degrees"]
+Angle = Annotated[float, Interval(ge=1e-3, le=30.0), "degrees"]
 EdgeSigma = Annotated[float, Interval(ge=1e-3, le=100.0), "px"]
-HeightSigma = Annotated[float, Interval(ge=1e-6, le=1.0), "m"]
+HeightSigma = Annotated[float, Interval(ge=1e-5, le=1.0), "m"]
 Probability = Annotated[float, Interval(ge=1e-6, le=1.0 - 1e-6), "1"]
 Distance = Literal["fit", "cross_ratio"]
 

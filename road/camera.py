@@ -30,8 +30,8 @@ class Camera(Checked):
     of range, or a distortion that folds the image, raise InputError.
     """
 
-    width_px: Annotated[int, Interval(ge=1, le=8192), "px"] = 640
-    height_px: Annotated[int, Interval(ge=1, le=8192), "px"] = 384
+    width_px: Annotated[int, Interval(ge=16, le=8192), "px"] = 640
+    height_px: Annotated[int, Interval(ge=16, le=8192), "px"] = 384
     focal_px: Annotated[float, Interval(ge=1.0, le=1e5), "px"] = 457.0
     centre_px: tuple[Pixel, Pixel] | None = None
     distortion: Distortion = NO_DISTORTION

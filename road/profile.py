@@ -17,6 +17,8 @@ from road.measured import MeasuredSurface, read_surface
 from road.roughness import Roughness, RoughSurface, rough_surface
 
 FADE_IN_M = 5.0
+LONGEST_ROUGH_M = 32_768.0
+"""Longest road with roughness, whose realisation takes about 40 kB per metre while it is made."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,10 @@ class Road(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.roughness is not None and self.length_m > LONGEST_ROUGH_M:
+            raise InputError(
+                f"length_m must be <= {LONGEST_ROUGH_M:g} m with roughness, got {self.length_m:g}"
+            )
         chained = tuple(feature for chain in self.chains for feature in chain.features())
         names = [f"features[{index}]" for index in range(len(self.features))] + ["chains"] * len(chained)
         for name, feature in zip(names, self.features + chained, strict=True):

@@ -26,6 +26,8 @@ from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 from vehicle.speed import SpeedProfile
 
+MOST_INTERVALS = 400
+"""Most control periods in a horizon; the work of a plan grows with their cube."""
 LONGEST_S = 7200
 """Longest drive: its signals, one sample per millisecond, still fit into memory."""
 
@@ -94,6 +96,16 @@ class Control(Checked):
     rate_hz: Annotated[int, Interval(ge=10, le=1000), "Hz"] = 200
     delay_s: Annotated[float, Interval(ge=0.0, le=0.2), "s"] = 0.0
     settings: ControllerSettings = field(default_factory=ControllerSettings)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        longest_s = MOST_INTERVALS / self.rate_hz
+        for name in ("horizon_s", "blind_horizon_s"):
+            if getattr(self.settings.mpc, name) > longest_s:
+                raise InputError(
+                    f"settings.mpc.{name} must be <= {longest_s:g} s at {self.rate_hz} Hz, "
+                    f"got {getattr(self.settings.mpc, name):g}"
+                )
 
 
 @dataclass(frozen=True)

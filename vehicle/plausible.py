@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 FASTEST_1_S = 500.0
 """Largest eigenvalue that the prediction models' Runge–Kutta steps of up to 5 ms can integrate, 1/s."""
 SLOWEST_HZ, QUICKEST_HZ = 0.05, 20.0
-LONGEST_SPRING_M = 3.0
+SHORTEST_SPRING_M, LONGEST_SPRING_M = 1e-3, 3.0
 
 
 def require_plausible(car: Any) -> None:
@@ -23,7 +23,7 @@ def require_plausible(car: Any) -> None:
     for i, corner in enumerate(car.corners):
         sunk = corner.static_tyre_deflection_m, corner.static_rattle_m
         _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.0, car.wheel_radius_m, "m")
-        _limit("spring_n_m", f"let spring {i} sink by", sunk[1], 0.0, LONGEST_SPRING_M, "m")
+        _limit("spring_n_m", f"let spring {i} sink by", sunk[1], SHORTEST_SPRING_M, LONGEST_SPRING_M, "m")
     stiffness, damping, mass = _matrices(car)
     root = np.sqrt(mass)
     squares = np.linalg.eigvalsh(stiffness / np.outer(root, root))

@@ -35,7 +35,7 @@ class Wheel(Checked):
         ({"mass_kg": 10**400}, "mass_kg must lie in 1 ... 50 kg, got a whole number of about 400 digits"),
         ({"mass_kg": True}, "mass_kg must be a number, and lie in 1 ... 50 kg, got True"),
         ({"mass_kg": None}, "mass_kg must be a number, and lie in 1 ... 50 kg, got nothing"),
-        ({"share": 1e-300}, "share must lie in 0 ... 1, and be 0 or at least 1e-12, got 1e-300"),
+        ({"share": 1e-300}, "share must lie in 0 ... 1, and be 0 or at least 1e-15, got 1e-300"),
         ({"chance": 0.0}, "chance must be > 0 and < 1, got 0.0"),
         ({"chance": 1.0}, "chance must be > 0 and < 1, got 1.0"),
         ({"bolts": 9}, "bolts must lie in 1 ... 8 bolts, got 9"),

@@ -124,7 +124,7 @@ def test_principal_point_is_the_centre_of_the_image():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Camera(width_px=0), "^width_px must lie in 1"),
+        (lambda: Camera(width_px=0), "^width_px must lie in 16"),
         (lambda: Camera(height_px=1.5), "^height_px must be"),
         (lambda: Camera(focal_px=0.0), "^focal_px must lie in 1"),
         (lambda: Camera(centre_px=(320.0,)), "^centre_px must hold 2 values, got 1"),

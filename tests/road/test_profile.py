@@ -52,6 +52,11 @@ def test_feature_outside_the_road_is_named_with_its_extent_and_the_length(start)
         Road(20.0, (HOLE, HalfSineBump(start, 0.08, 0.4)))
 
 
+def test_a_rough_road_has_a_longest_length():
+    with pytest.raises(InputError, match="length_m must be <= 32768 m with roughness, got 40000"):
+        Road(40_000.0, roughness=Roughness("A"))
+
+
 @pytest.mark.parametrize("length", [0.0, -1.0, float("inf"), float("nan"), True])
 def test_length_must_be_positive(length):
     with pytest.raises(InputError, match=r"^length_m must (be|lie in) "):

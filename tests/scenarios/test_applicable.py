@@ -57,6 +57,11 @@ def test_the_library_applies_to_each_shipped_car(model: str) -> None:
         assert load(name, [f"vehicle.model={model}"]).ticks > 0
 
 
+def test_a_horizon_has_a_most_of_control_periods() -> None:
+    with pytest.raises(InputError, match=r"control\.settings\.mpc\.horizon_s must be <= 0\.4 s at 1000 Hz"):
+        load("bump_8x40_30", ["control.rate_hz=1000", "control.settings.mpc.horizon_s=0.5"])
+
+
 def test_a_drive_has_a_longest_duration() -> None:
     with pytest.raises(InputError, match="must give a drive of at most 7200 s"):
         load("bump_8x40_30", ["road.length_m=9000", "speed_kmh=1"])
