@@ -399,7 +399,8 @@ def _results(path: Path) -> object:
     from files.marker import seal
     from scenarios.results import KIND, Results, load_results
 
-    seal(path.parent, KIND)
+    if path.is_file():
+        seal(path.parent, KIND)
     return Results(path.parent).done, load_results(path.parent) if path.suffix == ".parquet" else None
 
 
