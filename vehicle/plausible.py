@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from files.errors import InputError
+from vehicle.corner import GRAVITY_M_S2
 
 Array = NDArray[np.float64]
 FASTEST_1_S = 500.0
@@ -22,7 +23,11 @@ def require_plausible(car: Any) -> None:
     """
     for i, corner in enumerate(car.corners):
         sunk = corner.static_tyre_deflection_m, corner.static_rattle_m
-        _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.0, car.wheel_radius_m, "m")
+        radius_m, share = car.wheel_radius_m, corner.body_load_n / (GRAVITY_M_S2 * corner.unsprung_mass_kg)
+        _limit(
+            "unsprung_mass_kg", f"give wheel {i} a share of the body of", share, 1.0, 1000.0, "times its own"
+        )
+        _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.005 * radius_m, radius_m, "m")
         _limit("spring_n_m", f"let spring {i} sink by", sunk[1], SHORTEST_SPRING_M, LONGEST_SPRING_M, "m")
     stiffness, damping, mass = _matrices(car)
     root = np.sqrt(mass)
