@@ -90,9 +90,3 @@ def test_flipped_bits_and_strange_bytes_are_answered(name: str, tmp_path: Path) 
         damaged[rng.randrange(len(data))] = rng.choice(b'\0\xff\x80"{[:,-9eE.\n')
         path.write_bytes(damaged)
         answers(READERS[name].read, path)
-
-
-def numbers_of(value: object) -> list[tuple[object, object]]:
-    """Container and key of each number, text and list within a JSON value."""
-    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    return [(value, key) for key, _ in inner] + [pair for _, one in inner for pair in numbers_of(one)]
