@@ -59,9 +59,9 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
     """One row: the whole step, and within it preparation (condensing) and the quadratic program."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))
-    prepare, solve, step = Timed(controller._condense), Timed(solve_box), Timed(controller.step)
-    controller._condense = prepare  # type: ignore[assignment]
-    with patch("controller.mpc.solve_box", solve):
+    prepare, solve, step = Timed(controller._program.condense), Timed(solve_box), Timed(controller.step)
+    controller._program.condense = prepare  # type: ignore[assignment]
+    with patch("controller.program.solve_box", solve):
         for pair in situations(vehicle, count):
             step(*pair)
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}

@@ -64,7 +64,7 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
         found.append(Program(*(part.copy() for part in program)))
         return solve_box(*program[:4])
 
-    with patch("controller.mpc.solve_box", noted):
+    with patch("controller.program.solve_box", noted):
         for estimate, preview in situations(vehicle, count):
             controller.step(estimate, preview)
     return found

@@ -50,6 +50,7 @@ class RoadAhead:
         self._alignments = [Alignment(wheel) for wheel in range(self._wheels)]
         self._before: Estimate | None = None
         self._speed = 0.0
+        self._seeing = False
         self._see(None)
 
     def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
@@ -57,11 +58,15 @@ class RoadAhead:
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STILL_M_S else 0.0
         for alignment in self._alignments:
             alignment.feel(estimate)
-        self._see(preview)
         before = self._before
         since = estimate.time_s - before.time_s if before is not None else 0.0
+        believed = self._previewed(np.array([since]))[..., 0]
+        self._see(preview)
         seen = self._previewed(np.array([-since, 0.0]))
         past, now = seen[..., 0], seen[..., 1]
+        if self._seeing != (preview is not None):
+            self._height = self._height + believed - now  # what was believed in the air stays believed
+            self._seeing = preview is not None
         excess = estimate.road_height - now
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
         slope = estimate.road_velocity
@@ -115,7 +120,8 @@ class RoadAhead:
         elif settings.uncertainty == "blend":
             roads = [existence * heights / (1.0 + (doubt * sigma / settings.blend_m) ** 2)]
         else:
-            roads = [moved(preview, existence * heights, settings.sigmas_early * doubt * sigma)]
+            known = np.clip((settings.unknown_m - sigma) / (settings.unknown_m - settings.known_m), 0.0, 1.0)
+            roads = [moved(preview, known * existence * heights, settings.sigmas_early * doubt * sigma)]
         if earlier_m:
             roads = [np.interp(self._grid + earlier_m, self._grid, road) for road in roads]
         return np.array(roads)

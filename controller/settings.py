@@ -111,12 +111,16 @@ class RoadSettings(Checked):
     once, each with its probability.
     sigmas_early: number of standard deviations by which "early" advances features, as late preparation costs
     more than early one.
+    known_m, unknown_m: position standard deviations up to which "early" uses a feature in full, and from
+    which on it ignores the feature, as preparing for a wrong position costs more than not preparing, m.
     blend_m: standard deviation at which "blend" halves a feature's height, m.
     slope_decay_s: time constant with which a measured slope not explained by the preview decays, s.
     """
 
     uncertainty: Literal["early", "blend", "scenarios"] = "early"
     sigmas_early: Annotated[float, Interval(ge=0.0, le=3.0), "1"] = 1.0
+    known_m: Annotated[float, Interval(ge=0.0, le=10.0), "m"] = 0.15
+    unknown_m: Annotated[float, Interval(gt=0.0, le=20.0), "m"] = 0.3
     blend_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.2
     slope_decay_s: Annotated[float, Interval(ge=1e-4, le=1.0), "s"] = 0.01
 
@@ -159,17 +163,51 @@ class MpcSettings(Checked):
 
 
 @dataclass(frozen=True)
+class GateSettings(Checked):
+    """Consistency gate of the preview: it is dropped while the front wheels feel another road.
+
+    reach_m: tolerated position error; a claimed standard deviation is added (root sum of squares), m.
+    widest_m: upper limit of that sum, m.
+    height_m: tolerated height error; the road's roughness is added, m.
+    gain: tolerated relative height error; two claimed standard deviations are added.
+    least_gain: smallest share of a claimed height that must be felt in any case.
+    strike_m: sum of residuals beyond these tolerances, over about 0.1 m of road, that is a contradiction, m.
+    aside_m: distance for which a preview is suspended after an obstacle that it did not announce, m.
+    correlation: least correlation between felt and claimed road.
+    memory_m: distance constant of that correlation, m.
+    half_life_s: time in which half of the lost trust is regained, s.
+    lost, regained: hysteresis of the trust, which each contradiction halves: the preview is dropped below
+    the first and used again from the second on.
+    """
+
+    reach_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.06
+    widest_m: Annotated[float, Interval(ge=0.0, le=2.0), "m"] = 0.15
+    height_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.008
+    gain: Share = 0.2
+    least_gain: Share = 0.3
+    strike_m: Annotated[float, Interval(ge=1e-4, le=1.0), "m"] = 0.01
+    aside_m: Annotated[float, Interval(ge=0.0, le=100.0), "m"] = 1.0
+    correlation: Annotated[float, Interval(ge=-1.0, le=1.0), "1"] = 0.4
+    memory_m: Annotated[float, Interval(ge=0.1, le=100.0), "m"] = 3.0
+    half_life_s: Annotated[float, Interval(ge=0.1, le=1e3), "s"] = 10.0
+    lost: Share = 0.6
+    regained: Share = 0.8
+
+
+@dataclass(frozen=True)
 class SupervisorSettings(Checked):
     """Conditions and fallback of the supervisor.
 
     reactive: fallback law. stale_s: age at which a preview becomes invalid, s. highest_m: largest valid
     height in a preview, m. transfer_s: time constant with which the step between two controllers decays, s.
+    gate: when a preview is dropped because the road contradicts it.
     """
 
     reactive: Literal["skyhook", "skyhook2", "groundhook", "hybrid", "add", "sh_add", "pdd"] = "skyhook"
     stale_s: Annotated[float, Interval(ge=0.0, le=1e3), "s"] = 0.5
     highest_m: Annotated[float, Interval(ge=0.0, le=10.0), "m"] = 0.4
     transfer_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.005
+    gate: GateSettings = field(default_factory=GateSettings)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 from controller.base import Controller, Estimate, Timing
 from controller.book import Book
 from controller.limits import command_limits, full_command
+from controller.preview_gate import PreviewGate
 from controller.sensor_watch import EVERYTHING
 from controller.settings import SupervisorSettings
 from files.errors import InputError
@@ -50,6 +51,7 @@ class Supervised:
         self._acting: Controller | None = None
         self._last = np.zeros(len(self._low))
         self._offset, self._fading = np.zeros(len(self._low)), False
+        self._gate = PreviewGate(self._vehicle, self._settings.gate)
         self._book = Book()
 
     @property
@@ -74,6 +76,8 @@ class Supervised:
         """Return the command (inputs,), N·s/m and N."""
         self._book.start()
         unseen = preview_problem(preview, estimate, self._period_s, self._settings)
+        if preview is not None and not (unseen or estimate.faults) and estimate.is_finite():
+            unseen = self._gate.check(estimate, preview)
         problem, answer = self._ask(estimate, preview if unseen is None else None)
         if problem is None:
             command = self._transfer(self._controller, answer)

@@ -6,7 +6,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-import controller.mpc as mpc
+import controller.program as program
 from controller.base import Timing
 from controller.limits import plan_limits
 from controller.mpc import PredictiveController
@@ -44,7 +44,7 @@ def test_commands_stay_inside_what_the_damper_can_do(vehicle: Car) -> None:
 
 
 def test_dear_inputs_keep_to_the_nominal_damping() -> None:
-    controller = PredictiveController(QUARTER, MpcSettings(input_weight=1e8))
+    controller = PredictiveController(QUARTER, MpcSettings(input_weight=1e6))
     for seed in range(3):
         command = controller.step(estimate(QUARTER, moving(seed=seed)), step_preview(0.5, 0.1))
         np.testing.assert_allclose(command, 1000.0, atol=0.1)
@@ -93,7 +93,7 @@ def test_a_failed_solve_is_told_and_the_last_plan_goes_on(monkeypatch: pytest.Mo
     controller.step(car, step_preview(0.5, 0.1))
     plan = controller._plan.copy()
     with monkeypatch.context() as broken:
-        broken.setattr(mpc, "solve_box", fail)
+        broken.setattr(program, "solve_box", fail)
         for shift in (1, 2):
             np.testing.assert_allclose(controller.step(car, None), 1e3 * plan[shift])
             assert controller.problem == "infeasible"
@@ -115,7 +115,7 @@ def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
 
 def planned_from(controller: PredictiveController, x: np.ndarray) -> np.ndarray:
     controller.step(estimate(QUARTER, x), None)
-    return controller._condense.states[:5, 0]
+    return controller._program.condense.states[:5, 0]
 
 
 def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
@@ -137,11 +137,11 @@ def test_of_several_roads_it_predicts_on_the_likeliest() -> None:
         controller = PredictiveController(QUARTER, settings, timing)
         believed: list[np.ndarray] = []
         with mock.patch.object(
-            controller._constraints, "active", lambda *told: believed.append(told[-1]) or ()
+            controller._program.constraints, "active", lambda *told: believed.append(told[-1]) or ()
         ):
             preview = step_preview(0.05, height_m, sigma_m=0.02, existence=existence)
             controller.step(estimate(QUARTER, moving()), preview)
-        return np.append(controller._condense.states[:, 0], believed[0])
+        return np.append(controller._program.condense.states[:, 0], believed[0])
 
     flat = planned(0.0, 1.0)
     np.testing.assert_allclose(planned(0.05, 0.0), flat, atol=1e-12)

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import controller.mpc as mpc
+import controller.program as program
 from controller.base import Controller, Estimate, Timing
+from controller.preview_gate import INCONSISTENT
 from controller.qp import Solution
 from controller.registry import build
 from controller.sensor_watch import EVERYTHING
@@ -103,6 +104,20 @@ def test_a_preview_that_cannot_be_believed_is_taken_away(spoilt: RoadPreview, na
     assert supervised.problem == named
 
 
+def test_a_preview_that_the_road_contradicts_is_taken_away() -> None:
+    """A step of 8 cm announced at the wheel, where the road stays flat."""
+    inner = Told(777.0)
+    supervised = watched(inner)
+    for k in range(40):
+        now = replace(MOVING, time_s=0.005 * k)
+        preview = replace(step_preview(1.0 - 0.05 * k, 0.08), time_s=now.time_s)
+        np.testing.assert_array_equal(supervised.step(now, preview), [777.0])
+    assert inner.previews[19] is not None
+    assert inner.previews[-1] is None
+    assert supervised.problem == INCONSISTENT
+    assert supervised.stats["reasons"] == {INCONSISTENT: inner.previews.count(None)}
+
+
 def test_changes_are_bumpless() -> None:
     """From 4000 to the reactive law and back: the step decays by 1/e per transfer time."""
     settings = replace(AT_ONCE, supervisor=SupervisorSettings(transfer_s=0.005))
@@ -133,7 +148,7 @@ def test_every_law_with_memory_of_nothing_can_be_the_reactive_one() -> None:
 
 def test_the_mpc_falls_back_when_its_solver_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        mpc, "solve_box", lambda h, g, low, high, rows: Solution(np.zeros_like(g), "infeasible")
+        program, "solve_box", lambda h, g, low, high, rows: Solution(np.zeros_like(g), "infeasible")
     )
     supervised = build("mpc_preview", CAR, AT_ONCE)
     np.testing.assert_array_equal(supervised.step(MOVING, None), reactive())

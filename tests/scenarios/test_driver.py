@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-import controller.mpc as mpc
+import controller.program as program
 from controller.qp import Solution, solve_box
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
@@ -19,7 +19,7 @@ def test_fallbacks_are_counted_logged_and_survived(monkeypatch: pytest.MonkeyPat
         good = solve_box(*problem)  # type: ignore[arg-type]
         return Solution(good.x, "iteration limit") if 20 <= len(calls) < 40 else good
 
-    monkeypatch.setattr(mpc, "solve_box", failing)
+    monkeypatch.setattr(program, "solve_box", failing)
     overrides = ["vehicle.model=quarter", "road.length_m=22", "road.features.0.start_m=10"]
     run = simulate(Case(load("bump_8x40_30", overrides), "mpc_preview", "oracle", 0))
     logged = [event for event in run.events if event["event"] == "fallback"]
