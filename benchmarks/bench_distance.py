@@ -35,7 +35,7 @@ from vehicle.plant import Plant  # noqa: E402
 from vehicle.sensors import Sensors  # noqa: E402
 from vehicle.speed import SpeedProfile  # noqa: E402
 
-WAYS = ("cross-ratio", "pitch and heave", "fit of all boxes")
+METHODS = ("cross-ratio", "pitch and heave", "fit of all boxes")
 BINS_M = (4.0, 6.0, 8.0, 12.0, 18.0, 26.0)
 START_M, BUMP_M, WHEEL_Y_M = 5.0, 45.0, 0.75
 BEFORE_M = 2.5
@@ -103,7 +103,7 @@ def table(rows: np.ndarray) -> list[dict]:
         if len(inside) > 1:
             ways = {
                 way: {"bias_m": float(error.mean()), "sigma_m": float(error.std(ddof=1))}
-                for way, error in zip(WAYS, inside.T, strict=True)
+                for way, error in zip(METHODS, inside.T, strict=True)
             }
             found.append({"from_m": near, "to_m": far, "boxes": len(inside), "ways": ways})
     return found
@@ -120,7 +120,7 @@ def main() -> None:
     roughness = None if arguments.roughness == "none" else arguments.roughness
     drives = [errors(seed, roughness, arguments.braking) for seed in range(arguments.runs)]
     found = table(np.array([row for drive in drives for row in drive]))
-    print("bias / sigma in m   " + "".join(f"{way:>20s}" for way in WAYS))
+    print("bias / sigma in m   " + "".join(f"{way:>20s}" for way in METHODS))
     for row in found:
         cells = (f"{way['bias_m']:+.2f} / {way['sigma_m']:.2f}" for way in row["ways"].values())
         print(

@@ -38,7 +38,7 @@ OBJECTS: dict[str, Feature] = {
     "hump": FlatTopHump(FEATURE_M),
     "pothole": Pothole(FEATURE_M, 0.08, 0.60, 0.6, y_m=0.75),
 }
-WAYS = {
+METHODS = {
     "boxes": (Settings(), 0.0),
     "parallax": (Settings(parallax=True), 0.0),
     "stereo": (Settings(), BASE_M),
@@ -53,7 +53,7 @@ def approach(name: str, seed: int) -> list[dict[str, float]]:
         way: Estimator(
             camera, mount, (FRONT_M, -1.45), (0.75, 0.75), settings, x_m=START_M, stereo_base_m=base
         )
-        for way, (settings, base) in WAYS.items()
+        for way, (settings, base) in METHODS.items()
     }
     still = np.zeros(2)
     reading = SimpleNamespace(
@@ -73,7 +73,7 @@ def approach(name: str, seed: int) -> list[dict[str, float]]:
         cost = {"ahead_m": FEATURE_M - pose.x}
         for way, estimator in estimators.items():
             begun = perf_counter()
-            estimator.update_boxes(TICK_S * tick, boxes, left.image, right if WAYS[way][1] else None)
+            estimator.update_boxes(TICK_S * tick, boxes, left.image, right if METHODS[way][1] else None)
             cost[way] = perf_counter() - begun
         frames.append(cost)
     return frames
@@ -90,11 +90,11 @@ def main() -> None:
         frames = [frame for seed in range(arguments.drives) for frame in approach(name, seed)]
         near = [frame for frame in frames if frame["ahead_m"] < Settings().gauge_far_m]
         row: dict[str, object] = {"object": name, "frames": len(frames), "in_reach": len(near)}
-        for way in WAYS:
+        for way in METHODS:
             row[f"{way}_ms"] = 1e3 * float(np.median([frame[way] for frame in frames]))
             row[f"{way}_in_reach_ms"] = 1e3 * float(np.median([frame[way] for frame in near]))
         rows.append(row)
-        told = ", ".join(f"{way} {row[f'{way}_ms']:.2f} / {row[f'{way}_in_reach_ms']:.2f}" for way in WAYS)
+        told = ", ".join(f"{way} {row[f'{way}_ms']:.2f} / {row[f'{way}_in_reach_ms']:.2f}" for way in METHODS)
         print(f"{name:8} {len(frames)} frames, ms (all / in reach): {told}", flush=True)
     if arguments.json:
         write_text(arguments.json, json.dumps(rows, indent=1) + "\n")

@@ -26,7 +26,7 @@ CASES = [("quarter", 0.01), ("quarter", 0.005), ("half", 0.01), ("half", 0.005),
 SPEED_M_S = 10.0
 
 
-def situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, RoadPreview]]:
+def random_situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, RoadPreview]]:
     """Random states of a car before a wavy road, with previews."""
     rng = np.random.default_rng(seed)
     grid, rest = distance_grid(0.5, 10.0), rest_state(vehicle)
@@ -39,7 +39,7 @@ def situations(vehicle: Car, count: int, seed: int = 0) -> list[tuple[Estimate, 
     return pairs
 
 
-class Timed:
+class TimedCall:
     """Callable wrapper that records the processor time of each call, s."""
 
     def __init__(self, inner: Any):
@@ -59,10 +59,14 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
     """One row: the whole step, and within it preparation (condensing) and the quadratic program."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))
-    prepare, solve, step = Timed(controller._program.condense), Timed(solve_box), Timed(controller.step)
+    prepare, solve, step = (
+        TimedCall(controller._program.condense),
+        TimedCall(solve_box),
+        TimedCall(controller.step),
+    )
     controller._program.condense = prepare  # type: ignore[assignment]
     with patch("controller.program.solve_box", solve):
-        for pair in situations(vehicle, count):
+        for pair in random_situations(vehicle, count):
             step(*pair)
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}
     both = np.array(prepare.times) + np.array(solve.times)

@@ -16,7 +16,7 @@ from statistics import median
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
 from scenarios.loading import load
-from scenarios.report.gather import Gathered
+from scenarios.report.gather import ReportInput
 from scenarios.report.html import page
 from scenarios.runfolder import row
 
@@ -33,7 +33,7 @@ def write_report(path: Path) -> float:
     scenario = load("hump_flat_30", LONG)
     cases = Case(scenario, "passive", "none", 0), Case(scenario, "mpc_preview", "camera", 0)
     runs = tuple(simulate(case, keep_images=True) for case in cases)
-    path.write_text(page(Gathered(runs, tuple(row(run) for run in runs))))
+    path.write_text(page(ReportInput(runs, tuple(row(run) for run in runs))))
     return scenario.ticks / 1000
 
 

@@ -22,7 +22,7 @@ from unittest.mock import patch
 import casadi
 import numpy as np
 
-from benchmarks.bench_mpc import situations
+from benchmarks.bench_mpc import random_situations
 from controller.base import Timing
 from controller.mpc import PredictiveController
 from controller.qp import Solution, solve_box
@@ -65,7 +65,7 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
         return solve_box(*program[:4])
 
     with patch("controller.program.solve_box", noted):
-        for estimate, preview in situations(vehicle, count):
+        for estimate, preview in random_situations(vehicle, count):
             controller.step(estimate, preview)
     return found
 
@@ -159,7 +159,7 @@ def measure(name: str, given: list[Program]) -> dict:
     }
 
 
-def apart(name: str, given: list[Program]) -> dict:
+def measure_in_process(name: str, given: list[Program]) -> dict:
     """Run `measure` in a process of its own, so that a crash counts as one solver's failure."""
     method = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
@@ -183,7 +183,7 @@ def main() -> None:
     for car, period_s in CASES:
         given = programs(car, period_s, arguments.count)
         for name in ("ours", *CONIC, "hpipm", "ipopt"):
-            row = {"car": car, "size": len(given[0].gradient)} | apart(name, given)
+            row = {"car": car, "size": len(given[0].gradient)} | measure_in_process(name, given)
             rows.append(row)
             times = [f"{row[key]:7.3f} ms" if key in row else 10 * " " for key in ("median_ms", "p99_ms")]
             off = f"{row['largest_error']:9.1e}" if "largest_error" in row else 9 * " "

@@ -50,7 +50,7 @@ def rattle_peak(rattle: ArrayLike) -> Array:
     return np.max(np.abs(np.asarray(rattle, float)), axis=-1)
 
 
-def on_stop(rattle: ArrayLike, stop_gap_m: ArrayLike, rebound_gap_m: ArrayLike | None = None) -> Mask:
+def stop_contact(rattle: ArrayLike, stop_gap_m: ArrayLike, rebound_gap_m: ArrayLike | None = None) -> Mask:
     """Mask of bump- or rebound-stop contact, (..., n).
 
     rattle: (..., n), positive in extension, m. stop_gap_m: (...) travel from equilibrium to the bump stop,
@@ -68,7 +68,7 @@ def stop_time(
     rattle: ArrayLike, stop_gap_m: ArrayLike, rate: float, rebound_gap_m: ArrayLike | None = None
 ) -> Array:
     """Time in contact with a bump or rebound stop, s."""
-    return np.sum(on_stop(rattle, stop_gap_m, rebound_gap_m), axis=-1) / rate
+    return np.sum(stop_contact(rattle, stop_gap_m, rebound_gap_m), axis=-1) / rate
 
 
 def damper_power(force: ArrayLike, velocity: ArrayLike) -> Array:
@@ -76,6 +76,6 @@ def damper_power(force: ArrayLike, velocity: ArrayLike) -> Array:
     return -np.asarray(force, float) * np.asarray(velocity, float)
 
 
-def damper_heat(power: ArrayLike, rate: float) -> Array:
+def dissipated_energy(power: ArrayLike, rate: float) -> Array:
     """Energy dissipated by a damper, J: the time integral of its power."""
     return np.sum(np.asarray(power, float), axis=-1) / rate

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comfort.holding import damper_heat, on_stop, relative_load
+from comfort.holding import dissipated_energy, relative_load, stop_contact
 from comfort.measures import crest_factor, evdv, mtvv, vdv
 from comfort.occupant import SeatedPerson, axis_values, body_motion, total_value
 from comfort.weighting import check_rate, weight
@@ -88,7 +88,7 @@ def ride_metrics(
     rebound = bump if rebound_gap_m is None else _each_wheel("rebound_gap_m", rebound_gap_m, force)
 
     values = _comfort(rate_hz, seats, pitch, roll) | _holding(rate_hz, force, load, travel, power)
-    values["stop_time"] = on_stop(travel, bump, rebound).any(axis=-2).sum(axis=-1) / rate_hz
+    values["stop_time"] = stop_contact(travel, bump, rebound).any(axis=-2).sum(axis=-1) / rate_hz
     values["objective"] = values["wk_rms"] ** 2 + rho * values["tyre_load_rms"] ** 2
     return {name: values[name] if runs else float(values[name]) for name in METRICS}
 
@@ -121,7 +121,7 @@ def _holding(rate: float, force: Array, load: Array, travel: Array, power: Array
         "tyre_load_rms": _rms(load),
         "tyre_load_p95": np.percentile(np.abs(load), 95, axis=-1).max(axis=-1),
         "lift_time": (force <= 0).any(axis=-2).sum(axis=-1) / rate,
-        "damper_energy": damper_heat(power, rate).sum(axis=-1),
+        "damper_energy": dissipated_energy(power, rate).sum(axis=-1),
         "damper_power_peak": power.max(axis=(-2, -1)),
     }
 
@@ -131,7 +131,7 @@ def _signals(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None =
     signals = np.asarray(value, float)
     if signals.ndim not in (2, 3) or 0 in signals.shape:
         raise InputError(f"{name} must have shape (rows, samples), got {signals.shape}")
-    if shape is not None and not _fits(signals.shape, shape):
+    if shape is not None and not _shape_matches(signals.shape, shape):
         rows = "any number of" if shape[-2] is None else shape[-2]
         runs = f"{shape[0]} runs of " if len(shape) == 3 else ""
         raise InputError(f"{name} must have {runs}{rows} rows of {shape[-1]} samples, got {signals.shape}")
@@ -140,7 +140,7 @@ def _signals(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None =
     return signals
 
 
-def _fits(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+def _shape_matches(found: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
     pairs = zip(found, wanted, strict=True) if len(found) == len(wanted) else [(0, 1)]
     return all(want is None or have == want for have, want in pairs)
 

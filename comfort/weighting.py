@@ -56,7 +56,7 @@ def frequency_weighting(weighting: str, freqs: ArrayLike) -> Array:
     if np.any(s.imag < 0) or not np.all(np.isfinite(s)):
         raise InputError("freqs must be finite and >= 0 Hz")
     response = np.ones_like(s)
-    for numerator, denominator in _sections(_named(weighting)):
+    for numerator, denominator in _sections(_weighting_by_name(weighting)):
         response = response * np.polyval(numerator, s) / np.polyval(denominator, s)
     return np.abs(response)
 
@@ -77,7 +77,7 @@ def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     check_rate(rate, weighting)
     if weighting is None:
         return samples
-    correction, sections = _digital(_named(weighting), float(rate))
+    correction, sections = _digital(_weighting_by_name(weighting), float(rate))
     corrected = lfilter(correction, [1.0], samples, axis=-1)
     return sum((lfilter(b, a, corrected, axis=-1) for b, a in sections), start=np.zeros_like(samples))
 
@@ -117,12 +117,12 @@ def check_rate(rate: float, weighting: str | None = "Wk") -> None:
         if not (np.isfinite(rate) and rate > 0):
             raise InputError(f"rate must be > 0 Hz, got {rate!r}")
         return
-    lowest = _named(weighting).lowest_rate_hz
+    lowest = _weighting_by_name(weighting).lowest_rate_hz
     if not (np.isfinite(rate) and rate >= lowest):
         raise InputError(f"rate must be >= {lowest:g} Hz for {weighting}, got {rate!r}")
 
 
-def _named(weighting: str) -> Weighting:
+def _weighting_by_name(weighting: str) -> Weighting:
     if weighting not in WEIGHTINGS:
         raise InputError(f"weighting must be one of {', '.join(WEIGHTINGS)}, got {weighting!r}")
     return WEIGHTINGS[weighting]
@@ -169,11 +169,11 @@ def _digital(w: Weighting, rate: float) -> tuple[Array, list[tuple[Array, Array]
         residue = 1 / (p - p.conjugate())
         for j, (num, den) in enumerate(sections):
             residue *= complex(np.polyval(num, p) / (1.0 if i == j else np.polyval(den, p)))
-        digital.append(_held_pair(p, residue, 1 / rate))
+        digital.append(_first_order_hold(p, residue, 1 / rate))
     return _hold_correction(), digital
 
 
-def _held_pair(p: complex, residue: complex, step_s: float) -> tuple[Array, Array]:
+def _first_order_hold(p: complex, residue: complex, step_s: float) -> tuple[Array, Array]:
     """Discretise r / (s - p) + conjugate for input linear between samples."""
     a, growth = complex(np.exp(p * step_s)), complex(np.expm1(p * step_s))
     b0 = (growth - p * step_s) / (p**2 * step_s)  # of the newest sample

@@ -6,18 +6,20 @@ of a block, so little is lost; dampers are faster and keep one variable per inte
 
 import numpy as np
 
-from controller.qp import Rows, Solution, solve_box
+from controller.qp import ConstraintRows, Solution, solve_box
 
-ALONE, SHARED = 8, 4
+FREE_INTERVALS, BLOCK_LENGTH = 8, 4
 """Number of leading intervals that are not blocked, and the number of intervals per block after them."""
 
 
-class Blocks:
+class MoveBlocks:
     """Move blocks over the entries of a plan (intervals, inputs) whose last inputs are actuator forces."""
 
     def __init__(self, intervals: int, dampers: int, forces: int):
         interval, which = np.divmod(np.arange(intervals * (dampers + forces)), dampers + forces)
-        first = np.where(interval < ALONE, interval, interval - (interval - ALONE) % SHARED)
+        first = np.where(
+            interval < FREE_INTERVALS, interval, interval - (interval - FREE_INTERVALS) % BLOCK_LENGTH
+        )
         first = np.where(which < dampers, interval, first)
         self._order = np.lexsort((interval, which, first))
         ordered = np.stack([first, which])[:, self._order]
@@ -25,7 +27,12 @@ class Blocks:
         self._sizes = np.diff(np.append(self._starts, len(self._order)))
 
     def solve(
-        self, hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: Rows
+        self,
+        hessian: np.ndarray,
+        gradient: np.ndarray,
+        low: np.ndarray,
+        high: np.ndarray,
+        rows: ConstraintRows,
     ) -> Solution:
         """As `solve_box`, with equal corrections within a block; unblocked if that is infeasible."""
         order, starts = self._order, self._starts

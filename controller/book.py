@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 
-class Book:
+class ControllerStatistics:
     """Counter of solves, fallbacks and active constraints; step times are reported but affect no decision.
 
     problem: cause of the last step's fallback, None if its answer was valid. active: constraints active in
@@ -37,7 +37,7 @@ class Book:
             self._fallbacks[problem] += 1
 
     def summary(self) -> dict[str, Any]:
-        """Return the statistics as in `Supervised.stats`; times are None before the first step."""
+        """Return the statistics as in `FallbackSupervisor.stats`; times are None before the first step."""
         times = 1e3 * np.array(self._times_s)
         fallbacks = sum(self._fallbacks.values())
         return {

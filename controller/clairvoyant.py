@@ -15,13 +15,13 @@ from scipy.optimize import minimize
 from controller.base import Estimate, Stateless
 from controller.limits import plan_limits
 from controller.model import KILO
-from controller.whole_drive import WholeDrive
+from controller.whole_drive import WholeDriveObjective
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
-SETTLED = 1e-8
+RELATIVE_TOLERANCE = 1e-8
 """Convergence tolerance: relative decrease of J per iteration."""
-MOST_ITERATIONS = 4000
+MAX_ITERATIONS = 4000
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Optimum:
         return max(self.found.values()) / self.objective - 1.0
 
 
-def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) -> Optimum:
+def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.ndarray]) -> Optimum:
     """Minimise J from each start (intervals, inputs) and return the best result.
 
     A search that stops before convergence counts like the others: its plan is feasible and attains its J.
@@ -57,7 +57,13 @@ def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) 
             jac=True,
             method="L-BFGS-B",
             bounds=np.stack([low, high], axis=1),
-            options={"maxcor": 20, "ftol": SETTLED, "gtol": 0.0, "maxiter": MOST_ITERATIONS, "maxfun": 10**6},
+            options={
+                "maxcor": 20,
+                "ftol": RELATIVE_TOLERANCE,
+                "gtol": 0.0,
+                "maxiter": MAX_ITERATIONS,
+                "maxfun": 10**6,
+            },
         )
         found[name], _ = drive.objective(search.x)
         if best is None or found[name] <= min(found.values()):
@@ -66,7 +72,7 @@ def optimise(vehicle: Car, drive: WholeDrive, starts: Mapping[str, np.ndarray]) 
     return Optimum(best.reshape(drive.intervals, -1), min(found.values()), found)
 
 
-class Replay(Stateless):
+class PlanReplay(Stateless):
     """Open-loop controller that issues the commands of a plan in turn and then holds the last one."""
 
     def __init__(self, plan: np.ndarray):
@@ -75,10 +81,10 @@ class Replay(Stateless):
 
     def reset(self) -> None:
         """Return to the start of the plan."""
-        self._asked = 0
+        self._issued_count = 0
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the next command (inputs,), N·s/m and N."""
-        command = KILO * self._plan[min(self._asked, len(self._plan) - 1)]
-        self._asked += 1
+        command = KILO * self._plan[min(self._issued_count, len(self._plan) - 1)]
+        self._issued_count += 1
         return command

@@ -18,9 +18,9 @@ class ComfortFilter:
         a, b, c = wk_second_order().state_space()
         d = np.zeros((1, 1))
         self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
-        self._seats = len(vehicle.seat_levers)
+        self._seats = len(vehicle.seat_kinematic_rows)
         self._velocities = np.zeros((self._seats, state_size(vehicle)))  # seats by state
-        self._velocities[:, 1 : 2 * len(vehicle.body_inertia) : 2] = vehicle.seat_levers
+        self._velocities[:, 1 : 2 * len(vehicle.generalised_mass) : 2] = vehicle.seat_kinematic_rows
         self._period_s = period_s
         self.reset()
 

@@ -4,16 +4,22 @@ import numpy as np
 
 from controller.force_limits import ForceLimits
 from controller.limits import plan_limits
-from controller.qp import Rows
+from controller.qp import ConstraintRows
 from controller.settings import ForceSettings
 from controller.time_grid import TimeGrid
 from vehicle.equations import input_size, motion, rattle, state_size
 from vehicle.parameters import Car
 
-SOFT, HARD, FORCE, RATE, POWER = "least damping", "greatest damping", "force", "force rate", "power"
-TRAVEL, LIFT = "rattle space", "wheel lift"
-NAMES = (SOFT, HARD, FORCE, RATE, POWER, TRAVEL, LIFT)
-_NEAR = 1e-5
+MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER = (
+    "least damping",
+    "greatest damping",
+    "force",
+    "force rate",
+    "power",
+)
+RATTLE_SPACE, WHEEL_LIFT = "rattle space", "wheel lift"
+NAMES = (MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER, RATTLE_SPACE, WHEEL_LIFT)
+_ACTIVE_TOLERANCE = 1e-5
 """Tolerance within which a constraint counts as active, kN·s/m and kN."""
 
 
@@ -28,7 +34,7 @@ class Constraints:
         n, corners = state_size(vehicle), vehicle.corners
         self._wheels, self._n = vehicle.wheels, n
         low, high = plan_limits(vehicle)
-        self._soft, self._hard = low + _NEAR, high - _NEAR
+        self._soft, self._hard = low + _ACTIVE_TOLERANCE, high - _ACTIVE_TOLERANCE
         active = input_size(vehicle) > vehicle.wheels
         self._forces = ForceLimits(vehicle, grid, settings) if active else None
 
@@ -39,12 +45,17 @@ class Constraints:
         self._jounce, self._rebound = -column("stop_gap_m"), column("rebound_gap_m")
         self._deflection = column("static_tyre_deflection_m")
 
-    def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows | None:
+    def rows(self, plan: np.ndarray, states: np.ndarray) -> ConstraintRows | None:
         """Constraint rows on corrections of a plan that leads through `states` (n_x, steps + 1)."""
         return None if self._forces is None else self._forces.rows(plan, states)
 
     def active(
-        self, rows: Rows | None, change: np.ndarray, plan: np.ndarray, states: np.ndarray, road: np.ndarray
+        self,
+        rows: ConstraintRows | None,
+        change: np.ndarray,
+        plan: np.ndarray,
+        states: np.ndarray,
+        road: np.ndarray,
     ) -> tuple[str, ...]:
         """Return the names of the active constraints.
 
@@ -55,17 +66,17 @@ class Constraints:
         """
         w = self._wheels
         soft, hard = plan[0] <= self._soft, plan[0] >= self._hard
-        found = {SOFT: soft[:w], HARD: hard[:w]} | self._of_car(states[: self._n], road)
+        found = {MIN_DAMPING: soft[:w], MAX_DAMPING: hard[:w]} | self._vehicle_limits(states[: self._n], road)
         if rows is not None and self._forces is not None:
             along = rows.matrix @ change.ravel()
-            held = (along <= rows.low + _NEAR) | (along >= rows.high - _NEAR)
+            held = (along <= rows.low + _ACTIVE_TOLERANCE) | (along >= rows.high - _ACTIVE_TOLERANCE)
             powered = self._forces.rate_rows
             found |= {FORCE: soft[w:] | hard[w:], RATE: held[:powered][:w], POWER: held[powered:]}
         return tuple(name for name in NAMES if name in found and np.count_nonzero(found[name]))
 
-    def _of_car(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
+    def _vehicle_limits(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
         """Bump-stop contact, and wheel lift-off by the static tyre deflection."""
         place = self._gauge @ states
         travel, wheel = place[: self._wheels], place[self._wheels :]
         stopped = (travel < self._jounce) | (travel > self._rebound)
-        return {TRAVEL: stopped, LIFT: wheel - road >= self._deflection}
+        return {RATTLE_SPACE: stopped, WHEEL_LIFT: wheel - road >= self._deflection}

@@ -8,7 +8,7 @@ from vehicle.equations import FLOATS, motion, rattle
 from vehicle.parameters import Car
 
 
-class Corners(NamedTuple):
+class CornerMotion(NamedTuple):
     """Vertical motion at each corner, (wheels,) each, positive upwards.
 
     body: velocity of the body above the wheel, m/s. wheel: velocity of the wheel, m/s. travel: suspension
@@ -22,9 +22,9 @@ class Corners(NamedTuple):
     relative: np.ndarray
 
 
-def corners(vehicle: Car, x: np.ndarray) -> Corners:
+def corners(vehicle: Car, x: np.ndarray) -> CornerMotion:
     """Extract the corner motion from the state x in the order of `vehicle.equations`."""
     state = x.tolist()
     travel, relative = rattle(vehicle, state, FLOATS)
     wheel = np.array(motion(vehicle, state).wheel_velocity)
-    return Corners(wheel + relative, wheel, np.array(travel), np.array(relative))
+    return CornerMotion(wheel + relative, wheel, np.array(travel), np.array(relative))

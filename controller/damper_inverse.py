@@ -15,10 +15,10 @@ from vehicle.corner import Corner
 from vehicle.damper import IdealDamper
 from vehicle.parameters import Car
 
-_TYPICAL_M_S = 0.3
+_REFERENCE_RATE_M_S = 0.3
 """Amplitude of the damper velocity at which a constant setting is matched to a linear damper."""
-_STILL_M_S = 1e-3
-_HALVINGS = 20
+_MIN_RATE_M_S = 1e-3
+_BISECTIONS = 20
 
 
 def is_linear(vehicle: Car) -> bool:
@@ -26,21 +26,21 @@ def is_linear(vehicle: Car) -> bool:
     return isinstance(vehicle.corners[0].damper, IdealDamper)
 
 
-def constant_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
+def equivalent_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
     """Settings (wheels,) with which the dampers dissipate as much energy per stroke as linear ones.
 
     Equivalent viscous damping (e.g. Thomson, Theory of Vibration with Applications, sec. 3.9) for a harmonic
     stroke with a peak velocity of 0.3 m/s; the nearest setting if the damper's range does not suffice. The
-    dampers must be `coarse`.
+    dampers must be `reduced`.
     """
     if is_linear(vehicle):
         return damping_ns_m
-    stroke = _TYPICAL_M_S * np.sin(2.0 * np.pi * np.arange(200) / 200)
+    stroke = _REFERENCE_RATE_M_S * np.sin(2.0 * np.pi * np.arange(200) / 200)
     pairs = zip(vehicle.corners, damping_ns_m, strict=True)
-    return np.array([_setting(corner, wanted, stroke) for corner, wanted in pairs])
+    return np.array([_equivalent_setting(corner, wanted, stroke) for corner, wanted in pairs])
 
 
-class Inverted:
+class EquivalentDamping:
     """Wrapper of a law that requests coefficients, for dampers whose setting is not a coefficient."""
 
     def __init__(self, law: Controller, vehicle: Car):
@@ -54,19 +54,21 @@ class Inverted:
         """Return the settings (wheels,) whose forces come closest to those of the law's coefficients."""
         asked = self._law.step(estimate, preview)
         rates = corners(self._vehicle, estimate.x).relative
-        rates = np.where(rates < 0.0, np.minimum(rates, -_STILL_M_S), np.maximum(rates, _STILL_M_S))
+        rates = np.where(rates < 0.0, np.minimum(rates, -_MIN_RATE_M_S), np.maximum(rates, _MIN_RATE_M_S))
         each = zip(self._vehicle.corners, asked, rates, strict=True)
-        return np.array([_setting(corner, wanted, np.array([rate])) for corner, wanted, rate in each])
+        return np.array(
+            [_equivalent_setting(corner, wanted, np.array([rate])) for corner, wanted, rate in each]
+        )
 
 
-def _setting(corner: Corner, wanted_ns_m: float, rates: np.ndarray) -> float:
+def _equivalent_setting(corner: Corner, wanted_ns_m: float, rates: np.ndarray) -> float:
     """Setting whose mean coefficient over `rates` is nearest to the wanted one, by bisection.
 
-    The force of a coarse damper grows with the setting and does not depend on travel.
+    The force of a reduced damper grows with the setting and does not depend on travel.
     """
     low, high, power = corner.damping_min_ns_m, corner.damping_max_ns_m, wanted_ns_m * (rates @ rates)
-    for _ in range(_HALVINGS):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        force = corner.damper.force(middle, corner.share(middle), 0.0, rates, [], np)
+        force = corner.damper.force(middle, corner.normalised_setting(middle), 0.0, rates, [], np)
         low, high = (middle, high) if -(force @ rates) < power else (low, middle)
     return 0.5 * (low + high)

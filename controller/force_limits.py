@@ -3,7 +3,7 @@
 import numpy as np
 
 from controller.model import KILO
-from controller.qp import Rows
+from controller.qp import ConstraintRows
 from controller.settings import ForceSettings
 from controller.time_grid import TimeGrid
 from vehicle.equations import input_size, motion, rattle, state_size
@@ -43,22 +43,22 @@ class ForceLimits:
         self._force = np.array(motion(vehicle, np.eye(n)).force) / KILO
         self._strut_rate = rattle(vehicle, np.eye(n))[1]
 
-    def rows(self, plan: np.ndarray, states: np.ndarray) -> Rows:
+    def rows(self, plan: np.ndarray, states: np.ndarray) -> ConstraintRows:
         """Constraints on a correction of the plan that leads through `states` (n_x, steps + 1).
 
         The rate limits come first, interval by interval, then the power limits, if there are any.
         """
         now = self._force @ states[: self._force.shape[1], 0]
         free = (self._from_start * now).ravel()
-        low, high = self._powered(states, now)
+        low, high = self._power_limits(states, now)
         tight = (low > -self._limit) | (high < self._limit)
         matrix = np.vstack([self._rising, self._actual[tight]])
         along = matrix @ plan.ravel()
         least = np.concatenate([free[: self.rate_rows] - self._change, low[tight] - free[tight]])
         most = np.concatenate([free[: self.rate_rows] + self._change, high[tight] - free[tight]])
-        return Rows(matrix, least - along, most - along)
+        return ConstraintRows(matrix, least - along, most - along)
 
-    def _powered(self, states: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _power_limits(self, states: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper power limits of the actual forces, kN, interval by interval."""
         rate = (self._strut_rate @ states[: self._strut_rate.shape[1], self._starts]).T
         most = self._power_kw / np.maximum(np.abs(rate), 1e-6)

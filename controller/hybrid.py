@@ -9,7 +9,7 @@ import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.corners import corners
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.settings import HybridSettings
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
@@ -21,7 +21,7 @@ class Hybrid(Stateless):
     def __init__(self, vehicle: Car, settings: HybridSettings | None = None, timing: Timing | None = None):
         self._vehicle = vehicle
         self._settings = settings or HybridSettings()
-        self._limits = Limits.of(vehicle)
+        self._limits = DampingLimits.of(vehicle)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""

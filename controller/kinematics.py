@@ -14,17 +14,17 @@ from scipy.linalg import block_diag, solve_discrete_are
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 
-OFFSET_TIME_S = 60.0
+OFFSET_DRIFT_TIME_S = 60.0
 """Time over which a sensor offset drifts by its standard deviation (random walk), s."""
-ROAD_WANDER_M2_S = 1e-3
+ROAD_DRIFT_DENSITY_M2_S = 1e-3
 """Spectral density of the wheels' distance from the mean road in the drift correction, m²·s."""
 
-GUESSED_BODY_M_S2, GUESSED_WHEEL_M_S2, GUESSED_RATTLE_M = 1.0, 30.0, 0.03
+SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2, SUBSTITUTE_RATTLE_SIGMA_M = 1.0, 30.0, 0.03
 """Standard deviations of the substitutes for a lost sensor: m/s², m/s², m."""
-NOTHING_KNOWN = 1e3
+UNINFORMATIVE_SIGMA = 1e3
 
 
-class Kinematics(NamedTuple):
+class KinematicFilter(NamedTuple):
     """Filter matrices: s⁺ = transition·s + drive·a, then s + gain·(y − output·s).
 
     s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), gyro
@@ -47,11 +47,11 @@ class Kinematics(NamedTuple):
 @lru_cache(maxsize=64)
 def kinematics(
     vehicle: Car, noise: SensorNoise, period_s: float, lost: tuple[bool, ...] | None = None
-) -> Kinematics:
+) -> KinematicFilter:
     """Design the filter for one reading every `period_s`.
 
-    lost: lost channels, in the order of `controller.sensor_watch.Checked`. A lost acceleration is replaced by
-    a model value, a lost suspension travel by zero, as the suspension stays between its stops.
+    lost: lost channels, in the order of `controller.sensor_watch.ValidatedReading`. A lost acceleration is
+    replaced by a model value, a lost suspension travel by zero, as the suspension stays between its stops.
     """
     w, t = vehicle.wheels, period_s
     one, none = np.eye(2 * w), np.zeros((2 * w, 2 * w))
@@ -63,16 +63,16 @@ def kinematics(
     process, reading = _covariances(vehicle, noise, drive, t, lost or (False,) * (3 * w + 3))
     p = solve_discrete_are(transition.T, output.T, process, reading)
     gain = p @ output.T @ np.linalg.inv(output @ p @ output.T + reading)
-    return Kinematics(transition, drive, output, gain)
+    return KinematicFilter(transition, drive, output, gain)
 
 
 def _output(vehicle: Car) -> np.ndarray:
     w = vehicle.wheels
     output = np.zeros((2 * w + 1, 6 * w + 1))
     output[:w, : 2 * w] = np.hstack([np.eye(w), -np.eye(w)])
-    levers = np.array([corner.lever for corner in vehicle.corners])
-    if levers.shape[1] > 1:
-        output[w, 2 * w : 3 * w] = np.linalg.pinv(levers)[1]
+    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
+    if kinematic_rows.shape[1] > 1:
+        output[w, 2 * w : 3 * w] = np.linalg.pinv(kinematic_rows)[1]
     output[w, -1] = 1.0
     output[w + 1 :, w : 2 * w] = np.eye(w)
     return output
@@ -85,13 +85,15 @@ def _covariances(
     w, gone = vehicle.wheels, np.array(lost)
     root = np.sqrt(noise.bandwidth_hz)
     acceleration = np.repeat([noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root], w)
-    acceleration[gone[: 2 * w]] = np.repeat([GUESSED_BODY_M_S2, GUESSED_WHEEL_M_S2], w)[gone[: 2 * w]]
+    acceleration[gone[: 2 * w]] = np.repeat([SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2], w)[
+        gone[: 2 * w]
+    ]
     offsets = np.repeat([noise.body_offset_m_s2, noise.wheel_offset_m_s2], w)
     wander = np.array([*offsets, noise.pitch_rate_offset_rad_s]) + 1e-5
     process = drive @ np.diag((acceleration + 1e-3) ** 2) @ drive.T
-    process[4 * w :, 4 * w :] += np.diag(wander**2 * period_s / OFFSET_TIME_S)
+    process[4 * w :, 4 * w :] += np.diag(wander**2 * period_s / OFFSET_DRIFT_TIME_S)
     process += 1e-16 * np.eye(len(process))
-    rate = NOTHING_KNOWN if lost[3 * w] else noise.pitch_rate_density_rad_s * root + 1e-5
-    rattle = np.where(gone[2 * w : 3 * w], GUESSED_RATTLE_M, noise.rattle_m + 1e-5)
-    road = np.full(w, np.sqrt(ROAD_WANDER_M2_S / period_s))
+    rate = UNINFORMATIVE_SIGMA if lost[3 * w] else noise.pitch_rate_density_rad_s * root + 1e-5
+    rattle = np.where(gone[2 * w : 3 * w], SUBSTITUTE_RATTLE_SIGMA_M, noise.rattle_m + 1e-5)
+    road = np.full(w, np.sqrt(ROAD_DRIFT_DENSITY_M2_S / period_s))
     return process, np.diag(np.concatenate([rattle, [rate], road]) ** 2)

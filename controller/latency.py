@@ -8,7 +8,7 @@ import numpy as np
 from controller.base import Timing
 
 
-class Hold(NamedTuple):
+class DelayedCommand(NamedTuple):
     """Command (wheels,) that acts for `duration_s`, starting `start_s` from now."""
 
     start_s: float
@@ -16,7 +16,7 @@ class Hold(NamedTuple):
     command: np.ndarray
 
 
-class Pipeline:
+class CommandDelayLine:
     """Delay line of issued commands, each of which acts `delay_s` after its issue until the next one acts."""
 
     def __init__(self, timing: Timing, first: np.ndarray):
@@ -33,16 +33,16 @@ class Pipeline:
         """Append the command issued now."""
         self._issued.append(command)
 
-    def amend(self, command: np.ndarray) -> None:
+    def replace_last(self, command: np.ndarray) -> None:
         """Replace the last command by the one that was issued in its place."""
         if self._issued:
             self._issued[-1] = command
 
-    def pending(self) -> list[Hold]:
+    def pending(self) -> list[DelayedCommand]:
         """Return the commands that act from now until one issued now would act; empty without delay."""
         period, holds, start = self._timing.period_s, [], 0.0
         for i, command in enumerate(self._issued):
             end = self._timing.delay_s - (self._count - 1 - i) * period
-            holds.append(Hold(start, end - start, command))
+            holds.append(DelayedCommand(start, end - start, command))
             start = end
         return holds

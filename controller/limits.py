@@ -8,12 +8,12 @@ from controller.model import KILO
 from vehicle.equations import input_size
 from vehicle.parameters import Car
 
-HAIR = 1e-9
+BOUND_MARGIN = 1e-9
 """Margin to the limits of a plan's entries, kN·s/m and kN."""
 
 
 @dataclass(frozen=True)
-class Limits:
+class DampingLimits:
     """Minimum, maximum and passive damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
     low: np.ndarray
@@ -21,7 +21,7 @@ class Limits:
     passive: np.ndarray
 
     @classmethod
-    def of(cls, vehicle: Car) -> "Limits":
+    def of(cls, vehicle: Car) -> "DampingLimits":
         """Read the limits from the vehicle's corners."""
         names = ("damping_min_ns_m", "damping_max_ns_m", "damping_passive_ns_m")
         return cls(*(np.array([getattr(corner, name) for corner in vehicle.corners]) for name in names))
@@ -36,14 +36,14 @@ class Limits:
 
 def command_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper command limits (inputs,): damper settings, N·s/m, then actuator forces, N."""
-    dampers = Limits.of(vehicle)
+    dampers = DampingLimits.of(vehicle)
     forces = [corner.actuator.force_limit_n for corner in vehicle.corners if corner.actuator is not None]
     return np.array([*dampers.low, *(-force for force in forces)]), np.array([*dampers.high, *forces])
 
 
 def passive_command(vehicle: Car) -> np.ndarray:
     """Passive damper settings and zero actuator forces, (inputs,), N·s/m and N."""
-    return full_command(vehicle, Limits.of(vehicle).passive)
+    return full_command(vehicle, DampingLimits.of(vehicle).passive)
 
 
 def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
@@ -60,5 +60,5 @@ def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
     derivative vanishes, and an entry placed there by rounding would appear to have no effect.
     """
     least, most = (limit / KILO for limit in command_limits(vehicle))
-    margin = np.minimum(HAIR, 0.25 * (most - least))
+    margin = np.minimum(BOUND_MARGIN, 0.25 * (most - least))
     return least + margin, most - margin

@@ -14,7 +14,7 @@ from comfort.weighting import wk_second_order
 from controller.base import Estimate, Stateless, Timing
 from controller.comfort_filter import ComfortFilter
 from controller.corners import corners
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.settings import LqrSettings
 from preview.horizon import RoadPreview
 from vehicle.linear import linear_twin
@@ -30,7 +30,7 @@ class ClippedLqr(Stateless):
     def __init__(self, vehicle: Car, settings: LqrSettings | None = None, timing: Timing | None = None):
         self._vehicle = vehicle
         self._settings = settings or LqrSettings()
-        self._limits = Limits.of(vehicle)
+        self._limits = DampingLimits.of(vehicle)
         self._filter = ComfortFilter(vehicle, (timing or Timing()).period_s)
         self._gain = regulator(vehicle, self._settings)
         self._rest = _rest(vehicle)
@@ -58,7 +58,7 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     twin = linear_twin(vehicle, [settings.nominal_ns_m] * vehicle.wheels)
     drive = _force_input(vehicle)
     a, b, c = wk_second_order().state_space()
-    seats = np.array(vehicle.seat_levers)
+    seats = np.array(vehicle.seat_kinematic_rows)
     bodies = 2 * np.arange(seats.shape[1]) + 1
     n, filters = len(twin.A), len(seats)
     response, direct = seats @ twin.A[bodies], seats @ drive[bodies]
@@ -74,10 +74,10 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
 
 def _force_input(vehicle: Car) -> np.ndarray:
     """Accelerations per unit force of each corner's actuator, in the rows of the linear twin's state."""
-    levers = np.array([corner.lever for corner in vehicle.corners])
-    bodies = levers.shape[1]
+    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
+    bodies = kinematic_rows.shape[1]
     drive = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))
-    drive[1 : 2 * bodies : 2] = levers.T / np.array(vehicle.body_inertia)[:, None]
+    drive[1 : 2 * bodies : 2] = kinematic_rows.T / np.array(vehicle.generalised_mass)[:, None]
     drive[2 * bodies + 1 :: 2] = -np.diag([1.0 / corner.unsprung_mass_kg for corner in vehicle.corners])
     return drive
 
@@ -91,9 +91,9 @@ def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, r
 
 def _rest(vehicle: Car) -> np.ndarray:
     """Rest state, without the damper settings, on unit road heights, (n, wheels)."""
-    levers = np.array([corner.lever for corner in vehicle.corners])
-    bodies = levers.shape[1]
+    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
+    bodies = kinematic_rows.shape[1]
     rest = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))
-    rest[0 : 2 * bodies : 2] = np.linalg.pinv(levers)
+    rest[0 : 2 * bodies : 2] = np.linalg.pinv(kinematic_rows)
     rest[2 * bodies :: 2] = np.eye(vehicle.wheels)
     return rest

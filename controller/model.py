@@ -12,13 +12,13 @@ import casadi
 import numpy as np
 
 from comfort.weighting import wk_second_order
-from controller.native import Kernel
+from controller.native import CompiledFunction
 from vehicle import equations
 from vehicle.parameters import Car
 
 KILO = 1000.0
 """Plans are in kN·s/m and kN, so that their entries are of order one."""
-LANES = 8
+SIMD_LANES = 8
 """Number of steps linearised together in SIMD lanes."""
 
 
@@ -41,8 +41,8 @@ class PredictionModel:
     step: casadi.Function
     slopes: casadi.Function
     outputs: casadi.Function
-    advance: Kernel
-    linearise: Kernel
+    advance: CompiledFunction
+    linearise: CompiledFunction
 
 
 @lru_cache(maxsize=16)
@@ -72,8 +72,8 @@ def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
         step,
         linear,
         outputs,
-        Kernel(step),
-        Kernel(linear, LANES),
+        CompiledFunction(step),
+        CompiledFunction(linear, SIMD_LANES),
     )
 
 
@@ -81,7 +81,7 @@ def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velo
     """Time derivatives of the vehicle's and the comfort filters' states."""
     n = equations.state_size(vehicle)
     rates = equations.derivative(vehicle, x[:n], KILO * u, height, velocity, casadi)
-    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_levers, casadi)
+    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_kinematic_rows, casadi)
     a, b, _ = wk_second_order().state_space()
     filters = [a @ x[n + 2 * i : n + 2 * i + 2] + b * felt[i] for i in range(felt.numel())]
     return casadi.vertcat(rates, *filters)

@@ -10,11 +10,11 @@ import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.comfort_filter import ComfortFilter
-from controller.latency import Pipeline
+from controller.latency import CommandDelayLine
 from controller.limits import command_limits, passive_command, plan_limits
 from controller.model import KILO, prediction_model
 from controller.program import Program
-from controller.road_ahead import RoadAhead
+from controller.road_ahead import RoadReference
 from controller.settings import MpcSettings
 from controller.terminal import terminal_cost
 from controller.time_grid import TimeGrid
@@ -22,11 +22,11 @@ from controller.wheelbase import WheelbasePreview
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
-Sight = Literal["none", "wheelbase", "preview"]
+PreviewSource = Literal["none", "wheelbase", "preview"]
 
 
 class PredictiveController:
-    """Model predictive controller; `sight` selects its preview, and with "none" it is reactive.
+    """Model predictive controller; `preview_source` selects its preview, and with "none" it is reactive.
 
     Without a preview it plans on the reactive controller's horizon and gives the same answer.
     """
@@ -36,12 +36,12 @@ class PredictiveController:
         vehicle: Car,
         settings: MpcSettings | None = None,
         timing: Timing | None = None,
-        sight: Sight = "preview",
+        preview_source: PreviewSource = "preview",
     ):
         self._settings = settings or MpcSettings()
         self._timing = timing or Timing()
-        self._sight = sight
-        self._wheelbase = WheelbasePreview(vehicle) if sight == "wheelbase" else None
+        self._preview_source = preview_source
+        self._wheelbase = WheelbasePreview(vehicle) if preview_source == "wheelbase" else None
         period = self._timing.period_s
         self._model = prediction_model(vehicle, self._settings.rho)
         terminal = terminal_cost(self._model, period)
@@ -50,13 +50,13 @@ class PredictiveController:
             return Program(vehicle, self._model, terminal, self._settings, self._timing, length_s)
 
         self._blind = program(self._settings.blind_horizon_s)
-        self._sighted = program(self._settings.horizon_s) if sight == "preview" else self._blind
+        self._sighted = program(self._settings.horizon_s) if preview_source == "preview" else self._blind
         self._passive = passive_command(vehicle)
         self._least, self._most = command_limits(vehicle)
         self._low, self._high = plan_limits(vehicle)
         self._filter = ComfortFilter(vehicle, period)
-        self._pipeline = Pipeline(self._timing, self._passive)
-        self._road = RoadAhead(vehicle.wheels, self._settings.road)
+        self._delay_line = CommandDelayLine(self._timing, self._passive)
+        self._road = RoadReference(vehicle.wheels, self._settings.road)
         self.reset()
 
     def reset(self) -> None:
@@ -64,7 +64,7 @@ class PredictiveController:
         self._program = self._sighted
         self._plan = np.tile(self._passive / KILO, (len(self._program.shift), 1))
         self._filter.reset()
-        self._pipeline.reset()
+        self._delay_line.reset()
         self._road.reset()
         if self._wheelbase is not None:
             self._wheelbase.reset()
@@ -77,23 +77,23 @@ class PredictiveController:
         If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
         """
         self._plan = self._program.shift @ self._plan
-        seen = self._seen(estimate, preview)
+        seen = self._select_preview(estimate, preview)
         self._use(self._blind if seen is None else self._sighted)
-        self.problem = self._improve(estimate, seen)
+        self.problem = self._correct_plan(estimate, seen)
         command = np.minimum(np.maximum(KILO * self._plan[0], self._least), self._most)
-        self._pipeline.issue(command)
+        self._delay_line.issue(command)
         return command.copy()
 
     def acted(self, command: np.ndarray) -> None:
         """Record that this command (inputs,), N·s/m and N, was issued in place of the last answer."""
-        self._pipeline.amend(command)
+        self._delay_line.replace_last(command)
 
     def _use(self, program: Program) -> None:
         """Continue the plan on the horizon of this program."""
         self._plan = program.adopted(self._plan, self._program.grid)
         self._program = program
 
-    def _improve(self, estimate: Estimate, seen: RoadPreview | None) -> str | None:
+    def _correct_plan(self, estimate: Estimate, seen: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
         road.look(estimate, seen)
@@ -108,18 +108,18 @@ class PredictiveController:
         else:
             self._plan = self._plan + solution.x.reshape(self._plan.shape)
             self.active = program.constraints.active(
-                rows, solution.x, self._plan, states, roads[road.likeliest]
+                rows, solution.x, self._plan, states, roads[road.most_likely]
             )
         return solution.problem
 
-    def _seen(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
+    def _select_preview(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
         if self._wheelbase is not None:
             return self._wheelbase.look(estimate)
-        return preview if self._sight == "preview" else None
+        return preview if self._preview_source == "preview" else None
 
     def _predict(self, state: np.ndarray) -> np.ndarray:
         """Propagate the state through the commands that are still pending (delay compensation)."""
-        for start, duration, command in self._pipeline.pending():
+        for start, duration, command in self._delay_line.pending():
             grid = TimeGrid((duration,))
             heights = self._road.heights(start + grid.nodes_s)
             for i, step_s in enumerate(grid.step_s):

@@ -45,7 +45,7 @@ _COMPARISONS = {
 _SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2, *[ctypes.c_int64] * 3)
 
 
-class Kernel:
+class CompiledFunction:
     """SX function compiled for evaluation over the columns of an array, one point per column.
 
     The rows of `points` are the inputs, one argument below the other, nonzeros in CasADi's column order; the

@@ -4,18 +4,18 @@ import numpy as np
 
 from controller.base import Estimate, Timing
 from controller.kinematics import kinematics
-from controller.sensor_watch import Checked
+from controller.sensor_watch import ValidatedReading
 from vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
 from vehicle.parameters import Car
 from vehicle.sensors import SensorNoise
 from vehicle.state import VehicleState
 
 SPEED_FILTER_S = 0.2
-LIFTED = 0.02
+LIFT_OFF_LOAD_RATIO = 0.02
 """Fraction of the static wheel load below which a wheel counts as lifted."""
 
 
-def truth_estimate(state: VehicleState) -> Estimate:
+def exact_estimate(state: VehicleState) -> Estimate:
     """Return the simulator's own state as an error-free estimate."""
     return Estimate(
         time_s=float(state.time_s),
@@ -41,11 +41,15 @@ class Observer:
         corners = vehicle.corners
         self._wheels, self._period_s, self._noise = vehicle.wheels, timing.period_s, noise
         self._filter = kinematics(vehicle, noise, timing.period_s)
-        levers = np.array([corner.lever for corner in corners])
-        self._body = np.linalg.pinv(levers)
-        spread = np.linalg.pinv(levers.T)
-        self._warp = np.eye(vehicle.wheels) - spread @ levers.T if vehicle.wheels > levers.shape[1] else None
-        carried = spread @ np.diag(vehicle.body_inertia) @ self._body
+        kinematic_rows = np.array([corner.kinematic_row for corner in corners])
+        self._body = np.linalg.pinv(kinematic_rows)
+        spread = np.linalg.pinv(kinematic_rows.T)
+        self._residual_projection = (
+            np.eye(vehicle.wheels) - spread @ kinematic_rows.T
+            if vehicle.wheels > kinematic_rows.shape[1]
+            else None
+        )
+        carried = spread @ np.diag(vehicle.generalised_mass) @ self._body
         self._vehicle = vehicle
         self._mass = np.hstack([carried, np.diag([corner.unsprung_mass_kg for corner in corners])])
         self._static = np.array([corner.static_tyre_n for corner in corners])
@@ -53,7 +57,7 @@ class Observer:
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
         lags = np.array([corner.damper_lag_s for corner in corners])
         self._follow = -np.expm1(-timing.period_s / lags)
-        moving = np.arange(2 * (len(vehicle.body_inertia) + vehicle.wheels)).reshape(2, -1).T.ravel()
+        moving = np.arange(2 * (len(vehicle.generalised_mass) + vehicle.wheels)).reshape(2, -1).T.ravel()
         self._order = np.append(moving, np.arange(moving.size, state_size(vehicle)))
         self._passive = rest_state(vehicle)[damping_rows(vehicle)]
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
@@ -69,7 +73,7 @@ class Observer:
         self._road = np.zeros(self._wheels)
         self._speed: float | None = None
 
-    def update(self, checked: Checked, command: np.ndarray) -> Estimate:
+    def update(self, checked: ValidatedReading, command: np.ndarray) -> Estimate:
         """Process a reading and the command that acted until then; return the present estimate."""
         w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
@@ -77,7 +81,7 @@ class Observer:
         if checked.faults:
             motion = kinematics(self._vehicle, self._noise, self._period_s, checked.lost)
             gone = np.array(checked.lost)
-            acceleration = np.where(gone[: 2 * w], self._guess(), acceleration)
+            acceleration = np.where(gone[: 2 * w], self._substitute_accelerations(), acceleration)
             rattle = np.where(gone[2 * w : 3 * w], 0.0, rattle)
         if self._acceleration is None:
             self._acceleration = acceleration
@@ -87,9 +91,9 @@ class Observer:
         self._motion = motion.step(self._motion, mean, reading)
         self._damping = self._damping + self._follow * (command[:w] - self._damping)
         if self._actuators:
-            self._follow_force(command[w:] if len(command) > w else np.zeros(w))
+            self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
         before = self._road
-        road, contact = self._feel_road(acceleration - self._motion[4 * w : 6 * w])
+        road, contact = self._estimate_road_from_tyre(acceleration - self._motion[4 * w : 6 * w])
         self._road = np.where(contact, road, np.minimum(road, before))
         return Estimate(
             time_s=float(measurement.time_s),
@@ -101,33 +105,35 @@ class Observer:
             faults=checked.faults,
         )
 
-    def _follow_force(self, asked: np.ndarray) -> None:
+    def _update_actuator_force(self, asked: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])
         follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
         self._force = self._force + follow * (np.clip(asked, -limit, limit) - self._force)
 
-    def _guess(self) -> np.ndarray:
+    def _substitute_accelerations(self) -> np.ndarray:
         """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""
         w, level = self._wheels, np.zeros(self._wheels)
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
         return self._motion[4 * w : 6 * w] + np.concatenate([body, level])
 
-    def _feel_road(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _estimate_road_from_tyre(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
 
         Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
         the forces that cancels in the body is taken from the strut model.
         """
         force = self._mass @ acceleration
-        if self._warp is not None:
+        if self._residual_projection is not None:
             still = np.zeros(self._wheels)
             struts = forces(self._vehicle, self._vehicle_state(), still, still)
-            force = force + self._warp @ (struts.spring + struts.damper + struts.stop + struts.actuator)
+            force = force + self._residual_projection @ (
+                struts.spring + struts.damper + struts.stop + struts.actuator
+            )
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection
         road = self._motion[self._wheels : 2 * self._wheels] + deflection
-        return road, force > -(1.0 - LIFTED) * self._static
+        return road, force > -(1.0 - LIFT_OFF_LOAD_RATIO) * self._static
 
     def _vehicle_state(self) -> np.ndarray:
         w = self._wheels

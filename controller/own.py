@@ -15,7 +15,7 @@ from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 
-def is_own(name: str) -> bool:
+def is_user_controller(name: str) -> bool:
     """Whether a controller name refers to a file."""
     return ":" in name
 
@@ -35,7 +35,9 @@ def load_user_controller(target: str) -> Callable[..., Controller]:
     return factory
 
 
-def build_own(target: str, vehicle: Car, settings: dict[str, float], timing: Timing) -> "Own":
+def build_user_controller(
+    target: str, vehicle: Car, settings: dict[str, float], timing: Timing
+) -> "UserController":
     """Build the controller that `path/to/file.py:name` names. Raises InputError if that fails."""
     factory = load_user_controller(target)
     path, name = _parts(target)
@@ -49,7 +51,7 @@ def build_own(target: str, vehicle: Car, settings: dict[str, float], timing: Tim
         raise InputError(f"controller {target}: cannot be built ({told(error, path)})") from error
     if missing:
         raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
-    return Own(controller, path, name, vehicle)
+    return UserController(controller, path, name, vehicle)
 
 
 def _parts(target: str) -> tuple[Path, str]:
@@ -57,7 +59,7 @@ def _parts(target: str) -> tuple[Path, str]:
     return Path(path), name
 
 
-class Own:
+class UserController:
     """Wrapper of a user-defined controller that treats its failures like those of a solver.
 
     problem: reason why the last step gave no answer, with file and line, or None. The first time, the whole

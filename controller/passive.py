@@ -3,8 +3,8 @@
 import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
-from controller.damper_inverse import constant_settings
-from controller.limits import Limits
+from controller.damper_inverse import equivalent_settings
+from controller.limits import DampingLimits
 from controller.settings import FixedSettings, PassiveSettings
 from files.errors import InputError
 from preview.horizon import RoadPreview
@@ -18,11 +18,11 @@ class Constant(Stateless):
     """
 
     def __init__(self, vehicle: Car, damping_ns_m: np.ndarray, name: str):
-        limits = Limits.of(vehicle)
+        limits = DampingLimits.of(vehicle)
         refused = damping_ns_m[(damping_ns_m < limits.low) | (damping_ns_m > limits.high)]
         if len(refused):
             raise InputError(f"{name} must lie in {limits}, got {refused[0]:g}")
-        self.command = constant_settings(vehicle, damping_ns_m)
+        self.command = equivalent_settings(vehicle, damping_ns_m)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the constant settings, (wheels,) N·s/m."""
@@ -32,7 +32,7 @@ class Constant(Stateless):
 def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None) -> Constant:
     """Passive baseline: the dampers as built, against which every other controller is compared."""
     asked = settings.damping_ns_m if settings else None
-    built = Limits.of(vehicle).passive
+    built = DampingLimits.of(vehicle).passive
     return Constant(
         vehicle, built if asked is None else np.full(vehicle.wheels, float(asked)), "damping_ns_m"
     )

@@ -9,12 +9,12 @@ import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.corners import corners
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.settings import TwoStateSettings
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
-_STILL_M_S = 1e-9
+_RATE_TOLERANCE_M_S = 1e-9
 
 
 class PowerDriven(Stateless):
@@ -22,7 +22,7 @@ class PowerDriven(Stateless):
 
     def __init__(self, vehicle: Car, settings: TwoStateSettings | None = None, timing: Timing | None = None):
         settings = settings or TwoStateSettings()
-        limits = Limits.of(vehicle)
+        limits = DampingLimits.of(vehicle)
         self._vehicle = vehicle
         self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
         self._spring = np.array([corner.spring_n_m for corner in vehicle.corners])
@@ -30,7 +30,7 @@ class PowerDriven(Stateless):
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
         at = corners(self._vehicle, estimate.x)
-        still = np.abs(at.relative) < _STILL_M_S
+        still = np.abs(at.relative) < _RATE_TOLERANCE_M_S
         balancing = -self._spring * at.travel / np.where(still, 1.0, at.relative)
         moving = np.clip(balancing, self._soft, self._hard)
         resting = np.where(at.travel == 0.0, self._soft, 0.5 * (self._soft + self._hard))

@@ -3,14 +3,14 @@
 import numpy as np
 
 from controller.base import Timing
-from controller.blocking import Blocks
+from controller.blocking import MoveBlocks
 from controller.condense import Condensed, Condenser
 from controller.constraints import Constraints
 from controller.model import PredictionModel
-from controller.qp import Rows, Solution, solve_box
+from controller.qp import ConstraintRows, Solution, solve_box
 from controller.settings import MpcSettings
 from controller.terminal import TerminalCost
-from controller.time_grid import TimeGrid, growing
+from controller.time_grid import TimeGrid, graded_grid
 from vehicle.equations import input_size
 from vehicle.parameters import Car
 
@@ -30,7 +30,7 @@ class Program:
         timing: Timing,
         length_s: float,
     ):
-        self.grid = growing(length_s, settings.fine_s, timing.period_s)
+        self.grid = graded_grid(length_s, settings.fine_s, timing.period_s)
         forces = input_size(vehicle) - vehicle.wheels
         weights = np.repeat([settings.input_weight, settings.force.weight], [vehicle.wheels, forces])
         self.condense = Condenser(model, terminal, self.grid, timing.period_s, weights)
@@ -38,28 +38,30 @@ class Program:
         self.shift = self.grid.shift(timing.period_s)
         self.node_times_s = timing.delay_s + self.grid.nodes_s
         # The program of one wheel is small enough as it is.
-        self._blocks = Blocks(len(self.shift), vehicle.wheels, forces) if forces > 1 else None
+        self._blocks = MoveBlocks(len(self.shift), vehicle.wheels, forces) if forces > 1 else None
 
     def condensed(
         self, state: np.ndarray, plan: np.ndarray, roads: np.ndarray, weights: np.ndarray
     ) -> Condensed:
         """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
 
-        The likeliest road comes last, so that the states which the condenser keeps are those on it.
+        The most_likely road comes last, so that the states which the condenser keeps are those on it.
         """
-        likeliest = int(weights.argmax())
-        others = [index for index in np.flatnonzero(weights)[::-1] if index != likeliest]
+        most_likely = int(weights.argmax())
+        others = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]
         hessian, gradient = 0.0, 0.0
         for index in others:
             problem = self.condense(state, plan, roads[index])
             hessian = hessian + weights[index] * problem.hessian
             gradient = gradient + weights[index] * problem.gradient
-        problem, weight = self.condense(state, plan, roads[likeliest]), weights[likeliest]
+        problem, weight = self.condense(state, plan, roads[most_likely]), weights[most_likely]
         if not others:
             return problem
         return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 
-    def solve(self, cost: Condensed, low: np.ndarray, high: np.ndarray, rows: Rows | None) -> Solution:
+    def solve(
+        self, cost: Condensed, low: np.ndarray, high: np.ndarray, rows: ConstraintRows | None
+    ) -> Solution:
         """The best correction within bounds (intervals, inputs) and rows."""
         program = cost.hessian, cost.gradient, low.ravel(), high.ravel()
         if rows is None or self._blocks is None:

@@ -13,7 +13,7 @@ class Solution(NamedTuple):
     problem: str | None
 
 
-class Rows(NamedTuple):
+class ConstraintRows(NamedTuple):
     """Linear constraints low <= matrix · x <= high, of shapes (rows, n) and (rows,)."""
 
     matrix: np.ndarray
@@ -21,14 +21,18 @@ class Rows(NamedTuple):
     high: np.ndarray
 
 
-AT_BOUND = 1e-7
-INSIDE = 1e-6
+ACTIVE_TOLERANCE = 1e-7
+FEASIBILITY_TOLERANCE = 1e-6
 _AT_LOW, _AT_HIGH = 3, 1  # DAQP's flags of an active bound
 _STATUS = {-1: "infeasible", -2: "cycling", -3: "unbounded", -4: "iteration limit", -5: "nonconvex"}
 
 
 def solve_box(
-    hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: Rows | None = None
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    rows: ConstraintRows | None = None,
 ) -> Solution:
     """Minimise ½ xᵀHx + gᵀx subject to low ≤ x ≤ high and `rows`, by DAQP's dual active-set method.
 
@@ -45,8 +49,8 @@ def solve_box(
         matrix = rows.matrix
         below, above = np.concatenate([low, rows.low]), np.concatenate([high, rows.high])
     working = np.zeros(len(below), dtype=np.intc)
-    working[:n][low > -AT_BOUND] = _AT_LOW
-    working[:n][high < AT_BOUND] = _AT_HIGH
+    working[:n][low > -ACTIVE_TOLERANCE] = _AT_LOW
+    working[:n][high < ACTIVE_TOLERANCE] = _AT_HIGH
     x, _, status, _ = daqp.solve(hessian, gradient, matrix, above, below, working)
     if status != 1:
         return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
@@ -55,6 +59,6 @@ def solve_box(
     if rows is not None:
         along = matrix @ inside
         error = max(error, np.maximum(along - rows.high, rows.low - along).max(initial=0.0))
-    if not error <= INSIDE:
+    if not error <= FEASIBILITY_TOLERANCE:
         return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
     return Solution(inside, None)

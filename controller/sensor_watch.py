@@ -8,7 +8,7 @@ from vehicle.sensors import Measurement, SensorNoise
 
 STUCK_READINGS = 4
 """Number of equal consecutive readings after which a noisy sensor counts as stuck."""
-MOST = {
+MAX_MAGNITUDE = {
     "body_acc": 150.0,
     "wheel_acc": 2000.0,
     "rattle_m": 0.4,
@@ -17,11 +17,11 @@ MOST = {
     "roll_rate": 10.0,
 }
 """Largest plausible magnitude of each channel, SI units."""
-EVERYTHING = "all sensors silent"
+ALL_SILENT = "all sensors silent"
 
 
 @dataclass(frozen=True, eq=False)
-class Checked:
+class ValidatedReading:
     """Validated reading: rejected channels are held at their last valid values.
 
     lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.
@@ -35,7 +35,7 @@ class Checked:
     faults: tuple[str, ...] = ()
 
 
-class SensorWatch:
+class SensorMonitor:
     """Validator of consecutive readings, for a car with `wheels` wheels and sensors of this noise."""
 
     def __init__(self, wheels: int, noise: SensorNoise):
@@ -47,8 +47,12 @@ class SensorWatch:
             f"{name}_{wheel}" for name in ("body_acc", "wheel_acc", "rattle_m") for wheel in range(wheels)
         ]
         self._names += ["pitch_rate", "speed_m_s"]
-        most = np.repeat([MOST["body_acc"], MOST["wheel_acc"], MOST["rattle_m"]], wheels)
-        self._most = np.array([*most, MOST["pitch_rate"], MOST["speed_m_s"], MOST["roll_rate"]])
+        most = np.repeat(
+            [MAX_MAGNITUDE["body_acc"], MAX_MAGNITUDE["wheel_acc"], MAX_MAGNITUDE["rattle_m"]], wheels
+        )
+        self._most = np.array(
+            [*most, MAX_MAGNITUDE["pitch_rate"], MAX_MAGNITUDE["speed_m_s"], MAX_MAGNITUDE["roll_rate"]]
+        )
         self._sound = (False,) * len(self._most)
         self._none = np.zeros(len(self._most), dtype=int)
         self.reset()
@@ -59,7 +63,7 @@ class SensorWatch:
         self._before = np.full(len(self._most), np.nan)
         self._equal = self._none
 
-    def check(self, measurement: Measurement) -> Checked:
+    def check(self, measurement: Measurement) -> ValidatedReading:
         """Return the validated reading."""
         m = measurement
         moved = [m.pitch_rate, m.speed_m_s, m.roll_rate]
@@ -68,10 +72,10 @@ class SensorWatch:
         self._before = values
         if not equal.any() and (np.abs(values) <= self._most).all():  # false for NaN
             self._equal, self._held = self._none, values
-            return Checked(measurement, self._sound)
-        return self._judge(measurement, values, equal)
+            return ValidatedReading(measurement, self._sound)
+        return self._classify(measurement, values, equal)
 
-    def _judge(self, measurement: Measurement, values: np.ndarray, equal: np.ndarray) -> Checked:
+    def _classify(self, measurement: Measurement, values: np.ndarray, equal: np.ndarray) -> ValidatedReading:
         """Classify the faults of a reading; `equal` marks the channels that repeat their previous value."""
         silent = ~np.isfinite(values)
         impossible = np.abs(values) > self._most  # false for NaN
@@ -80,21 +84,21 @@ class SensorWatch:
         lost = silent | impossible | stuck
         if not lost.any():
             self._held = values
-            return Checked(measurement, self._sound)
+            return ValidatedReading(measurement, self._sound)
         self._held = np.where(lost, self._held, values)
         if lost[-1]:
             self._held[-1] = 0.0
         faults = self._faults(silent, impossible, stuck)
-        return Checked(self._with_held(measurement), tuple(lost.tolist()), faults)
+        return ValidatedReading(self._hold_invalid(measurement), tuple(lost.tolist()), faults)
 
     def _faults(self, silent: np.ndarray, impossible: np.ndarray, stuck: np.ndarray) -> tuple[str, ...]:
         """Fault names of the channels that control needs."""
         why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")[:-1]
         if (why != "").all():
-            return (EVERYTHING,)
+            return (ALL_SILENT,)
         return tuple(f"{name} {reason}" for name, reason in zip(self._names, why, strict=True) if reason)
 
-    def _with_held(self, measurement: Measurement) -> Measurement:
+    def _hold_invalid(self, measurement: Measurement) -> Measurement:
         w, held = self._wheels, self._held
         return replace(
             measurement,

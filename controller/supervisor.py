@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from controller.base import Controller, Estimate, Timing
-from controller.book import Book
+from controller.book import ControllerStatistics
 from controller.limits import command_limits, full_command
 from controller.preview_gate import PreviewGate
-from controller.sensor_watch import EVERYTHING
+from controller.sensor_watch import ALL_SILENT
 from controller.settings import SupervisorSettings
 from files.errors import InputError
 from preview.horizon import RoadPreview
 from vehicle.parameters import Car
 
 
-class Supervised:
+class FallbackSupervisor:
     """Controller with a reactive law and fixed damping as fallbacks, effective in the sample that fails.
 
     Changes from one to the other are bumpless: the command starts at the last one and the difference decays
@@ -52,7 +52,7 @@ class Supervised:
         self._last = np.zeros(len(self._low))
         self._offset, self._fading = np.zeros(len(self._low)), False
         self._gate = PreviewGate(self._vehicle, self._settings.gate)
-        self._book = Book()
+        self._statistics = ControllerStatistics()
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -60,38 +60,38 @@ class Supervised:
 
         reasons: {problem: steps}. active: {constraint: steps in which it was active}.
         """
-        return self._book.summary()
+        return self._statistics.summary()
 
     @property
     def problem(self) -> str | None:
         """Reason for the fallback of the last step, or None."""
-        return self._book.problem
+        return self._statistics.problem
 
     @property
     def active(self) -> tuple[str, ...]:
         """Names of the constraints active in the last step; none after a fallback."""
-        return self._book.active
+        return self._statistics.active
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the command (inputs,), N·s/m and N."""
-        self._book.start()
+        self._statistics.start()
         unseen = preview_problem(preview, estimate, self._period_s, self._settings)
         if preview is not None and not (unseen or estimate.faults) and estimate.is_finite():
             unseen = self._gate.check(estimate, preview)
-        problem, answer = self._ask(estimate, preview if unseen is None else None)
+        problem, answer = self._evaluate(estimate, preview if unseen is None else None)
         if problem is None:
             command = self._transfer(self._controller, answer)
         else:
-            blind = EVERYTHING in estimate.faults or not estimate.is_finite()
+            blind = ALL_SILENT in estimate.faults or not estimate.is_finite()
             acting = self._safe if blind else self._reactive
             command = self._transfer(acting, full_command(self._vehicle, acting.step(estimate, None)))
         if hasattr(self._controller, "acted"):
             self._controller.acted(command)
         active = getattr(self._controller, "active", ()) if problem is None else ()
-        self._book.finish(problem or unseen, active)
+        self._statistics.finish(problem or unseen, active)
         return command
 
-    def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
+    def _evaluate(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
         """Evaluate the controller; return the reason to reject its answer, or None, and the answer."""
         nothing, wheels = np.zeros(len(self._low)), self._vehicle.wheels
         if not estimate.is_finite():

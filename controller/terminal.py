@@ -6,7 +6,7 @@ import casadi
 import numpy as np
 from scipy.linalg import cholesky, solve_continuous_lyapunov
 
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.model import KILO, PredictionModel, derivative
 from vehicle import equations
 from vehicle.damper import IdealDamper
@@ -34,7 +34,7 @@ def terminal_cost(
     states have no weight, as they have no effect at rest.
     """
     vehicle = model.vehicle
-    damping = Limits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
+    damping = DampingLimits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
     a, c = _linear(model, damping)
     settings = equations.damping_rows(vehicle)
     kept = np.r_[0 : settings.start, settings.stop : model.n_x]
@@ -58,9 +58,9 @@ def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarra
 
 def _rest(vehicle: Car, n_x: int) -> np.ndarray:
     """Rest state per unit road height, (n_x, wheels): wheels on the road, the body in equilibrium on them."""
-    levers = np.array([corner.lever for corner in vehicle.corners])
-    bodies = levers.shape[1]
+    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
+    bodies = kinematic_rows.shape[1]
     rest = np.zeros((n_x, vehicle.wheels))
-    rest[0 : 2 * bodies : 2] = np.linalg.pinv(levers)
+    rest[0 : 2 * bodies : 2] = np.linalg.pinv(kinematic_rows)
     rest[2 * bodies : 2 * (bodies + vehicle.wheels) : 2] = np.eye(vehicle.wheels)
     return rest

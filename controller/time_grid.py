@@ -44,7 +44,7 @@ class TimeGrid:
         return overlap / np.array(self.intervals_s)[:, None]
 
 
-def growing(length_s: float, fine_s: float, period_s: float) -> TimeGrid:
+def graded_grid(length_s: float, fine_s: float, period_s: float) -> TimeGrid:
     """Grid of one-period intervals over the first `fine_s`, at least two, then of two-period intervals."""
     fine = max(2, round(min(fine_s, length_s) / period_s))
     coarse = max(0, round((length_s - fine * period_s) / (2.0 * period_s)))

@@ -21,10 +21,10 @@ def tuned_settings(kind: str) -> ControllerSettings:
 def tuned_mapping(kind: str) -> dict[str, dict[str, Any]]:
     """Return the same as plain values, one mapping per tuned controller."""
     mapping = strict.to_mapping(tuned_settings(kind))
-    return {name: values for name, values in mapping.items() if name in TUNED}
+    return {name: values for name, values in mapping.items() if name in TUNED_CONTROLLERS}
 
 
-TUNED = (
+TUNED_CONTROLLERS = (
     "fixed",
     "skyhook",
     "skyhook2",

@@ -15,13 +15,13 @@ import numpy as np
 
 from controller.base import Estimate, Stateless, Timing
 from controller.corners import corners
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.settings import ShAddSettings, TwoStateSettings
 from preview.horizon import RoadPreview
 from vehicle.equations import FLOATS, body_acceleration
 from vehicle.parameters import Car
 
-Law = Callable[[Car, Estimate], np.ndarray]
+OpposedMotion = Callable[[Car, Estimate], np.ndarray]
 """Motion of each corner (wheels,) that the damper should oppose; only its sign matters."""
 
 
@@ -50,10 +50,10 @@ class TwoState(Stateless):
         settings: TwoStateSettings | None = None,
         timing: Timing | None = None,
         *,
-        law: Law,
+        law: OpposedMotion,
     ):
         settings = settings or TwoStateSettings()
-        limits = Limits.of(vehicle)
+        limits = DampingLimits.of(vehicle)
         self._vehicle, self._law = vehicle, law
         self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
 

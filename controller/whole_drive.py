@@ -11,15 +11,15 @@ import casadi
 import numpy as np
 
 from comfort.weighting import weight
-from controller.model import KILO, LANES
-from controller.native import Kernel
+from controller.model import KILO, SIMD_LANES
+from controller.native import CompiledFunction
 from files.jit import njit
 from vehicle import equations
 from vehicle.parameters import Car
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
+class DriveInputs:
     """External inputs of a drive, by tick.
 
     height, velocity: (wheels, ticks + 1) of the road under the wheels at each tick.
@@ -41,26 +41,26 @@ class Drive:
     rho: float
 
 
-class WholeDrive:
+class WholeDriveObjective:
     """Objective J and its gradient for plans (intervals, inputs): settings, kN·s/m, then forces, kN."""
 
-    def __init__(self, vehicle: Car, drive: Drive):
+    def __init__(self, vehicle: Car, drive: DriveInputs):
         self._vehicle, self._drive = vehicle, drive
         self.inputs = equations.input_size(vehicle)
         self.intervals = int(drive.interval.max()) + 1
         step, slopes = _functions(vehicle, 1.0 / drive.rate_hz)
         self._n_x, self._ticks = equations.state_size(vehicle), len(drive.interval)
-        self._points = self._outside()
-        linearise = Kernel(slopes, LANES)
+        self._points = self._external_inputs()
+        linearise = CompiledFunction(slopes, SIMD_LANES)
         self._results = np.zeros((linearise.rows_out, self._points.shape[1]))
-        self._advance = Kernel(step).bind(self._points, self._points[:, 1:], self._ticks)
+        self._advance = CompiledFunction(step).bind(self._points, self._points[:, 1:], self._ticks)
         self._linearise = linearise.bind(self._points, self._results, self._points.shape[1])
         triplets = [np.array(slopes.sparsity_out(matrix + 1).get_triplet()) for matrix in range(3)]
         self._entries = np.vstack([np.insert(pair.T, 0, i, axis=1) for i, pair in enumerate(triplets)])
         self._passive = np.zeros(self.inputs)
         self._passive[: vehicle.wheels] = [c.damping_passive_ns_m / KILO for c in vehicle.corners]
 
-    def _outside(self) -> np.ndarray:
+    def _external_inputs(self) -> np.ndarray:
         """Input columns of the compiled functions, one per tick, with the external inputs filled in."""
         drive, ticks = self._drive, self._ticks
         rows = [
@@ -74,7 +74,7 @@ class WholeDrive:
         ]
         points = np.vstack(rows)
         points[: self._n_x, 0] = drive.start
-        return np.ascontiguousarray(np.pad(points, ((0, 0), (0, -(ticks + 1) % LANES))))
+        return np.ascontiguousarray(np.pad(points, ((0, 0), (0, -(ticks + 1) % SIMD_LANES))))
 
     def objective(self, plan: np.ndarray) -> tuple[float, np.ndarray]:
         """J and dJ/dplan, both for `plan` (intervals, inputs) or flat, kN·s/m and kN."""
@@ -83,7 +83,7 @@ class WholeDrive:
         self._points[self._n_x : self._n_x + self.inputs, : self._ticks] = commands[drive.interval].T
         self._advance()
         self._linearise()
-        places = len(self._vehicle.seat_levers)
+        places = len(self._vehicle.seat_kinematic_rows)
         outputs = self._results[: places + self._vehicle.wheels, :n]
         seats, loads = outputs[:places], outputs[places:]
         weighted = weight(seats, drive.rate_hz, "Wk")
@@ -91,7 +91,7 @@ class WholeDrive:
         back = weight(weighted[:, ::-1], drive.rate_hz, "Wk")[:, ::-1]
         slopes = np.vstack([2.0 / seats.size * back, 2.0 * drive.rho / loads.size * loads])
         gradient = np.zeros_like(commands)
-        _sweep_back(self._results, self._entries, slopes, drive.interval, self._n_x, gradient)
+        _adjoint_sweep(self._results, self._entries, slopes, drive.interval, self._n_x, gradient)
         return j, gradient[:-1].reshape(plan.shape)
 
 
@@ -104,7 +104,7 @@ def _functions(vehicle: Car, tick_s: float) -> tuple[casadi.Function, casadi.Fun
     after = _tick(vehicle, x, u, middle, rate, surge, tick_s)
     acting = equations.forces(vehicle, x, height, velocity, casadi)
     body, _ = equations.accelerations(vehicle, acting, forward)
-    seats = [equations.carried(lever, body) for lever in vehicle.seat_levers]
+    seats = [equations.point_motion(kinematic_row, body) for kinematic_row in vehicle.seat_kinematic_rows]
     static = casadi.DM([corner.static_tyre_n for corner in vehicle.corners])
     outputs = casadi.vertcat(*seats, acting.tyre / static - 1)
     inputs = [x, u, middle, rate, surge, height, velocity, forward]
@@ -141,7 +141,7 @@ def _tick(
 
 
 @njit()
-def _sweep_back(
+def _adjoint_sweep(
     results: np.ndarray,
     entries: np.ndarray,
     slopes: np.ndarray,

@@ -2,7 +2,7 @@
 
 Candidates are the points within one stride *around* a box at each level, not only those inside it: a bump
 five pixels high often lies between two rows of a coarse level, and would otherwise have no point at all. A
-box is assigned only to levels with a stride of at most COARSEST times its height, so that its rows
+box is assigned only to levels with a stride of at most MAX_STRIDE_RATIO times its height, so that its rows
 are resolved; without this limit, whichever level first learns wide boxes keeps them.
 """
 
@@ -16,7 +16,7 @@ from detector.overlap import iou
 
 
 @dataclass(frozen=True)
-class Truths:
+class GroundTruth:
     """Ground-truth objects of a batch, as flat arrays.
 
     image: (G,) index of the image in the batch
@@ -28,13 +28,13 @@ class Truths:
     classes: Tensor
     boxes: Tensor
 
-    def where(self, mask: Tensor) -> "Truths":
+    def where(self, mask: Tensor) -> "GroundTruth":
         """The objects selected by a mask (G,) bool."""
-        return Truths(self.image[mask], self.classes[mask], self.boxes[mask])
+        return GroundTruth(self.image[mask], self.classes[mask], self.boxes[mask])
 
-    def to(self, device: torch.device) -> "Truths":
+    def to(self, device: torch.device) -> "GroundTruth":
         """The same objects on another device."""
-        return Truths(self.image.to(device), self.classes.to(device), self.boxes.to(device))
+        return GroundTruth(self.image.to(device), self.classes.to(device), self.boxes.to(device))
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,13 @@ class Assignment:
     score: Tensor
 
 
-COARSEST = 0.7  # greatest stride of a level that may be assigned a box, over the height of the box
+MAX_STRIDE_RATIO = 0.7  # greatest stride of a level that may be assigned a box, over the height of the box
 
 
-def fine_enough(boxes: Tensor, stride: Tensor) -> Tensor:
+def level_mask(boxes: Tensor, stride: Tensor) -> Tensor:
     """(G, N) bool: the level of point n is fine enough for box g, or is the finest level."""
     height = boxes[:, 3] - boxes[:, 1]
-    return (stride[None] <= COARSEST * height[:, None]) | (stride == stride.min())[None]
+    return (stride[None] <= MAX_STRIDE_RATIO * height[:, None]) | (stride == stride.min())[None]
 
 
 def candidates(boxes: Tensor, points: Tensor, stride: Tensor) -> Tensor:
@@ -70,7 +70,7 @@ def assign(
     predictions: Predictions,
     points: Tensor,
     stride: Tensor,
-    truths: Truths,
+    truths: GroundTruth,
     top_k: int = 10,
     alpha: float = 0.5,
     beta: float = 6.0,
@@ -83,7 +83,7 @@ def assign(
     estimate of a thin bump negative, so that all points would be ranked alike.
     """
     with torch.no_grad():
-        allowed = candidates(truths.boxes, points, stride) & fine_enough(truths.boxes, stride)
+        allowed = candidates(truths.boxes, points, stride) & level_mask(truths.boxes, stride)
         truth, anchor = allowed.nonzero(as_tuple=True)
         distance = (points[anchor] - _centres(truths.boxes)[truth]).norm(dim=1) / stride[anchor]
         near = distance.argsort(stable=True)  # ties: nearer points (in strides) first
@@ -94,20 +94,20 @@ def assign(
         score = predictions.class_logits[image, anchor, truths.classes[truth]].float().sigmoid()
         alignment = score**alpha * overlap**beta
 
-        chosen = rank_within(truth, alignment) < top_k
+        chosen = rank_in_group(truth, alignment) < top_k
         image, anchor, truth = image[chosen], anchor[chosen], truth[chosen]
         overlap, alignment = overlap[chosen], alignment[chosen]
-        alone = rank_within(image * len(points) + anchor, overlap) == 0
+        alone = rank_in_group(image * len(points) + anchor, overlap) == 0
         image, anchor, truth = image[alone], anchor[alone], truth[alone]
         overlap, alignment = overlap[alone], alignment[alone]
 
-        best_overlap = _largest(truth, overlap, len(truths.boxes))
-        best_alignment = _largest(truth, alignment, len(truths.boxes)).clamp(min=1e-30)
+        best_overlap = _group_maximum(truth, overlap, len(truths.boxes))
+        best_alignment = _group_maximum(truth, alignment, len(truths.boxes)).clamp(min=1e-30)
         target = alignment / best_alignment[truth] * best_overlap[truth]
     return Assignment(image, anchor, truth, target)
 
 
-def rank_within(group: Tensor, value: Tensor) -> Tensor:
+def rank_in_group(group: Tensor, value: Tensor) -> Tensor:
     """(P,) rank of each value within its group, largest first, earlier elements first among equals."""
     order = value.argsort(descending=True, stable=True)
     order = order[group[order].argsort(stable=True)]
@@ -125,5 +125,5 @@ def _centres(boxes: Tensor) -> Tensor:
     return (boxes[:, :2] + boxes[:, 2:]) / 2
 
 
-def _largest(group: Tensor, value: Tensor, groups: int) -> Tensor:
+def _group_maximum(group: Tensor, value: Tensor, groups: int) -> Tensor:
     return value.new_zeros(groups).scatter_reduce(0, group, value, "amax")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.crops import View, part_view
+from detector.crops import TrainingView, part_view
 from detector.dataset import Sample
 from detector.litter import litter
 from detector.mosaic import mosaic_view
@@ -41,7 +41,7 @@ class Augmentation:
         return self if done < 1 - self.plain_last else replace(self, mosaic=0.0)
 
 
-DEFAULT = Augmentation()
+DEFAULT_AUGMENTATION = Augmentation()
 
 
 def training_view(
@@ -50,9 +50,9 @@ def training_view(
     width: int,
     height: int,
     rng: Generator,
-    how: Augmentation = DEFAULT,
+    how: Augmentation = DEFAULT_AUGMENTATION,
     min_height_px: float = 2.0,
-) -> View:
+) -> TrainingView:
     """Random training view of samples[index], or a mosaic of it with three others."""
     if how.mosaic and rng.random() < how.mosaic:
         chosen = [samples[i] for i in (index, *rng.integers(len(samples), size=3))]
@@ -69,7 +69,7 @@ def training_view(
     if how.weather and rng.random() < how.weather:
         effect = (rain, snow, fog)[rng.integers(3)]
         image = effect(image, rng.random(), rng)
-    return View(_sensor(image, rng), classes, boxes)
+    return TrainingView(_sensor(image, rng), classes, boxes)
 
 
 def _light(image: NDArray, rng: Generator) -> NDArray:

@@ -26,7 +26,7 @@ from detector.progress import Progress
 from files.atomic import write_text
 from files.command_line import Parser
 from files.errors import InputError
-from files.numbers import is_whole, within
+from files.numbers import is_integer, within
 from files.targets import check_files
 
 GRAPHS = ("plain", "optimised")
@@ -202,7 +202,7 @@ def check(args: argparse.Namespace) -> None:
     for size in args.sizes:
         _pixels(size)
     for threads in args.threads:
-        if not is_whole(threads) or int(threads) < 1:
+        if not is_integer(threads) or int(threads) < 1:
             raise InputError(f"--threads: must be whole numbers >= 1, got {threads!r}")
     within("--runs", args.runs, 1, 1_000_000)
 

@@ -19,12 +19,12 @@ BIN_M = 2.5
 HEIGHT_EDGES_PX = (0, 3, 5, 8, 12, 20, 40, 10_000)
 EGO_RANGE_M = (4.0, 15.0)
 FAR_RANGE_M = (15.0, 25.0)
-FAR_LEAST_PX = 3.0
+FAR_MIN_HEIGHT_PX = 3.0
 EDGE_RANGE_M = (4.0, 10.0)
 
 
 @dataclass(frozen=True)
-class Judged:
+class EvaluatedImage:
     """Evaluated image: name, height (px), true boxes (n, 4) in px, and matched detections."""
 
     name: str
@@ -34,7 +34,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Seen:
+class EvaluatedObject:
     """Evaluated object: class, position, and result of its detection.
 
     top_error_px, bottom_error_px: detected edge minus true edge, rows counted downwards; None if the object
@@ -51,9 +51,9 @@ class Seen:
     bottom_error_px: float | None
 
 
-def objects_seen(
-    judged: Sequence[Judged], records: dict[str, dict], confidence: float, folder: Path
-) -> list[Seen]:
+def evaluated_objects(
+    judged: Sequence[EvaluatedImage], records: dict[str, dict], confidence: float, folder: Path
+) -> list[EvaluatedObject]:
     """Evaluated objects of a data set. Raises InputError if the records differ from the labels."""
     seen = []
     for image in judged:
@@ -69,15 +69,15 @@ def objects_seen(
             top = float(errors[1]) if sure and box[1] > 1 else None
             bottom = float(errors[3]) if sure and box[3] < image.height_px - 1 else None
             where = record["class"], record["distance_m"], bool(record["in_ego_lane"])
-            seen.append(Seen(*where, float(box[3] - box[1]), sure, top, bottom))
+            seen.append(EvaluatedObject(*where, float(box[3] - box[1]), sure, top, bottom))
     return seen
 
 
-def by_object(seen: Sequence[Seen]) -> dict:
+def by_object(seen: Sequence[EvaluatedObject]) -> dict:
     """Recall in the ego lane near and far, by distance and box height; errors of top and bottom edge."""
     ego = [o for o in seen if o.in_ego_lane]
     near = _within(ego, EDGE_RANGE_M)
-    far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_LEAST_PX]
+    far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_MIN_HEIGHT_PX]
     return {
         "ego_range_m": list(EGO_RANGE_M),
         "ego_recall": _recall(_within(ego, EGO_RANGE_M)),
@@ -94,23 +94,23 @@ def by_object(seen: Sequence[Seen]) -> dict:
     }
 
 
-def false_alarms(judged: Sequence[Judged], confidence: float) -> dict:
+def false_alarms(judged: Sequence[EvaluatedImage], confidence: float) -> dict:
     """False alarms: detections on images without any object."""
     plain = [image.result.detections.scores for image in judged if not len(image.boxes)]
     false = sum(int((scores >= confidence).sum()) for scores in plain)
     return {"images": len(plain), "per_100_images": 100 * false / len(plain) if plain else None}
 
 
-def _within(seen: Sequence[Seen], range_m: tuple[float, float]) -> list[Seen]:
+def _within(seen: Sequence[EvaluatedObject], range_m: tuple[float, float]) -> list[EvaluatedObject]:
     return [o for o in seen if range_m[0] <= o.distance_m <= range_m[1]]
 
 
-def _per_class(seen: Sequence[Seen], what: Callable[[Sequence[Seen]], dict]) -> dict:
+def _per_class(seen: Sequence[EvaluatedObject], what: Callable[[Sequence[EvaluatedObject]], dict]) -> dict:
     classes = {name: what([o for o in seen if o.cls == i]) for i, name in enumerate(CLASS_NAMES)}
     return {"all": what(seen)} | classes
 
 
-def _recall(seen: Sequence[Seen]) -> dict:
+def _recall(seen: Sequence[EvaluatedObject]) -> dict:
     return _per_class(
         seen,
         lambda part: {
@@ -120,7 +120,7 @@ def _recall(seen: Sequence[Seen]) -> dict:
     )
 
 
-def _by_distance(seen: Sequence[Seen]) -> list[dict]:
+def _by_distance(seen: Sequence[EvaluatedObject]) -> list[dict]:
     bins = sorted({int(o.distance_m // BIN_M) for o in seen})
     return [
         {"from_m": b * BIN_M, "to_m": (b + 1) * BIN_M}
@@ -129,7 +129,7 @@ def _by_distance(seen: Sequence[Seen]) -> list[dict]:
     ]
 
 
-def _edge(seen: Sequence[Seen], which: str) -> dict:
+def _edge(seen: Sequence[EvaluatedObject], which: str) -> dict:
     """Bias, median and sigma of an edge error in px; bias and sigma also in percent of the box's height."""
     known = [(getattr(o, which), o.height_px) for o in seen if getattr(o, which) is not None]
     if not known:

@@ -15,7 +15,7 @@ from files.command_line import Parser
 from files.errors import InputError
 from files.targets import check_files
 
-PAPER = {
+PAPER_COMPLEXITY = {
     "yolo11n": (2.58, 6.3),
     "+p2": (2.67, 10.3),
     "+ledh": (2.37, 6.7),
@@ -60,9 +60,9 @@ def table(size: int = 640) -> list[dict]:
                 "model": name,
                 "parameters": count,
                 "parameters_with_dead": count + dead_parameters(model),
-                "paper_parameters": round(PAPER[name][0] * 1e6),
+                "paper_parameters": round(PAPER_COMPLEXITY[name][0] * 1e6),
                 "gflops": round(gflops(model, size), 3),
-                "paper_gflops": PAPER[name][1],
+                "paper_gflops": PAPER_COMPLEXITY[name][1],
             }
         )
     return rows

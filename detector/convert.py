@@ -21,7 +21,7 @@ COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""
 KIND = "images"
 """Format name in the marker file of labelled folders."""
-_MOST_CLASSES = 1000  # limit for a foreign data set
+_MAX_CLASSES = 1000  # limit for a foreign data set
 Box = tuple[float, float, float, float]
 Names = dict[str, str]  # a source's class name or number -> one of CLASS_NAMES
 
@@ -51,7 +51,7 @@ def read_yolo(folder: Path, names: Names, skip_bad: bool = False) -> list[Labell
     except ValueError:
         raise InputError(f"a YOLO set's classes are numbers, got {', '.join(names)}") from None
     kept = kept or {cls: cls for cls in range(len(CLASS_NAMES))}
-    most = _MOST_CLASSES if names else len(CLASS_NAMES)
+    most = _MAX_CLASSES if names else len(CLASS_NAMES)
 
     def one(path: Path) -> Labelled:
         height, width = read_image(path).shape[:2]
@@ -65,7 +65,7 @@ def read_yolo(folder: Path, names: Names, skip_bad: bool = False) -> list[Labell
 
     if not (folder / "labels").is_dir():
         raise InputError(f"{folder}: no folder labels/ in it; a dataset must hold images/ and labels/")
-    return _each(image_paths(folder), one, skip_bad)
+    return _read_each(image_paths(folder), one, skip_bad)
 
 
 def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) -> list[Labelled]:
@@ -96,7 +96,7 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
                 raise InputError(f"{path}: a box of {file.name} must lie inside {width} x {height} px")
         return Labelled(path, width, height, tuple((c, _clipped(b, width, height)) for c, b in objects[path]))
 
-    return _each([path for path, _ in entries], one, skip_bad)
+    return _read_each([path for path, _ in entries], one, skip_bad)
 
 
 def write_yolo(rows: Iterable[Labelled], out: Path) -> None:
@@ -129,7 +129,7 @@ def write_coco(rows: Iterable[Labelled], out: Path) -> None:
     write_text(out, json.dumps({"images": images, "annotations": notes, "categories": categories}) + "\n")
 
 
-def _each(paths: Iterable[Path], read: Callable[[Path], Labelled], skip_bad: bool) -> list[Labelled]:
+def _read_each(paths: Iterable[Path], read: Callable[[Path], Labelled], skip_bad: bool) -> list[Labelled]:
     rows, faults = [], []
     for path in paths:
         try:

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from detector.dataset import Sample
 
-GREY = 114
+PADDING_GREY = 114
 IGNORED = -1
-VISIBLE_HEIGHT = 0.6  # least visible share of the box height of an object to train on
+MIN_VISIBLE_HEIGHT = 0.6  # least visible share of the box height of an object to train on
 MIN_WIDTH_PX = 6.0
 
 
-class View(NamedTuple):
+class TrainingView(NamedTuple):
     """Labelled training view.
 
     image (height, width, 3) uint8, classes (n,), boxes (n, 4) float32 x0 y0 x1 y1 in its pixels. Objects that
@@ -34,20 +34,20 @@ class View(NamedTuple):
 
 def part_view(
     sample: Sample, width: int, height: int, rng: Generator, min_height_px: float, fill: bool = False
-) -> View:
+) -> TrainingView:
     """Random crop of an image at a random scale; with `fill` (nearly) without grey padding."""
     window = _window(sample, width, height, rng, fill)
     image = cut(sample.image, window, width, height)
-    return View(image, *_boxes_in(sample, window, width, height, min_height_px))
+    return TrainingView(image, *_boxes_in(sample, window, width, height, min_height_px))
 
 
-def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0.0) -> View:
+def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0.0) -> TrainingView:
     """Whole image fitted into (height, width) with grey padding, as used for validation."""
     rows, columns = sample.image.shape[:2]
     scale = min(width / columns, height / rows)
     window = (0, 0, round(width / scale), round(height / scale))
     image = cut(sample.image, window, width, height)
-    return View(image, *_boxes_in(sample, window, width, height, min_height_px))
+    return TrainingView(image, *_boxes_in(sample, window, width, height, min_height_px))
 
 
 def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool) -> tuple[int, int, int, int]:
@@ -66,12 +66,12 @@ def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool)
     if len(sample.boxes) and rng.random() < 0.8:
         box = sample.boxes[rng.integers(len(sample.boxes))]
         centre = (box[:2] + rng.random(2) * (box[2:] - box[:2])) * (columns, rows)
-    x = _place(centre[0], w, columns, rng)
-    y = _place(centre[1], h, rows, rng)
+    x = _random_start(centre[0], w, columns, rng)
+    y = _random_start(centre[1], h, rows, rng)
     return x, y, w, h
 
 
-def _place(centre: float, length: int, limit: int, rng: Generator) -> int:
+def _random_start(centre: float, length: int, limit: int, rng: Generator) -> int:
     """Start of an interval that holds `centre` at a random position and lies in (or around) 0..limit."""
     start = centre - rng.uniform(0.1, 0.9) * length
     low, high = min(0, limit - length), max(0, limit - length)
@@ -87,7 +87,9 @@ def cut(image: NDArray, window: tuple[int, int, int, int], width: int, height: i
     bottom, right = max(y + h - rows, 0), max(x + w - columns, 0)
     if top or left or bottom or right:
         border = cv2.BORDER_CONSTANT
-        part = cv2.copyMakeBorder(part, top, bottom, left, right, border, value=(GREY, GREY, GREY))
+        part = cv2.copyMakeBorder(
+            part, top, bottom, left, right, border, value=(PADDING_GREY, PADDING_GREY, PADDING_GREY)
+        )
     if (w, h) == (width, height):
         return part.copy()
     shrinks = w > width
@@ -105,7 +107,7 @@ def _boxes_in(
     boxes = full.clip(0, [width, height, width, height])
     size = boxes[:, 2:] - boxes[:, :2]
     whole = full[:, 3] - full[:, 1]
-    cut_away = (size[:, 1] < VISIBLE_HEIGHT * whole) | (
+    cut_away = (size[:, 1] < MIN_VISIBLE_HEIGHT * whole) | (
         size[:, 0] < np.minimum(MIN_WIDTH_PX, full[:, 2] - full[:, 0])
     )
     small = size[:, 1] < min_height_px

@@ -28,12 +28,12 @@ def read_history(path: Path) -> list[dict]:
     for number, row in enumerate(rows, 1):
         with reading(f"{path}:{number}"):
             told = [row["passes"], *(row[key] for key in SCORES), *row.get("loss", {}).values()]
-            if type(told[0]) is not int or not all(_fits(value) for value in told):
+            if type(told[0]) is not int or not all(_shape_matches(value) for value in told):
                 raise InputError(f"{path}:{number}: passes, scores and loss must be numbers")
     return rows
 
 
-def _fits(value: object) -> bool:
+def _shape_matches(value: object) -> bool:
     return value is None or (type(value) in (int, float) and abs(value) <= 1e12)  # type: ignore[arg-type]
 
 

@@ -22,7 +22,7 @@ from files.reading import read_bytes, read_text
 from files.strict_json import read_json_lines
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
-MOST_DISTANCE_M = 1e6
+MAX_DISTANCE_M = 1e6
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ def _check_object(one: dict) -> None:
     cls, distance, lane = one["class"], one["distance_m"], one["in_ego_lane"]
     if type(cls) is not int:  # a bool is an int, too
         raise ValueError(f"class must be a whole number, got {shown(cls)}")
-    if type(distance) not in (int, float) or not abs(distance) <= MOST_DISTANCE_M:
-        raise ValueError(f"distance_m must be a number within ±{MOST_DISTANCE_M:g}, got {shown(distance)}")
+    if type(distance) not in (int, float) or not abs(distance) <= MAX_DISTANCE_M:
+        raise ValueError(f"distance_m must be a number within ±{MAX_DISTANCE_M:g}, got {shown(distance)}")
     if type(lane) is not bool:
         raise ValueError(f"in_ego_lane must be true or false, got {shown(lane)}")
 

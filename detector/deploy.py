@@ -31,5 +31,5 @@ class Deployed(nn.Module):
         if self.everywhere:
             boxes = decode(predictions.all_box_logits(), points, stride)[:, best]
             return boxes, class_logits.float().sigmoid()[:, best]
-        boxes = decode(predictions.box_logits_of_one(best).float(), points[best], stride[best])[None]
+        boxes = decode(predictions.box_logits_of_single_image(best).float(), points[best], stride[best])[None]
         return boxes, class_logits[:, best].float().sigmoid()

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import binary_cross_entropy_with_logits, kl_div
 
-from detector.assigner import Truths, assign
+from detector.assigner import GroundTruth, assign
 from detector.heads import Predictions, decode
 from detector.models import Network
 from detector.overlap import ciou
@@ -29,7 +29,7 @@ class DistillationWeights:
     temperature: float = 1.0
 
 
-class Aligned(nn.Module):
+class FeatureAdapter(nn.Module):
     """Feature adapter: the student's neck maps in the teacher's channels (1×1 convolution, plain norm)."""
 
     def __init__(self, student: tuple[int, ...], teacher: tuple[int, ...]):
@@ -56,7 +56,7 @@ def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
 
 
 def bckd(
-    student: Predictions, teacher: Predictions, truths: Truths, points: Tensor, stride: Tensor
+    student: Predictions, teacher: Predictions, truths: GroundTruth, points: Tensor, stride: Tensor
 ) -> Tensor:
     """Unweighted box and class terms (2,) of the logit distillation.
 
@@ -86,7 +86,7 @@ class Distillation:
     def __init__(self, student: Network, teacher: Network, weights: DistillationWeights):
         self.teacher, self.weights = teacher.eval().requires_grad_(False), weights
         blocks, others = _neck(student), _neck(teacher)
-        self.aligned = Aligned(tuple(map(_width, blocks)), tuple(map(_width, others)))
+        self.aligned = FeatureAdapter(tuple(map(_width, blocks)), tuple(map(_width, others)))
         self.maps: dict[nn.Module, Tensor] = {}
         self.pairs = list(zip(blocks, others, strict=True))
         for block in (*blocks, *others):
@@ -96,7 +96,7 @@ class Distillation:
         self.maps[block] = inputs[0]
 
     def __call__(
-        self, images: Tensor, predictions: Predictions, truths: Truths, points: Tensor, stride: Tensor
+        self, images: Tensor, predictions: Predictions, truths: GroundTruth, points: Tensor, stride: Tensor
     ) -> Tensor:
         """Weighted terms (2,), logits and features, of the student's predictions for the images."""
         with torch.no_grad():

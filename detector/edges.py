@@ -14,27 +14,27 @@ from numpy.typing import NDArray
 
 from detector.detection import Detections
 
-LINED_CLASSES = (0,)  # speed bumps; the rim of a pothole is not straight
-LEAST_WIDTH_PX, LEAST_ASPECT = 48.0, 3.0
+STRAIGHT_EDGE_CLASSES = (0,)  # speed bumps; the rim of a pothole is not straight
+MIN_WIDTH_PX, MIN_ASPECT = 48.0, 3.0
 SEGMENTS = 16
 STEP_PX, RISE_STEP_PX = 0.5, 1.0
-STEEPEST = 0.03  # greatest slope of a line in the image, from roll and yaw
+MAX_LINE_SLOPE = 0.03  # greatest slope of a line in the image, from roll and yaw
 SPREAD_PX, SPREAD_PER_HEIGHT = 1.2, 0.08  # standard deviation of the network's edges
 RISE_SPREAD_PX, RISE_SPREAD_SHARE = 3.0, 1.0  # spread of a line's rise about the common rise
-STANDING_OUT = 3.0  # least ratio of a line to the median of its surroundings
-LEAST_CHANGE = 6.0  # least change at a line, summed over red, green and blue
+MIN_CONTRAST_RATIO = 3.0  # least ratio of a line to the median of its surroundings
+MIN_CHANGE = 6.0  # least change at a line, summed over red, green and blue
 SAME_LINE_PX = 1.5  # greatest distance within one line
-INNERMOST = 0.55  # search range inside the box, as a share of its height
-LEAST_LEFT = 0.45  # least refined height, as a share: below it both edges are on the same line
+INWARD_SEARCH = 0.55  # search range inside the box, as a share of its height
+MIN_REFINED_HEIGHT = 0.45  # least refined height, as a share: below it both edges are on the same line
 _MARGIN = 0.06  # side margin left out, as a share of the width
 
 
-def sharpen(image: NDArray[np.uint8], found: Detections) -> Detections:
+def refine(image: NDArray[np.uint8], found: Detections) -> Detections:
     """Detections with top and bottom of wide bumps moved to lines of the RGB image (H, W, 3)."""
     boxes = found.boxes.copy()
     for box, cls in zip(boxes, found.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
-        if cls in LINED_CLASSES and width >= max(LEAST_WIDTH_PX, LEAST_ASPECT * height):
+        if cls in STRAIGHT_EDGE_CLASSES and width >= max(MIN_WIDTH_PX, MIN_ASPECT * height):
             box[1], box[3] = np.clip(_edges(image, box), 0, len(image))
     return Detections(boxes, found.scores, found.classes)
 
@@ -45,12 +45,12 @@ def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, f
     height = bottom - top
     spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
     change, first = _row_changes(image, box, 3 * spread)
-    lines = _strengths(change, int(STEEPEST * (right - left) / 2 / RISE_STEP_PX))
-    upper = lines and _line(change, lines, top - first, spread, (3 * spread, INNERMOST * height))
-    lower = lines and _line(change, lines, bottom - first, spread, (INNERMOST * height, 3 * spread))
+    lines = _strengths(change, int(MAX_LINE_SLOPE * (right - left) / 2 / RISE_STEP_PX))
+    upper = lines and _line(change, lines, top - first, spread, (3 * spread, INWARD_SEARCH * height))
+    lower = lines and _line(change, lines, bottom - first, spread, (INWARD_SEARCH * height, 3 * spread))
     new_top = first + upper[0] - abs(upper[1]) if upper and top > 1 else top
     new_bottom = first + lower[0] + abs(lower[1]) if lower and bottom < len(image) - 1 else bottom
-    return (new_top, new_bottom) if new_bottom - new_top >= LEAST_LEFT * height else (top, bottom)
+    return (new_top, new_bottom) if new_bottom - new_top >= MIN_REFINED_HEIGHT * height else (top, bottom)
 
 
 def _row_changes(image: NDArray[np.uint8], box: NDArray, reach: float) -> tuple[NDArray[np.float32], int]:
@@ -84,7 +84,7 @@ def _strengths(change: NDArray[np.float32], ends: int) -> _Lines | None:
     rises = RISE_STEP_PX * np.arange(-ends, ends + 1)
     if len(rows) < 4:
         return None
-    return _Lines(rows, rises, _along(change, rows[:, None] + np.zeros(len(rises)), rises))
+    return _Lines(rows, rises, _line_means(change, rows[:, None] + np.zeros(len(rises)), rises))
 
 
 def _line(
@@ -102,15 +102,15 @@ def _line(
     near[(rows < row - reach[0]) | (rows > row + reach[1])] = 0
     start, slant = np.unravel_index(np.argmax(strength * near), near.shape)
     profile, rise = strength[:, slant], rises[slant]
-    best = _climb(profile, int(start))
-    if profile[best] < max(STANDING_OUT * np.median(change.mean(axis=1)), LEAST_CHANGE):
+    best = _local_maximum(profile, int(start))
+    if profile[best] < max(MIN_CONTRAST_RATIO * np.median(change.mean(axis=1)), MIN_CHANGE):
         return None
     about = rows[best] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
-    weight = np.maximum(_along(change, about, rise) - 0.3 * profile[best], 0)
+    weight = np.maximum(_line_means(change, about, rise) - 0.3 * profile[best], 0)
     return float((weight * about).sum() / weight.sum()), float(rise)
 
 
-def _climb(profile: NDArray, at: int) -> int:
+def _local_maximum(profile: NDArray, at: int) -> int:
     """Index of the local maximum reached by hill climbing from `at`."""
     while True:
         first = max(at - 1, 0)
@@ -120,7 +120,7 @@ def _climb(profile: NDArray, at: int) -> int:
         at = up
 
 
-def _along(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
+def _line_means(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
     """Mean change along lines (...) through `rows` at the middle that descend by `rises` to the right end."""
     side = np.linspace(-1, 1, SEGMENTS)
     at = (rows[..., None] + np.asarray(rises)[..., None] * side).clip(0, len(change) - 1.001)

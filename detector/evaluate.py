@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.breakdown import Judged, by_object, false_alarms, objects_seen
+from detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
 from detector.conditions import by_condition, figure_9
 from detector.curves import write_precision_recall
 from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
@@ -26,8 +26,8 @@ from detector.degrade import EFFECTS, degraded
 from detector.detection import Detections
 from detector.gallery import write_sheets
 from detector.imagefile import read_image
-from detector.metrics import judge, summarise
-from detector.nms import LEAST_CONFIDENCE
+from detector.metrics import match_detections, summarise
+from detector.nms import MIN_CONFIDENCE
 from detector.progress import Progress
 from detector.report import report
 from detector.runtime import Detector
@@ -61,28 +61,28 @@ def evaluate(
     objects.jsonl, those of `breakdown` by object and condition. masks: whether to apply lane/. Raises
     InputError.
     """
-    return summary_of(folder, judge_folder(folder, detect, skip_bad, masks), confidence)
+    return summary_of(folder, match_folder(folder, detect, skip_bad, masks), confidence)
 
 
-def summary_of(folder: Path, judged: Sequence[Judged], confidence: float) -> dict:
+def summary_of(folder: Path, judged: Sequence[EvaluatedImage], confidence: float) -> dict:
     """Metrics as of `evaluate`, from a folder's judged images. Raises InputError."""
     summary = {"dataset": dataset_hash(folder)} | summarise([j.result for j in judged], confidence)
     summary["false_alarms"] = false_alarms(judged, confidence)
     records = read_records(folder)
     if records is not None:
-        summary |= by_object(objects_seen(judged, records, confidence, folder))
+        summary |= by_object(evaluated_objects(judged, records, confidence, folder))
         summary["by_condition"] = by_condition(judged, records, confidence)
         summary["figure_9"] = figure_9(judged, records, confidence)
     return summary
 
 
-def judge_folder(
+def match_folder(
     folder: Path,
     detect: Callable[[NDArray[np.uint8]], Detections],
     skip_bad: bool = False,
     masks: bool = True,
     change: Change = unchanged,
-) -> list[Judged]:
+) -> list[EvaluatedImage]:
     """Detections in every image of a folder, matched to its labels. Raises InputError.
 
     change: degradation applied to an image, given with its name, before detection
@@ -95,7 +95,9 @@ def judge_folder(
             if masks:
                 found = _in_lane(found, sample, folder / "lane")
             boxes = sample.boxes * np.array([columns, rows, columns, rows], np.float32)
-            judged.append(Judged(sample.name, rows, boxes, judge(found, boxes, sample.classes)))
+            judged.append(
+                EvaluatedImage(sample.name, rows, boxes, match_detections(found, boxes, sample.classes))
+            )
             progress.show(len(judged), "evaluating")
     return judged
 
@@ -143,8 +145,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         change = unchanged
         if args.degrade:
             change = partial(degraded, effect=args.degrade, strength=args.strength)
-        detect = Detector(args.weights, args.threads, LEAST_CONFIDENCE)
-        judged = judge_folder(args.data, detect, args.skip_bad, not args.ignore_masks, change)
+        detect = Detector(args.weights, args.threads, MIN_CONFIDENCE)
+        judged = match_folder(args.data, detect, args.skip_bad, not args.ignore_masks, change)
         summary = summary_of(args.data, judged, args.confidence)
         summary |= {
             "weights": shared_name(detect.path),
@@ -164,7 +166,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def write_folder(
-    data: Path, judged: Sequence[Judged], summary: dict, out: Path, change: Change = unchanged
+    data: Path, judged: Sequence[EvaluatedImage], summary: dict, out: Path, change: Change = unchanged
 ) -> None:
     """Write the files of `--out`."""
 

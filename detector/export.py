@@ -29,7 +29,7 @@ from detector.detection import CLASS_NAMES
 from detector.imagefile import read_image
 from detector.models import Network
 from detector.parity import parity
-from detector.quantize import halved, quantized
+from detector.quantize import quantized, to_half_precision
 from detector.rewrite import rewrite
 from files.atomic import write_bytes
 from files.command_line import Parser
@@ -105,7 +105,7 @@ def export(
     if precision.startswith("int8"):
         graph = quantized(graph, images, convolutions_only=precision == "int8-conv")
     elif precision == "fp16":
-        graph = halved(graph)
+        graph = to_half_precision(graph)
     gap, allowed = parity(model, graph, images[:4]), TOLERANCE.get(precision, 1.0)
     if not gap <= allowed:
         raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {allowed:g}")

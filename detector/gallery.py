@@ -6,21 +6,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.breakdown import Judged
-from detector.pictures import misses, png, sheet, tile
+from detector.breakdown import EvaluatedImage
+from detector.pictures import missed_mask, png, sheet, tile
 from files.atomic import write_bytes
 
 COLUMNS, TILES = 4, 24
 
 
 def write_sheets(
-    judged: Sequence[Judged], read: Callable[[str], NDArray[np.uint8]], confidence: float, out: Path
+    judged: Sequence[EvaluatedImage], read: Callable[[str], NDArray[np.uint8]], confidence: float, out: Path
 ) -> None:
-    """Write `hardest.png`, by `mistakes`, and `typical.png`, spread over the images with objects.
+    """Write `hardest.png`, by `error_score`, and `typical.png`, spread over the images with objects.
 
     read: image by name, as the detector saw it
     """
-    ranked = sorted(judged, key=lambda image: -mistakes(image, confidence))  # stable: ties by name
+    ranked = sorted(judged, key=lambda image: -error_score(image, confidence))  # stable: ties by name
     with_objects = [image for image in judged if len(image.boxes)] or list(judged)
     spread = np.linspace(0, len(with_objects) - 1, min(TILES, len(with_objects))).round().astype(int)
     typical = [with_objects[i] for i in spread]
@@ -30,8 +30,8 @@ def write_sheets(
         write_bytes(out / f"{name}.png", png(sheet(tiles, COLUMNS, title)))
 
 
-def mistakes(image: Judged, confidence: float) -> float:
+def error_score(image: EvaluatedImage, confidence: float) -> float:
     """Error score of an image: number of missed objects plus the scores of false detections."""
     found, right = image.result.detections, image.result.hits[0]
     false = found.scores[(found.scores >= confidence) & ~right]
-    return float(misses(image.result, confidence).sum() + false.sum())
+    return float(missed_mask(image.result, confidence).sum() + false.sum())

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from onnx import ModelProto, NodeProto, helper, numpy_helper
 
-ONE_WIDTH = {"Sigmoid", "Mul", "Add", "Resize", "MaxPool"}
+CHANNEL_PRESERVING = {"Sigmoid", "Mul", "Add", "Resize", "MaxPool"}
 """Operators whose output has as many channels as their first input."""
 
 
@@ -65,7 +65,7 @@ class Graph:
             return self.constants[node.input[1]].shape[0]
         if node.op_type == "Concat":
             return sum(self.channels(part) for part in node.input)
-        if node.op_type in ONE_WIDTH:
+        if node.op_type in CHANNEL_PRESERVING:
             return self.channels(node.input[0])
         source = self.shuffled(name)
         if source is None:
@@ -98,7 +98,7 @@ class Graph:
             self.graph.node.insert(place + offset, node)
         self._index()
 
-    def sweep(self) -> None:
+    def remove_unused(self) -> None:
         """Remove nodes and constants without readers."""
         wanted = {output.name for output in self.graph.output}
         for node in reversed(self.nodes):

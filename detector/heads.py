@@ -53,7 +53,7 @@ class Predictions:
             start = end
         return logits
 
-    def box_logits_of_one(self, point: Tensor) -> Tensor:
+    def box_logits_of_single_image(self, point: Tensor) -> Tensor:
         """Box logits (P, 4 · BINS) at P points of the only image.
 
         Every level is evaluated at all points and the right one selected. For a few hundred points this is
@@ -89,14 +89,14 @@ class LEDH(nn.Module):
         )
         self.box = nn.ModuleList(_box_branch(c) for c in channels)
         self.label = nn.ModuleList(
-            _branch(c, classes, rare(s, classes)) for c, s in zip(channels, strides, strict=True)
+            _branch(c, classes, prior_bias(s, classes)) for c, s in zip(channels, strides, strict=True)
         )
 
     def forward(self, maps: list[Tensor]) -> Predictions:
         features = [shared(x) for shared, x in zip(self.shared, maps, strict=True)]
-        labels = [_rows(branch(x)) for branch, x in zip(self.label, features, strict=True)]
+        labels = [_flatten_map(branch(x)) for branch, x in zip(self.label, features, strict=True)]
         return Predictions(
-            torch.cat(labels, 1), [_rows(x) for x in features], cast(list[nn.Conv2d], list(self.box))
+            torch.cat(labels, 1), [_flatten_map(x) for x in features], cast(list[nn.Conv2d], list(self.box))
         )
 
 
@@ -121,16 +121,16 @@ class DecoupledHead(nn.Module):
             for c in channels
         )
         self.box = nn.ModuleList(_box_branch(sides) for _ in channels)
-        self.label = nn.ModuleList(_branch(label, classes, rare(s, classes)) for s in strides)
+        self.label = nn.ModuleList(_branch(label, classes, prior_bias(s, classes)) for s in strides)
 
     def forward(self, maps: list[Tensor]) -> Predictions:
-        features = [_rows(sides(x)) for sides, x in zip(self.sides, maps, strict=True)]
+        features = [_flatten_map(sides(x)) for sides, x in zip(self.sides, maps, strict=True)]
         kinds = [kind(x) for kind, x in zip(self.kinds, maps, strict=True)]
-        labels = [_rows(branch(x)) for branch, x in zip(self.label, kinds, strict=True)]
+        labels = [_flatten_map(branch(x)) for branch, x in zip(self.label, kinds, strict=True)]
         return Predictions(torch.cat(labels, 1), features, cast(list[nn.Conv2d], list(self.box)))
 
 
-def rare(stride: int, classes: int) -> float:
+def prior_bias(stride: int, classes: int) -> float:
     """Prior class bias, from the frequency of objects: about five in a 640 x 640 image."""
     return math.log(5 / classes / (640 / stride) ** 2)
 
@@ -152,7 +152,7 @@ def _box_branch(c_in: int) -> nn.Conv2d:
     return branch
 
 
-def _rows(x: Tensor) -> Tensor:
+def _flatten_map(x: Tensor) -> Tensor:
     """Reshape (B, C, H, W) to (B, H·W, C)."""
     return x.permute(0, 2, 3, 1).flatten(1, 2)
 

@@ -15,18 +15,18 @@ from detector.dataset import Sample
 from detector.deploy import Deployed
 from detector.pictures import png, sheet, tile
 from detector.schedule import Stage
-from detector.trainer import TERMS, Trainer, look, validate
+from detector.trainer import TERMS, Trainer, match_whole_image, validate
 from files.atomic import write_bytes, write_text
 from files.errors import InputError
 from files.reading import read_text, reading
 from files.strict_json import JSON_LIMIT, parse_json
 
-EVERY_STEPS = 20  # steps between two points of the loss curves
+LOG_INTERVAL_STEPS = 20  # steps between two points of the loss curves
 TILES, COLUMNS = 12, 4
-SURE = 0.25
+SHOWN_CONFIDENCE = 0.25
 
 
-class Journal:
+class TrainingLog:
     """Training log in a run folder, continued at `passes` image passes.
 
     history.jsonl has one line for each validation, predictions/ one contact sheet of the same few images
@@ -38,10 +38,10 @@ class Journal:
         self.out, self.steps = out, 0
         self.history = out / "history.jsonl"
         if self.history.exists():
-            _cut_back(self.history, passes)
+            _truncate_history(self.history, passes)
         self.events = _events(out / "tensorboard", passes)
 
-    def __enter__(self) -> "Journal":
+    def __enter__(self) -> "TrainingLog":
         return self
 
     def __exit__(
@@ -51,9 +51,9 @@ class Journal:
             self.events.close()
 
     def step(self, trainer: Trainer, terms: torch.Tensor) -> None:
-        """Log the loss terms of a step, every `EVERY_STEPS` steps."""
+        """Log the loss terms of a step, every `LOG_INTERVAL_STEPS` steps."""
         self.steps += 1
-        if self.events and self.steps % EVERY_STEPS == 1:
+        if self.events and self.steps % LOG_INTERVAL_STEPS == 1:
             for name, value in zip(TERMS, terms.tolist(), strict=False):
                 self.events.add_scalar(f"loss/{name}", value, trainer.passes)
             rate = trainer.optimiser.param_groups[0]["lr"]
@@ -102,13 +102,13 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
     chosen = np.linspace(0, len(samples) - 1, min(TILES, len(samples))).round().astype(int)
     tiles = []
     for sample in (samples[i] for i in chosen):
-        view, result = look(trainer, deployed, sample, stage)
+        view, result = match_whole_image(trainer, deployed, sample, stage)
         asked = view.classes >= 0
-        tiles.append(tile(view.image, view.boxes[asked], result, SURE, sample.name, 360))
-    return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SURE:g}")
+        tiles.append(tile(view.image, view.boxes[asked], result, SHOWN_CONFIDENCE, sample.name, 360))
+    return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SHOWN_CONFIDENCE:g}")
 
 
-def _cut_back(history: Path, passes: int) -> None:
+def _truncate_history(history: Path, passes: int) -> None:
     """Drop incomplete history lines, and lines of more than so many passes."""
     kept = []
     for line in read_text(history, JSON_LIMIT).split("\n"):

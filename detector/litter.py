@@ -8,7 +8,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-FARTHEST_ROW = 0.3  # highest row of litter, as a share of the image height
+TOP_ROW = 0.3  # highest row of litter, as a share of the image height
 COLOURS = np.array(
     [
         (205, 175, 95),
@@ -35,7 +35,7 @@ def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray
     kinds = rng.choice(len(COLOURS), size=rng.integers(1, 4))  # few kinds per image
     light = np.clip(np.quantile(image[rows // 2 :: 4, ::4], 0.8) / 150, 0.1, 1.05)
     for height in np.sort(rng.random(count)):  # farthest first
-        row = (FARTHEST_ROW + (1 - FARTHEST_ROW) * height) * rows
+        row = (TOP_ROW + (1 - TOP_ROW) * height) * rows
         size = columns * (0.002 + 0.011 * height) * np.exp(rng.normal(0, 0.35))
         outline = _piece(rng) * size + (rng.uniform(0, columns), row)
         shadow = outline + size * np.array([rng.normal(0, 0.3), 0.25])

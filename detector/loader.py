@@ -13,8 +13,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from detector.assigner import Truths
-from detector.augment import DEFAULT, Augmentation, training_view
+from detector.assigner import GroundTruth
+from detector.augment import DEFAULT_AUGMENTATION, Augmentation, training_view
 from detector.dataset import Sample
 from detector.schedule import Stage, stage_at, total_passes
 
@@ -27,7 +27,7 @@ class Batch:
     """
 
     images: Tensor
-    truths: Truths
+    truths: GroundTruth
     stage: Stage
     passes: int
 
@@ -38,7 +38,7 @@ def make_batch(
     size: int,
     passes: int,
     seed: int,
-    augmentation: Augmentation = DEFAULT,
+    augmentation: Augmentation = DEFAULT_AUGMENTATION,
 ) -> Batch:
     """Batch that starts at image pass number `passes`; every epoch is a fresh permutation."""
     images = np.empty((size, stage.height, stage.width, 3), np.uint8)
@@ -52,7 +52,7 @@ def make_batch(
         )
         views.append((np.full(len(classes), i), classes, boxes))
     image, classes, boxes = (np.concatenate(part) for part in zip(*views, strict=True))
-    truths = Truths(torch.from_numpy(image), torch.from_numpy(classes), torch.from_numpy(boxes))
+    truths = GroundTruth(torch.from_numpy(image), torch.from_numpy(classes), torch.from_numpy(boxes))
     return Batch(torch.from_numpy(images).permute(0, 3, 1, 2), truths, stage, passes)
 
 
@@ -63,7 +63,7 @@ def batches(
     start: int,
     seed: int,
     workers: int,
-    augmentation: Augmentation = DEFAULT,
+    augmentation: Augmentation = DEFAULT_AUGMENTATION,
 ) -> Iterator[Batch]:
     """Batches from pass `start` to the end of the last stage, in order, a few prepared ahead."""
     positions = iter(range(start, total_passes(stages), size))

@@ -10,7 +10,7 @@ from pathlib import Path
 import torch
 
 from detector.dataset import Sample
-from detector.journal import Journal
+from detector.journal import TrainingLog
 from detector.loader import batches
 from detector.progress import Progress
 from detector.schedule import total_passes
@@ -18,7 +18,7 @@ from detector.trainer import Trainer
 
 
 @dataclass(frozen=True)
-class Routine:
+class LoopSettings:
     """Intervals of checkpoints and validations, early stopping, and loader threads."""
 
     checkpoint_s: float = 120.0
@@ -29,7 +29,7 @@ class Routine:
 
 
 def train(
-    trainer: Trainer, training: Sequence[Sample], validation: Sequence[Sample], out: Path, how: Routine
+    trainer: Trainer, training: Sequence[Sample], validation: Sequence[Sample], out: Path, how: LoopSettings
 ) -> None:
     """Train to the end of the last stage (or of patience), writing checkpoints and the history on the way.
 
@@ -39,7 +39,7 @@ def train(
     order = (settings.stages, settings.batch, trainer.passes, settings.seed, how.workers)
     feed = batches(training, *order, settings.augmentation)
     mean, written, stalled = torch.zeros(0), time.monotonic(), False
-    with Journal(out, trainer.passes) as journal, Progress(total, trainer.passes) as progress:
+    with TrainingLog(out, trainer.passes) as journal, Progress(total, trainer.passes) as progress:
         with _interrupts() as stopped:
             for batch in feed:
                 before = trainer.passes // how.validate_every

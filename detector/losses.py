@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
-from detector.assigner import Assignment, Truths, assign, candidates
+from detector.assigner import Assignment, GroundTruth, assign, candidates
 from detector.heads import BINS, Predictions, decode, encode
 from detector.overlap import ciou, nwd
 
@@ -46,7 +46,7 @@ class LossWeights:
 
 def detection_loss(
     predictions: Predictions,
-    truths: Truths,
+    truths: GroundTruth,
     points: Tensor,
     stride: Tensor,
     weights: LossWeights,
@@ -70,7 +70,7 @@ def detection_loss(
     return torch.stack(terms) / total
 
 
-def _label_loss(logits: Tensor, matched: Assignment, truths: Truths, ignored: Tensor) -> Tensor:
+def _label_loss(logits: Tensor, matched: Assignment, truths: GroundTruth, ignored: Tensor) -> Tensor:
     target = torch.zeros_like(logits)
     target[matched.image, matched.anchor, truths.classes[matched.truth]] = matched.score
     ignored[matched.image, matched.anchor] = False
@@ -78,7 +78,7 @@ def _label_loss(logits: Tensor, matched: Assignment, truths: Truths, ignored: Te
     return loss.masked_fill(ignored[..., None], 0).sum()
 
 
-def _ignored(truths: Truths, points: Tensor, stride: Tensor, like: Tensor) -> Tensor:
+def _ignored(truths: GroundTruth, points: Tensor, stride: Tensor, like: Tensor) -> Tensor:
     """(B, N) bool: points around objects to ignore."""
     ignored = torch.zeros(like.shape[:2], dtype=torch.bool, device=like.device)
     small = truths.where(truths.classes < 0)
@@ -90,7 +90,7 @@ def _ignored(truths: Truths, points: Tensor, stride: Tensor, like: Tensor) -> Te
 def _box_losses(
     predictions: Predictions,
     matched: Assignment,
-    truths: Truths,
+    truths: GroundTruth,
     points: Tensor,
     stride: Tensor,
     weights: LossWeights,

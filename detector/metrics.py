@@ -27,7 +27,7 @@ class ImageResult:
     found: NDArray[np.int64]
 
 
-def judge(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResult:
+def match_detections(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResult:
     """Match detections, best score first, each to the free object of its class that it overlaps most."""
     overlap = iou_matrix(detections.boxes, boxes)
     overlap[detections.classes[:, None] != classes[None]] = 0

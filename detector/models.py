@@ -78,11 +78,11 @@ class Network(nn.Module):
         p3 = self.stage3(p2)
         p4 = self.stage4(p3)
         p5 = self.stage5(p4)
-        t4 = self.top4(cat((_double(p5), p4), 1))
-        o3 = t3 = self.top3(cat((_double(t4), p3), 1))
+        t4 = self.top4(cat((_upsample2(p5), p4), 1))
+        o3 = t3 = self.top3(cat((_upsample2(t4), p3), 1))
         finest = []
         if self.layout.p2:
-            finest = [self.top2(cat((_double(t3), p2), 1))]
+            finest = [self.top2(cat((_upsample2(t3), p2), 1))]
             o3 = self.out3(cat((self.down3(finest[0]), t3), 1))
         o4 = self.out4(cat((self.down4(o3), t4), 1))
         o5 = self.out5(cat((self.down5(o4), p5), 1))
@@ -92,7 +92,7 @@ class Network(nn.Module):
         return self.head(self.pyramid(image))
 
 
-def _double(x: Tensor) -> Tensor:
+def _upsample2(x: Tensor) -> Tensor:
     return interpolate(x, scale_factor=2.0, mode="nearest")
 
 

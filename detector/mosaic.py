@@ -6,17 +6,17 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.crops import View, part_view
+from detector.crops import TrainingView, part_view
 from detector.dataset import Sample
 
-NEAREST_EDGE = 0.3  # least distance of the common corner from the view's edges, as a share of its size
+MIN_EDGE_DISTANCE = 0.3  # least distance of the common corner from the view's edges, as a share of its size
 
 
 def mosaic_view(
     samples: Sequence[Sample], width: int, height: int, rng: Generator, min_height_px: float
-) -> View:
+) -> TrainingView:
     """Mosaic: a random crop of each of four samples, in the four quarters around a random point."""
-    x, y = (int(rng.uniform(NEAREST_EDGE, 1 - NEAREST_EDGE) * length) for length in (width, height))
+    x, y = (int(rng.uniform(MIN_EDGE_DISTANCE, 1 - MIN_EDGE_DISTANCE) * length) for length in (width, height))
     image = np.empty((height, width, 3), np.uint8)
     classes: list[NDArray[np.int64]] = []
     boxes: list[NDArray[np.float32]] = []
@@ -26,4 +26,4 @@ def mosaic_view(
         image[y0:y1, x0:x1] = part.image
         classes.append(part.classes)
         boxes.append(part.boxes + np.array([x0, y0, x0, y0], np.float32))
-    return View(image, np.concatenate(classes), np.concatenate(boxes))
+    return TrainingView(image, np.concatenate(classes), np.concatenate(boxes))

@@ -5,14 +5,14 @@ from numpy.typing import NDArray
 
 from detector.detection import Detections
 
-OVERLAP = 0.45
+NMS_IOU = 0.45
 """IoU above which the lower-scoring box of a class is dropped (0.5: 0.9 points of mAP50 less)."""
-LEAST_CONFIDENCE = 0.001
+MIN_CONFIDENCE = 0.001
 """Least score of an evaluated detection: average precision covers all thresholds."""
 
-MOST_CANDIDATES = 10_000
+MAX_CANDIDATES = 10_000
 """Maximum number of candidates processed, best by score; bounds the time per image."""
-MOST_KEPT = 300
+MAX_KEPT = 300
 """Maximum number of detections of a class in one image."""
 
 
@@ -27,11 +27,11 @@ def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
 def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
     """Indices of the boxes kept, best first: none overlaps a better one by more than `iou`.
 
-    At most MOST_KEPT stay; the time grows with their number times that of the boxes.
+    At most MAX_KEPT stay; the time grows with their number times that of the boxes.
     """
     order = np.argsort(-scores, kind="stable")
     kept: list[int] = []
-    while len(order) and len(kept) < MOST_KEPT:
+    while len(order) and len(kept) < MAX_KEPT:
         best, rest = order[0], order[1:]
         kept.append(int(best))
         order = rest[~(iou_matrix(boxes[best][None], boxes[rest])[0] > iou)]
@@ -55,8 +55,8 @@ def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> De
     Candidates below the threshold still vote on the edges of the boxes kept.
     """
     found: list[tuple[float, NDArray, int]] = []
-    if len(boxes) > MOST_CANDIDATES:
-        best = np.sort(np.argsort(-scores.max(1), kind="stable")[:MOST_CANDIDATES])
+    if len(boxes) > MAX_CANDIDATES:
+        best = np.sort(np.argsort(-scores.max(1), kind="stable")[:MAX_CANDIDATES])
         boxes, scores = boxes[best], scores[best]
     solid = (boxes[:, 2:] > boxes[:, :2]).all(1)
     for cls in range(scores.shape[1]):

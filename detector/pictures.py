@@ -31,7 +31,7 @@ def tile(
     size = (width, round(image.shape[0] * scale))
     way = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
     shown = cv2.resize(image, size, interpolation=way)
-    missed, sure = misses(result, confidence), result.detections.scores >= confidence
+    missed, sure = missed_mask(result, confidence), result.detections.scores >= confidence
     for box, lost in zip(boxes * scale, missed, strict=True):
         _rectangle(shown, box, MISSED if lost else TRUE)
     found, right = result.detections, result.hits[0]
@@ -46,7 +46,7 @@ def tile(
     return np.concatenate((shown, caption)).astype(np.uint8, copy=False)
 
 
-def misses(result: ImageResult, confidence: float) -> NDArray[np.bool_]:
+def missed_mask(result: ImageResult, confidence: float) -> NDArray[np.bool_]:
     """(m,) bool: true objects without a detection of a score of at least `confidence`."""
     scores = np.append(result.detections.scores, 0.0)
     return scores[result.found] < confidence

@@ -23,15 +23,15 @@ from onnxruntime.quantization.shape_inference import quant_pre_process
 
 QUANTIZED = ["Conv", "Sigmoid", "Mul", "Concat", "Resize", "MaxPool", "Add"]
 """Operators quantised for onnxruntime: conversions between them would cost more than they save."""
-IN_FLOAT = ("/stem/", "/attention/", "/head/label", "/head/shared")
+FLOAT_PARTS = ("/stem/", "/attention/", "/head/label", "/head/shared")
 """Parts that stay in single precision: the first convolution, attention and the head, as onnxruntime has no
 fast 8-bit convolution of a few channels or small groups."""
-CLASSES = ("/head/label",)
+CLASS_BRANCH = ("/head/label",)
 """Parts in float where only convolutions are quantised: in 8 bits they cost 0.5 points of mAP50; for the stem
 and the rest of the head no loss could be measured."""
 
 
-def halved(model: ModelProto) -> ModelProto:
+def to_half_precision(model: ModelProto) -> ModelProto:
     """Copy with weights stored in half precision and computed in single: half the size, no faster."""
     copy = ModelProto()
     copy.CopyFrom(model)
@@ -74,7 +74,7 @@ def quantized(
     """
     kinds = ["Conv"] if convolutions_only else QUANTIZED
     if in_float is None:
-        in_float = CLASSES if convolutions_only else IN_FLOAT
+        in_float = CLASS_BRANCH if convolutions_only else FLOAT_PARTS
     kept_float = {"OpTypesToExcludeOutputQuantization": ["Conv"], "QuantizeBias": False}
     props = {p.key: p.value for p in model.metadata_props}
     with tempfile.TemporaryDirectory() as folder:
@@ -82,7 +82,7 @@ def quantized(
         onnx.save(model, source)
         quant_pre_process(source, ready, skip_symbolic_shape=True, skip_optimization=True)
         nodes = onnx.load(ready).graph.node
-        kept = [n.name for n in nodes if n.op_type in kinds and _stays(n, in_float)]
+        kept = [n.name for n in nodes if n.op_type in kinds and _stays_float(n, in_float)]
         logging.getLogger().setLevel(logging.ERROR)
         quantize_static(
             ready,
@@ -102,7 +102,7 @@ def quantized(
     return result
 
 
-def _stays(node: onnx.NodeProto, in_float: Sequence[str]) -> bool:
+def _stays_float(node: onnx.NodeProto, in_float: Sequence[str]) -> bool:
     """True for a node that stays in float: by name, or because it computes no feature of the image."""
     names = (node.name, *node.output)
     return any(part in name for part in in_float for name in names) or not any("/model/" in n for n in names)

@@ -19,7 +19,7 @@ Chain = tuple[str, ...]
 
 
 @dataclass
-class Terms:
+class LinearTerms:
     """Linear expression Σ W·x + bias: weights by chain of upsamplings and map x."""
 
     bias: NDArray
@@ -40,17 +40,17 @@ def rewrite(model: ModelProto, join: bool = False) -> ModelProto:
     copy = ModelProto()
     copy.CopyFrom(model)
     graph = Graph(copy)
-    for step in (_first_convolution_of_bytes, _split_convolutions, _shuffle_into_weights):
+    for step in (_convolve_uint8_image, _split_convolutions, _shuffle_into_weights):
         for node in graph.nodes:
             step(graph, node)
-        graph.sweep()
+        graph.remove_unused()
     for node in graph.nodes:
         _expand_convolutions(graph, node, join)
-    graph.sweep()
+    graph.remove_unused()
     return copy
 
 
-def _first_convolution_of_bytes(graph: Graph, node: NodeProto) -> None:
+def _convolve_uint8_image(graph: Graph, node: NodeProto) -> None:
     """Conv(scale · cast(image as C×H×W)) → Conv of the uint8 image as stored, rows of pixels of C values.
 
     A k×k convolution of C channels is a k×(k·C) one of a single channel, C·stride to the right at a time.
@@ -116,14 +116,14 @@ def _expand_convolutions(graph: Graph, node: NodeProto, join: bool) -> None:
     weight = graph.constants[node.input[1]]
     if weight.shape[2:] != (1, 1) or graph.attribute(node, "strides") != [1, 1]:
         return
-    terms = Terms(graph.constants[node.input[2]].astype(np.float64))
-    _collect(graph, terms, (), node.input[0], weight[:, :, 0, 0].astype(np.float64))
+    terms = LinearTerms(graph.constants[node.input[2]].astype(np.float64))
+    _expand_terms(graph, terms, (), node.input[0], weight[:, :, 0, 0].astype(np.float64))
     if list(terms.weights) != [()] or list(terms.weights[()]) != [node.input[0]]:
         joined = _join(terms, node.output[0]) if join else []
         graph.replace(node, joined + _sum(graph, node, terms))
 
 
-def _join(terms: Terms, out: str) -> list[NodeProto]:
+def _join(terms: LinearTerms, out: str) -> list[NodeProto]:
     """Concatenate the maps of each resolution; returns the nodes that do it."""
     nodes = []
     for chain, maps in terms.weights.items():
@@ -134,32 +134,34 @@ def _join(terms: Terms, out: str) -> list[NodeProto]:
     return nodes
 
 
-def _collect(graph: Graph, terms: Terms, chain: Chain, name: str, weight: NDArray) -> None:
+def _expand_terms(graph: Graph, terms: LinearTerms, chain: Chain, name: str, weight: NDArray) -> None:
     """Add W · (map called name) to the terms, expanded into its source maps where these are linear."""
     node = graph.maker.get(name)
     kind = node.op_type if node is not None else "input"
     source = graph.shuffled(name)
     if source is not None:
-        _collect(graph, terms, chain, source, _unshuffled(weight))
+        _expand_terms(graph, terms, chain, source, _unshuffled(weight))
     elif node is None:
         terms.add(chain, name, weight)
     elif kind == "Concat" and graph.attribute(node, "axis") == 1:
         widths = [graph.channels(part) for part in node.input]
         for part, columns in zip(node.input, np.split(weight, np.cumsum(widths)[:-1], 1), strict=True):
-            _collect(graph, terms, chain, part, columns)
+            _expand_terms(graph, terms, chain, part, columns)
     elif kind == "Resize":
-        _collect(graph, terms, (*chain, name), node.input[0], weight)
+        _expand_terms(graph, terms, (*chain, name), node.input[0], weight)
     elif kind == "Add" and len(graph.readers[name]) == 1:
         for part in node.input:
-            _collect(graph, terms, chain, part, weight)
+            _expand_terms(graph, terms, chain, part, weight)
     elif kind == "Conv" and graph.constants[node.input[1]].shape[1:] == (1, 1, 1):
         terms.bias += weight @ graph.constants[node.input[2]]
-        _collect(graph, terms, chain, node.input[0], weight * graph.constants[node.input[1]].reshape(1, -1))
+        _expand_terms(
+            graph, terms, chain, node.input[0], weight * graph.constants[node.input[1]].reshape(1, -1)
+        )
     else:
         terms.add(chain, name, weight)
 
 
-def _sum(graph: Graph, old: NodeProto, terms: Terms) -> list[NodeProto]:
+def _sum(graph: Graph, old: NodeProto, terms: LinearTerms) -> list[NodeProto]:
     """Nodes that sum the terms under the name of the old convolution's output; coarse maps first."""
     out, nodes, total = old.output[0], [], ""
     for chain in sorted(terms.weights, key=len, reverse=True):

@@ -10,27 +10,27 @@ from numpy.typing import NDArray
 
 from detector.backends import Run, open_network, open_session, require
 from detector.detection import CLASS_NAMES, Detections
-from detector.edges import sharpen
-from detector.nms import OVERLAP, select
+from detector.edges import refine
+from detector.nms import NMS_IOU, select
 from files.errors import InputError, shown
 from files.numbers import whole
 from files.reading import read_bytes
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
-MOST_WIDTH = 4096
+MAX_WIDTH = 4096
 """Maximum training width (px) in a model's metadata; images are scaled to it."""
-MOST_VALUE = 1e6
+MAX_VALUE = 1e6
 """Maximum magnitude of a network output."""
 MODEL_LIMIT = 512 << 20
 """Maximum size of a model file: 512 MiB."""
-LEAST = 64  # smaller images have fewer anchor points than the network returns candidates
-GREY = 114
+MIN_SIDE_PX = 64  # smaller images have fewer anchor points than the network returns candidates
+PADDING_GREY = 114
 KEPT_SIZES = 3  # number of image sizes with a cached session
 
 
 @dataclass(frozen=True)
-class Fit:
+class Letterbox:
     """Letterbox transform into the network's input: scale, with grey padding at the right and bottom."""
 
     scale: float
@@ -52,7 +52,7 @@ class Detector:
         weights: Path | None = None,
         threads: int = 1,
         confidence: float = 0.2,
-        iou: float = OVERLAP,
+        iou: float = NMS_IOU,
         backend: str = "cpu",
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
@@ -79,11 +79,11 @@ class Detector:
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
-        fit = fit_for(image.shape[1], image.shape[0], self.longest)
-        boxes, scores = self.candidates(lay_out(image, fit))
+        fit = letterbox_for(image.shape[1], image.shape[0], self.longest)
+        boxes, scores = self.candidates(letterbox(image, fit))
         found = select(boxes / fit.scale, scores, self.confidence, self.iou)
         found.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=found.boxes)
-        return sharpen(image, found)
+        return refine(image, found)
 
     def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Raw network output: boxes (K, 4) in pixels and scores (K, classes) of an image of a valid size."""
@@ -107,28 +107,26 @@ class Detector:
                 f"got {shapes[0]} and {shapes[1]}"
             )
         for name, values in (("boxes", boxes), ("scores", scores)):
-            if values.dtype.kind != "f" or not (np.abs(values) <= MOST_VALUE).all():
-                raise InputError(
-                    f"{self.path}: its {name} must be numbers within ±{MOST_VALUE:g}, got others"
-                )
+            if values.dtype.kind != "f" or not (np.abs(values) <= MAX_VALUE).all():
+                raise InputError(f"{self.path}: its {name} must be numbers within ±{MAX_VALUE:g}, got others")
 
 
-def fit_for(width: int, height: int, longest: int) -> Fit:
+def letterbox_for(width: int, height: int, longest: int) -> Letterbox:
     """Letterbox transform for an image of that size."""
-    if width % STRIDE == 0 and height % STRIDE == 0 and min(width, height) >= LEAST:
-        return Fit(1.0, width, height)
+    if width % STRIDE == 0 and height % STRIDE == 0 and min(width, height) >= MIN_SIDE_PX:
+        return Letterbox(1.0, width, height)
     scale = longest / max(width, height)
-    return Fit(scale, _up(width * scale), _up(height * scale))
+    return Letterbox(scale, _up(width * scale), _up(height * scale))
 
 
-def lay_out(image: NDArray[np.uint8], fit: Fit) -> NDArray[np.uint8]:
+def letterbox(image: NDArray[np.uint8], fit: Letterbox) -> NDArray[np.uint8]:
     """Letterboxed image: the network's input (fit.height, fit.width, 3)."""
     if fit.scale == 1 and image.shape[:2] == (fit.height, fit.width):
         return np.ascontiguousarray(image)
     columns = min(round(image.shape[1] * fit.scale), fit.width)
     rows = min(round(image.shape[0] * fit.scale), fit.height)
     way = cv2.INTER_AREA if fit.scale < 1 else cv2.INTER_LINEAR
-    canvas = np.full((fit.height, fit.width, 3), GREY, np.uint8)
+    canvas = np.full((fit.height, fit.width, 3), PADDING_GREY, np.uint8)
     canvas[:rows, :columns] = cv2.resize(image, (columns, rows), interpolation=way)
     return canvas
 
@@ -156,5 +154,5 @@ def read_metadata(path: Path) -> dict[str, str]:
         raise InputError(
             f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {shown(metadata.get('names'))}"
         )
-    whole(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MOST_WIDTH)
+    whole(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MAX_WIDTH)
     return metadata

@@ -20,7 +20,7 @@ class Entry(NamedTuple):
     boxes: NDArray[np.float32]
 
 
-class Store(Sequence[Sample]):
+class CachedDataset(Sequence[Sample]):
     """Samples by index, images of at most `longest` pixels on their longer side."""
 
     def __init__(self, entries: Sequence[Entry], longest: int):
@@ -32,17 +32,19 @@ class Store(Sequence[Sample]):
     @overload
     def __getitem__(self, index: int) -> Sample: ...
     @overload
-    def __getitem__(self, index: slice) -> "Store": ...
-    def __getitem__(self, index: int | slice) -> "Sample | Store":
+    def __getitem__(self, index: slice) -> "CachedDataset": ...
+    def __getitem__(self, index: int | slice) -> "Sample | CachedDataset":
         if isinstance(index, slice):
-            return Store(self.entries[index], self.longest)
+            return CachedDataset(self.entries[index], self.longest)
         path, image, classes, boxes = self.entries[index]
         if image is None:
             image = shrunk(read_image(path), self.longest)
         return Sample(path.name, image, classes, boxes)
 
 
-def load_store(folder: Path, longest: int, memory_mib: float, skip_bad: bool = False) -> Store:
+def load_cached_dataset(
+    folder: Path, longest: int, memory_mib: float, skip_bad: bool = False
+) -> CachedDataset:
     """Read and check a whole folder, keeping the first images, up to `memory_mib` of them, decoded.
 
     A decoded 640 x 384 image takes 0.7 MiB, and reading one again 2 ms. Raises InputError as `read_samples`.
@@ -52,4 +54,4 @@ def load_store(folder: Path, longest: int, memory_mib: float, skip_bad: bool = F
         left -= sample.image.nbytes
         image = sample.image if left >= 0 else None
         entries.append(Entry(folder / "images" / sample.name, image, sample.classes, sample.boxes))
-    return Store(entries, longest)
+    return CachedDataset(entries, longest)

@@ -21,11 +21,11 @@ from detector.curves import write_curves
 from detector.dataset import dataset_hash
 from detector.detection import CLASS_NAMES
 from detector.distillation import DistillationWeights
-from detector.loop import Routine, train
+from detector.loop import LoopSettings, train
 from detector.losses import LossWeights
 from detector.models import MODELS
 from detector.schedule import DECAYS, parse_stages
-from detector.store import load_store
+from detector.store import load_cached_dataset
 from detector.trainer import Settings, Trainer
 from files.atomic import write_text
 from files.command_line import Parser
@@ -135,8 +135,8 @@ def run(args: argparse.Namespace) -> None:
         claim(args.out, KIND)  # refused before the images are read
     torch.set_num_threads(args.threads)
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
-    training = load_store(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
-    validation = load_store(args.data / "val", max(longest, 640), 0, args.skip_bad)
+    training = load_cached_dataset(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
+    validation = load_cached_dataset(args.data / "val", max(longest, 640), 0, args.skip_bad)
     trainer = Trainer(settings, torch.device(chosen), args.init, args.teacher)
     if args.resume:
         trainer.restore(checkpoint)
@@ -150,7 +150,7 @@ def run(args: argparse.Namespace) -> None:
         f"{len(training)} training, {len(validation)} validation images; {args.stages} on {chosen}",
         flush=True,
     )
-    how = Routine(workers=args.workers, validate_every=args.validate_every, patience=args.patience)
+    how = LoopSettings(workers=args.workers, validate_every=args.validate_every, patience=args.patience)
     train(trainer, training, validation, args.out, how)
     metadata = {
         "model": settings.model,

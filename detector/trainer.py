@@ -9,16 +9,16 @@ from torch import nn
 
 from detector.augment import Augmentation
 from detector.checkpoint import DEFAULT_MODEL, Average, check_weights, load, load_network, load_weights, save
-from detector.crops import View, whole_view
+from detector.crops import TrainingView, whole_view
 from detector.dataset import Sample
 from detector.deploy import Deployed
 from detector.distillation import Distillation, DistillationWeights
 from detector.heads import anchor_points
 from detector.loader import Batch
 from detector.losses import LossWeights, detection_loss
-from detector.metrics import ImageResult, judge, summarise
+from detector.metrics import ImageResult, match_detections, summarise
 from detector.models import build
-from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
+from detector.nms import MIN_CONFIDENCE, NMS_IOU, select
 from detector.schedule import Stage, rate_factor
 from files.errors import InputError, shown
 
@@ -146,14 +146,18 @@ def _groups(model: nn.Module, weight_decay: float) -> list[dict]:
 def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confidence: float = 0.25) -> dict:
     """Metrics of the averaged model on whole images at a stage's size."""
     deployed = Deployed(trainer.average.model)
-    return summarise([look(trainer, deployed, sample, stage)[1] for sample in samples], confidence)
+    return summarise(
+        [match_whole_image(trainer, deployed, sample, stage)[1] for sample in samples], confidence
+    )
 
 
-def look(trainer: Trainer, deployed: Deployed, sample: Sample, stage: Stage) -> tuple[View, ImageResult]:
+def match_whole_image(
+    trainer: Trainer, deployed: Deployed, sample: Sample, stage: Stage
+) -> tuple[TrainingView, ImageResult]:
     """Whole image at a stage's size, and the matched detections of its objects that are not ignored."""
     view = whole_view(sample, stage.width, stage.height)
     with torch.inference_mode(), trainer.autocast():
         boxes, scores = deployed(torch.from_numpy(view.image).to(trainer.device)[None])
     asked = view.classes >= 0
-    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), LEAST_CONFIDENCE, OVERLAP)
-    return view, judge(found, view.boxes[asked], view.classes[asked])
+    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), MIN_CONFIDENCE, NMS_IOU)
+    return view, match_detections(found, view.boxes[asked], view.classes[asked])

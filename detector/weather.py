@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 Image = NDArray[np.uint8]
 DEGREES = np.pi / 180
-FARTHEST = 7.0
+MAX_FOG_DISTANCE = 7.0
 
 
 def fog(image: Image, strength: float, rng: Generator) -> Image:
     """Fog: contrast lost with distance after Koschmieder, I·t + A·(1 - t), t = exp(-extinction · distance).
 
     The distance is that of a plane road with its horizon somewhere above the middle, in units of the distance
-    at the image's bottom, and at most `FARTHEST`, so that labelled objects stay visible.
+    at the image's bottom, and at most `MAX_FOG_DISTANCE`, so that labelled objects stay visible.
     """
     rows = image.shape[0]
     horizon = rng.uniform(-0.1, 0.45)
     below = (np.arange(rows) + 0.5) / rows - horizon
-    distance = np.minimum((1 - horizon) / np.maximum(below, 1e-3), FARTHEST)
+    distance = np.minimum((1 - horizon) / np.maximum(below, 1e-3), MAX_FOG_DISTANCE)
     extinction = (0.05 + 0.25 * strength) * rng.uniform(0.7, 1.3)
     through = np.exp(-extinction * distance)[:, None, None].astype(np.float32)
     light = rng.uniform(0.75, 1.1) * _shade(image, 0.8) + rng.uniform(-4, 4, 3)
@@ -49,7 +49,7 @@ def rain(image: Image, strength: float, rng: Generator) -> Image:
             cv2.polylines(veil, list(lines.astype(np.int32)), False, shade, 1, cv2.LINE_AA, 4)
     veil = cv2.GaussianBlur(veil, (0, 0), 0.6).astype(np.uint8, copy=False)
     dull = fog((image * (1 - 0.25 * strength)).astype(np.uint8), 0.4 * strength, rng)
-    return _over(dull, veil, 0.35 + 0.35 * strength, _lit(image, 215.0))
+    return _blend_layer(dull, veil, 0.35 + 0.35 * strength, _white_level(image, 215.0))
 
 
 def snow(image: Image, strength: float, rng: Generator) -> Image:
@@ -67,8 +67,8 @@ def snow(image: Image, strength: float, rng: Generator) -> Image:
     window = rows // 40 + 1, rows // 40 + 1
     level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), window).astype(np.uint8, copy=False)
     cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # coverage of each grey level
-    lying = _over(image, cover.astype(np.uint8)[level], 0.5 * strength, _lit(image, 235.0))
-    return _over(fog(lying, 0.4 * strength, rng), veil, 0.85, _lit(image, 245.0))
+    lying = _blend_layer(image, cover.astype(np.uint8)[level], 0.5 * strength, _white_level(image, 235.0))
+    return _blend_layer(fog(lying, 0.4 * strength, rng), veil, 0.85, _white_level(image, 245.0))
 
 
 def motion_blur(image: Image, strength: float, rng: Generator) -> Image:
@@ -92,7 +92,7 @@ def _line(length: float, angle_deg: float) -> NDArray[np.float32]:
     return (kernel / kernel.sum()).astype(np.float32)
 
 
-def _lit(image: Image, white: float) -> float:
+def _white_level(image: Image, white: float) -> float:
     """Grey level of a white object in the image's light: lower at night."""
     return min(white, 60.0 + 1.5 * _shade(image, 0.9))
 
@@ -102,7 +102,7 @@ def _shade(image: NDArray[np.uint8], share: float) -> float:
     return float(np.quantile(image[::4, ::4], share))
 
 
-def _over(image: Image, veil: NDArray[np.uint8], opacity: float, shade: float) -> Image:
+def _blend_layer(image: Image, veil: NDArray[np.uint8], opacity: float, shade: float) -> Image:
     """Layer of one grey level over the image, with the opacity of the veil (0..255) times `opacity`."""
     share = veil[..., None] * np.float32(opacity / 255)
     return _bytes(image + (np.float32(shade) - image) * share)

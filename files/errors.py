@@ -19,7 +19,7 @@ class InputError(ValueError):
         super().__init__(abridged(printable(message)))
 
 
-class _Bounded(reprlib.Repr):
+class _BoundedRepr(reprlib.Repr):
     """`repr` in bounded time and length, however large or deeply nested the value is."""
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class _Bounded(reprlib.Repr):
         )
 
 
-_BOUNDED = _Bounded()
+_BOUNDED = _BoundedRepr()
 
 
 def shown(value: Any) -> str:

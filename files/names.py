@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from files.errors import InputError, shown
 
-LONGEST = 120
+MAX_LENGTH = 120
 _SAFE = re.compile(r"[a-z0-9_][a-z0-9_.-]*")
 _UNSAFE = re.compile(r"[^a-z0-9_.-]+")
 _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9]|lpt[0-9])(\..*)?")
@@ -17,8 +17,8 @@ def component(text: str) -> str:
     """Convert text to the name of one file or folder: unchanged if safe, else made safe with a hash.
 
     Safe are lower-case ASCII letters, digits, `_`, `.`, `-`, not at the start or `.` at the end, at most
-    `LONGEST` of them, and no reserved device name of Windows. Different texts give different names, even on
-    file systems that ignore case.
+    `MAX_LENGTH` of them, and no reserved device name of Windows. Different texts give different names, even
+    on file systems that ignore case.
     """
     if _is_safe(text):
         return text
@@ -39,19 +39,21 @@ def joined(shown: Sequence[str], meant: Sequence[str] = ()) -> str:
 
 def check_name(field: str, text: str) -> None:
     """Raise InputError unless the text can be a name: one line of visible text, not a path."""
-    allowed = f"1 ... {LONGEST} characters in one line, without / and \\, and not begin with a dot or space"
+    allowed = (
+        f"1 ... {MAX_LENGTH} characters in one line, without / and \\, and not begin with a dot or space"
+    )
     printed = text.isprintable() and text == text.strip() and not text.startswith(".")
-    if not 0 < len(text) <= LONGEST or not printed or set(text) & set("/\\"):
+    if not 0 < len(text) <= MAX_LENGTH or not printed or set(text) & set("/\\"):
         raise InputError(f"{field} must be {allowed}, got {shown(text)}")
 
 
 def _is_safe(text: str) -> bool:
-    fits = len(text) <= LONGEST and not text.endswith(".")
+    fits = len(text) <= MAX_LENGTH and not text.endswith(".")
     return bool(fits and _SAFE.fullmatch(text) and not _RESERVED.fullmatch(text))
 
 
 def _hashed(text: str, whole: str) -> str:
     told = hashlib.sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
-    kept = _UNSAFE.sub("_", text.lower()).lstrip(".-")[: LONGEST - _DIGITS - 2].rstrip(".")
+    kept = _UNSAFE.sub("_", text.lower()).lstrip(".-")[: MAX_LENGTH - _DIGITS - 2].rstrip(".")
     name = f"{kept or '_'}-{told}"
     return f"_{name}" if _RESERVED.fullmatch(name) else name

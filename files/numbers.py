@@ -8,14 +8,14 @@ from files.errors import InputError, shown
 _WHOLE = re.compile(r"[0-9]{1,10}")
 
 
-def is_whole(text: str) -> bool:
+def is_integer(text: str) -> bool:
     """Whether the text is one to ten ASCII digits; `str.isdigit` would also accept superscripts."""
     return _WHOLE.fullmatch(text) is not None
 
 
 def whole(text: str, name: str, low: int, high: int) -> int:
     """Parse an integer; raise InputError, by `name`, unless it lies in low ... high."""
-    if not (is_whole(text) and low <= int(text) <= high):
+    if not (is_integer(text) and low <= int(text) <= high):
         raise InputError(f"{name} must be a whole number in {low} ... {high}, got {shown(text)}")
     return int(text)
 

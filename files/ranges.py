@@ -3,7 +3,7 @@
 A field is annotated as `Annotated[float, Interval(ge=1.0, le=200.0), "Hz"]`; the unit of a plain ratio is
 "1". A dataclass that derives from `Checked`, or calls `check` in its `__post_init__`, holds no number outside
 its range, whether it was read from a file or built in code. If a range begins at 0, a number above it is at
-least `LEAST`, so that division by it is safe.
+least `MIN_POSITIVE`, so that division by it is safe.
 """
 
 import math
@@ -18,7 +18,7 @@ from annotated_types import Interval
 
 from files.errors import InputError, shown
 
-LEAST = 1e-15
+MIN_POSITIVE = 1e-15
 
 Share = Annotated[float, Interval(ge=0.0, le=1.0), "1"]
 Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]
@@ -57,7 +57,7 @@ class Number(NamedTuple):
         (low, high), i = self.bounds(), self.interval
         if not low <= value <= high or value in (i.gt, i.lt):
             return False
-        return not (low == 0.0 < value < LEAST)
+        return not (low == 0.0 < value < MIN_POSITIVE)
 
 
 class Checked:
@@ -129,6 +129,6 @@ def _check_number(name: str, value: Any, number: Number) -> None:
     allowed = f"lie in {number.told()}" if "..." in number.told() else f"be {number.told()}"
     if not number.fits(value):
         allowed = f"be {'a whole number' if number.whole else 'a number'}, and {allowed}"
-    elif 0 < value < LEAST:
-        allowed += f", and be 0 or at least {LEAST:g}"
+    elif 0 < value < MIN_POSITIVE:
+        allowed += f", and be 0 or at least {MIN_POSITIVE:g}"
     raise InputError(f"{name} must {allowed}, got {shown(value)}")

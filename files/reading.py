@@ -34,9 +34,9 @@ def reading(source: Path | str) -> Iterator[None]:
             f"{printable(source)}: cannot be read ({printable(error.strerror or error)})"
         ) from None
     except UnicodeError as error:
-        raise InputError(f"{printable(source)}: is not UTF-8 text ({_told(error)})") from None
+        raise InputError(f"{printable(source)}: is not UTF-8 text ({_one_line(error)})") from None
     except Exception as error:
-        raise InputError(f"{printable(source)}: cannot be understood ({_told(error)})") from None
+        raise InputError(f"{printable(source)}: cannot be understood ({_one_line(error)})") from None
 
 
 def read_bytes(path: Path | str, limit: int = DATA_LIMIT) -> bytes:
@@ -87,5 +87,5 @@ def _size(limit: int) -> str:
     )
 
 
-def _told(error: Exception) -> str:
+def _one_line(error: Exception) -> str:
     return shortened(printable(f"{type(error).__name__}: {error}"), _MESSAGE_LENGTH)

@@ -2,7 +2,7 @@
 
 PyYAML reads YAML 1.1, where `1e7` is text, `no` is false and `12:30` is 750; the core schema of YAML 1.2.2
 (section 10.3.2) has none of these surprises. Aliases count as often as they are expanded: a text that expands
-to more than `MOST_NODES` values, or deeper than `DEEPEST`, is rejected before it is built.
+to more than `MAX_NODES` values, or deeper than `MAX_DEPTH`, is rejected before it is built.
 """
 
 import re
@@ -15,8 +15,8 @@ import yaml
 from files.errors import InputError, printable, shortened, shown
 from files.reading import reading
 
-MOST_NODES = 200_000
-DEEPEST = 50
+MAX_NODES = 200_000
+MAX_DEPTH = 50
 _MESSAGE_LENGTH = 200
 _CORE_SCHEMA = {
     "bool": (r"true|True|TRUE|false|False|FALSE", "tTfF"),
@@ -41,8 +41,8 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         self.nodes += 1
-        if self.nodes > MOST_NODES:
-            raise yaml.MarkedYAMLError(problem=f"more than {MOST_NODES} values", problem_mark=self.get_mark())
+        if self.nodes > MAX_NODES:
+            raise yaml.MarkedYAMLError(problem=f"more than {MAX_NODES} values", problem_mark=self.get_mark())
         return super().compose_node(parent, index)  # type: ignore[no-untyped-call]
 
     def get_single_node(self) -> Any:
@@ -64,9 +64,9 @@ def parse(text: str, source: str) -> Any:
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             line = f", line {mark.line + 1}" if mark else ""
-            raise InputError(f"{printable(source)}{line}: {_told(error.problem or 'no YAML')}") from None
+            raise InputError(f"{printable(source)}{line}: {_one_line(error.problem or 'no YAML')}") from None
         except yaml.YAMLError as error:
-            raise InputError(f"{printable(source)}: {_told(error)}") from None
+            raise InputError(f"{printable(source)}: {_one_line(error)}") from None
 
 
 def is_plain(text: str) -> bool:
@@ -102,10 +102,10 @@ def _check(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) -> t
         inner = [_check(value, known) for value in node.value] if isinstance(node.value, list) else []
     count = 1 + sum(size for size, _ in inner)
     depth = 1 + max((levels for _, levels in inner), default=0)
-    if count > MOST_NODES:
-        raise _mistake(node, f"its aliases expand to more than {MOST_NODES} values")
-    if depth > DEEPEST:
-        raise _mistake(node, f"is nested more than {DEEPEST} levels deep")
+    if count > MAX_NODES:
+        raise _mistake(node, f"its aliases expand to more than {MAX_NODES} values")
+    if depth > MAX_DEPTH:
+        raise _mistake(node, f"is nested more than {MAX_DEPTH} levels deep")
     known[node] = count, depth
     return count, depth
 
@@ -136,5 +136,5 @@ def _mistake(node: yaml.Node, problem: str) -> yaml.MarkedYAMLError:
     return yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
 
 
-def _told(problem: object) -> str:
+def _one_line(problem: object) -> str:
     return shortened(printable(problem), _MESSAGE_LENGTH)

@@ -36,16 +36,18 @@ class Calibration:
     def __init__(self, settings: Settings, focal_px: float) -> None:
         pitch, height = np.deg2rad(settings.offset_sigma_deg), settings.camera_height_sigma_m
         own_pitch, own_height = np.deg2rad(settings.offset_track_sigma_deg), settings.edge_height_sigma_m
-        self._own = np.diag([own_pitch, own_height, 0.0]) ** 2
+        self._object_covariance = np.diag([own_pitch, own_height, 0.0]) ** 2
         self._rad_per_px = 1.0 / focal_px
-        self._taken_off = np.array(settings.bottom_bias_px)  # bias already subtracted from every box
+        self._subtracted_bias_px = np.array(settings.bottom_bias_px)  # bias already subtracted from every box
         self.mean = np.array([0.0, 0.0, *settings.bottom_bias_px])
         self.covariance = np.diag([pitch, height, *settings.edge_sigma_px]) ** 2
 
     def prior(self, cls: int) -> Gaussian:
         """Prior of the shared states of an object of class `cls`."""
-        shows, known = self._shown(cls)
-        return Gaussian(shows @ self.mean + known, shows @ self.covariance @ shows.T + self._own)
+        shows, known = self._observation(cls)
+        return Gaussian(
+            shows @ self.mean + known, shows @ self.covariance @ shows.T + self._object_covariance
+        )
 
     def learn(self, posterior: Gaussian, cls: int) -> None:
         """Update with the posterior of an object of class `cls`, less the prior that it contains."""
@@ -54,17 +56,17 @@ class Calibration:
         # Information of the object's boxes and strikes alone; a trace of the prior keeps it invertible.
         said = after - before + 1e-6 * np.diag(np.diag(before))
         value = np.linalg.solve(said, after @ posterior.mean - before @ prior.mean)
-        shows, known = self._shown(cls)
+        shows, known = self._observation(cls)
         innovation = prior.covariance + np.linalg.inv(said)
         gain = np.linalg.solve(innovation, shows @ self.covariance).T
         self.mean = self.mean + gain @ (value - known - shows @ self.mean)
         updated = self.covariance - gain @ shows @ self.covariance
         self.covariance = 0.5 * (updated + updated.T)
 
-    def _shown(self, cls: int) -> tuple[Array, Array]:
+    def _observation(self, cls: int) -> tuple[Array, Array]:
         """(H, k): H states + k are the shared states seen by boxes of class `cls`, as in `Gaussian`."""
         shows, known = np.eye(3, 4), np.zeros(3)
         shows[2] = 0.0
         shows[2, 2 + cls] = self._rad_per_px
-        known[2] = -self._rad_per_px * self._taken_off[cls]
+        known[2] = -self._rad_per_px * self._subtracted_bias_px[cls]
         return shows, known

@@ -9,7 +9,7 @@ from preview.settings import Settings
 from preview.shape import tyre_profile
 from preview.track import Track
 
-_LEAST_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
+_MIN_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
 
 
 def compose(
@@ -34,7 +34,7 @@ def compose(
         sigma = track.position_sigma_m(x_m, settings)
         for wheel, (axle, y) in enumerate(zip(axle_x_m, wheel_y_m, strict=True)):
             meets = track.overlap(y)
-            if meets < _LEAST_OVERLAP:
+            if meets < _MIN_OVERLAP:
                 continue
             section = track.section(y)
             at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)

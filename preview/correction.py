@@ -4,20 +4,20 @@ from collections import deque
 
 import numpy as np
 
-from preview.fit import Direct, X
+from preview.fit import DirectMeasurement, X
 from preview.settings import Settings
 from preview.shape import tyre_profile
 from preview.track import Section, Track
 
 _STEP_M = 0.01
-_BEFORE_M = 0.5  # length of road before the object that defines the level
-_FLANK_M = 0.6  # greatest length of the near flank used: beyond it a light wheel may lift off
-_CLIP_M = 0.02  # static tyre deflection: below it the wheel loses contact
-_LEAST_EXPLAINED = 0.6
-_KEPT_M = 12.0
+_LEVEL_BASE_M = 0.5  # length of road before the object that defines the level
+_MAX_FLANK_M = 0.6  # greatest length of the near flank used: beyond it a light wheel may lift off
+_CONTACT_LOSS_M = 0.02  # static tyre deflection: below it the wheel loses contact
+_MIN_EXPLAINED = 0.6
+_HISTORY_M = 12.0
 
 
-class FrontWheel:
+class WheelStrikeDetector:
     """Road profile measured by the front wheel, over the position of its contact centre."""
 
     def __init__(self, y_m: float, settings: Settings) -> None:
@@ -27,7 +27,7 @@ class FrontWheel:
     def update(self, x_m: float, road_height_m: float) -> None:
         """Append one sample; x_m must not decrease."""
         self._path.append((x_m, road_height_m))
-        while self._path[0][0] < x_m - _KEPT_M:
+        while self._path[0][0] < x_m - _HISTORY_M:
             self._path.popleft()
 
     def due(self, track: Track) -> bool:
@@ -37,7 +37,7 @@ class FrontWheel:
         section = track.section(self.y_m)
         return self._path[-1][0] > section.start_m + _flank_m(section) + self.settings.hit_gate_m
 
-    def compare(self, track: Track) -> Direct | None:
+    def compare(self, track: Track) -> DirectMeasurement | None:
         """Near edge by matching the measured profile, or None if the wheel did not run over the object.
 
         The tyre profile is shifted along the measured height; both are clipped to what a tyre can follow. A
@@ -49,23 +49,23 @@ class FrontWheel:
         start, flank = section.start_m, _flank_m(section)
         allowed = min(self.settings.hit_gate_m, max(0.1, 4.0 * track.best.sigma_m))
         x, height = np.array(self._path).T
-        flat = (x > start - allowed - _BEFORE_M) & (x < start - allowed)
+        flat = (x > start - allowed - _LEVEL_BASE_M) & (x < start - allowed)
         if not flat.any():
             return None
-        near = (x >= start - allowed - _BEFORE_M) & (x < start + flank + allowed)
-        felt = np.clip(height[near] - height[flat].mean(), -_CLIP_M, _CLIP_M)
+        near = (x >= start - allowed - _LEVEL_BASE_M) & (x < start + flank + allowed)
+        felt = np.clip(height[near] - height[flat].mean(), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
         shifts = np.arange(-allowed, allowed + _STEP_M / 2, _STEP_M)
         ahead = x[near] - start - shifts[:, None]
         at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
-        wanted = np.clip(np.interp(ahead, at, profile), -_CLIP_M, _CLIP_M)
+        wanted = np.clip(np.interp(ahead, at, profile), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
         counts = ahead < flank
         error = (np.where(counts, felt - wanted, 0.0) ** 2).sum(axis=1)
         explained = 1.0 - error / (np.where(counts, felt, 0.0) ** 2).sum(axis=1).clip(1e-9)
         best = int(np.argmax(explained))
-        if explained[best] < _LEAST_EXPLAINED or best in (0, len(shifts) - 1):
+        if explained[best] < _MIN_EXPLAINED or best in (0, len(shifts) - 1):
             return None
-        return Direct(X, float(track.start_m + shifts[best]), self.settings.hit_sigma_m)
+        return DirectMeasurement(X, float(track.start_m + shifts[best]), self.settings.hit_sigma_m)
 
 
 def _flank_m(section: Section) -> float:
-    return min(0.5 * section.length_m, _FLANK_M)
+    return min(0.5 * section.length_m, _MAX_FLANK_M)

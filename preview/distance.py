@@ -62,7 +62,7 @@ def locate(
     """
     points = ground_point(camera, pose, pixels, z)
     direction = rays(camera, pose, pixels)
-    right, down = _for_a_pixel(camera, pose, np.asarray(pixels, float).reshape(-1, 2))
+    right, down = _pixel_derivatives(camera, pose, np.asarray(pixels, float).reshape(-1, 2))
     lateral_axis = np.array([-np.sin(pose.yaw), np.cos(pose.yaw), 0.0])
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = (z - pose.z) / direction[:, 2]
@@ -74,7 +74,7 @@ def locate(
     return GroundPoints(points[:, :2], np.einsum("nij,j,nkj->nik", jacobian, variance, jacobian))
 
 
-def _for_a_pixel(camera: Camera, pose: CameraPose, pixels: Array) -> tuple[Array, Array]:
+def _pixel_derivatives(camera: Camera, pose: CameraPose, pixels: Array) -> tuple[Array, Array]:
     """Derivatives of the ray directions (n, 3) for one pixel to the right and one down."""
     if camera.is_pinhole:
         sides = (-pose.rotation[:, axis] / camera.focal_px for axis in (1, 2))

@@ -13,25 +13,27 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.shape import RAMP, TABLE, Kind, relief
+from preview.shape import RAMP, TABLE, ObstacleTemplate, unit_profile
 
 Array = np.ndarray
 _FRAMES = 8
 _CORRELATION = 1.5  # variance inflation: windows overlap, and frames see the same texture
-_LEAST_SIGMA_M = 0.003
+_MIN_SIGMA_M = 0.003
 _FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
 _RAMP_SIGMA = 0.018  # sigma of a table's ramp length, as a share of its length
 _ROBUST = 3.0  # residual in standard deviations with half weight
-_SILHOUETTE = 3.0  # sigma at a crest, over the spread within the smear: windows are biased to one side of it
-_SHARE = np.linspace(0.0, 1.0, 25)
-_BLUR = np.array([-0.33, 0.0, 0.33])  # positions within a sample's smear
+_CREST_SIGMA_RATIO = (
+    3.0  # sigma at a crest, over the spread within the smear: windows are biased to one side of it
+)
+_PROFILE_POINTS = np.linspace(0.0, 1.0, 25)
+_SMEAR_POINTS = np.array([-0.33, 0.0, 0.33])  # positions within a sample's smear
 _STEP = np.array([0.01, 0.01, 0.002, 0.01])  # by X, L, H, ramp: wide enough to bridge jumps
 _STEPS = np.concatenate([np.zeros((1, 4)), np.kron(np.diag(_STEP), [[1.0], [-1.0]])])
 _SHARED, _FRAME = slice(6, 10), slice(10, 12)  # marginalised columns of a table
 
 
-class Rows(NamedTuple):
+class HeightRows(NamedTuple):
     """Height samples, arrays (n,).
 
     x_m: intersection of the line of sight with the plane. z_m, sigma_m: height over the plane at which it
@@ -58,7 +60,7 @@ class NearEdge(NamedTuple):
 
 
 @dataclass
-class Elevation:
+class HeightSamples:
     """Height samples of the newest frames.
 
     shift_sigma_m: standard deviation of the common shift of all positions. absolute: True if positions are
@@ -67,26 +69,26 @@ class Elevation:
 
     shift_sigma_m: float
     absolute: bool = True
-    frames: deque[Rows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
+    frames: deque[HeightRows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
     edges: deque[NearEdge] = field(default_factory=lambda: deque(maxlen=_FRAMES))
 
-    def add(self, rows: Rows, edge: NearEdge | None = None) -> None:
+    def add(self, rows: HeightRows, edge: NearEdge | None = None) -> None:
         """Add a frame, its variance inflated."""
-        sigma = np.sqrt(_CORRELATION * (rows.sigma_m**2 + _LEAST_SIGMA_M**2))
+        sigma = np.sqrt(_CORRELATION * (rows.sigma_m**2 + _MIN_SIGMA_M**2))
         self.frames.append(rows._replace(sigma_m=sigma))
         if edge is not None:
             self.edges.append(edge)
 
 
-def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Array, float]:
+def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) -> tuple[Array, Array, float]:
     """Information (6, 6), gradient (6,) and half the squared error of the samples, to be added to a fit.
 
     state: [X, b, z, L, H, d] of `preview.fit`; b and z do not matter here.
     """
-    rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
+    rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4], RAMP])
     steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
-    mixed = _mixed(kind, rows, shape + steps)
+    mixed = _smeared_heights(kind, rows, shape + steps)
     levels = mixed.mean(axis=2)
     model = levels[0]
     slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
@@ -111,16 +113,16 @@ def equations(kind: Kind, elevation: Elevation, state: Array) -> tuple[Array, Ar
         residual,
     ]
     table = np.stack(columns, axis=1)
-    sigma = np.hypot(rows.sigma_m, _SILHOUETTE * np.abs(mixed[0, :, 1] - model))
+    sigma = np.hypot(rows.sigma_m, _CREST_SIGMA_RATIO * np.abs(mixed[0, :, 1] - model))
     weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
     ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
     squares = [
-        _without((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
+        _marginalise((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
         for part, heavy in zip(np.split(table, ends), np.split(weight, ends), strict=True)
     ]
     squares += [_edge_terms(edge, state) for edge in elevation.edges]
     shared = (_OFFSET_SIGMA_M, _SLOPE_SIGMA, elevation.shift_sigma_m, _RAMP_SIGMA)
-    total = _without(np.sum(squares, axis=0), _SHARED, shared)
+    total = _marginalise(np.sum(squares, axis=0), _SHARED, shared)
     return total[:6, :6], total[:6, 6], 0.5 * float(total[6, 6]) + float(np.log(sigma / rows.sigma_m).sum())
 
 
@@ -132,7 +134,7 @@ def _edge_terms(edge: NearEdge, state: Array) -> Array:
     return weight * np.outer(line, line)
 
 
-def _without(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
+def _marginalise(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
     """Square of a table with the columns `aside` marginalised; `sigmas`: their prior."""
     own = square[aside, aside] + np.diag(np.array(sigmas) ** -2.0)
     rest = np.delete(np.arange(len(square)), aside)
@@ -141,26 +143,31 @@ def _without(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
 
 
 def seen(
-    kind: Kind, rows: Rows, start_m: float, length_m: float, height_m: float, ramp: float = RAMP
+    kind: ObstacleTemplate,
+    rows: HeightRows,
+    start_m: float,
+    length_m: float,
+    height_m: float,
+    ramp: float = RAMP,
 ) -> Array:
     """Height (n,) at which each line of sight first meets the shape, averaged over the smear; 0 beside it."""
-    return _mixed(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
+    return _smeared_heights(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
 
 
-def _mixed(kind: Kind, rows: Rows, shapes: Array) -> Array:
+def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) -> Array:
     """Heights (shapes, n, 3) near, amid and far in the smear that `seen` averages.
 
     shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
     """
     start, length, height, ramp = shapes.T[:, :, None]
-    along = start + _SHARE * length
-    rises = height * relief(kind, _SHARE, length, ramp)
+    along = start + _PROFILE_POINTS * length
+    rises = height * unit_profile(kind, _PROFILE_POINTS, length, ramp)
     # Intersection with the plane of the line of sight through each point; hidden points do not advance it.
     meets = np.maximum.accumulate(along[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
-    wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _BLUR
+    wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
     after = (meets[:, :, None, :] < wanted[:, :, None]).sum(axis=3)
-    inside = (after > 0) & (after < len(_SHARE))
-    k = np.clip(after, 1, len(_SHARE) - 1)
+    inside = (after > 0) & (after < len(_PROFILE_POINTS))
+    k = np.clip(after, 1, len(_PROFILE_POINTS) - 1)
     low, high = np.take_along_axis(meets, k - 1, axis=2), np.take_along_axis(meets, k, axis=2)
     # Over a hidden stretch the height jumps: the far end of the stretch counts.
     part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)

@@ -8,10 +8,10 @@ import numpy as np
 from detector.detection import CLASS_NAMES, Detections
 from files.errors import InputError
 from preview.compose import compose
-from preview.correction import FrontWheel
+from preview.correction import WheelStrikeDetector
 from preview.cross_ratio import marks_of
 from preview.fit import LENGTH, X
-from preview.gauge import Gauge
+from preview.gauge import HeightGauge
 from preview.horizon import RoadPreview, distance_grid
 from preview.memory import Memory
 from preview.motion import EgoMotion, Measurement
@@ -20,10 +20,10 @@ from preview.recall import expectations, recall, remember
 from preview.settings import Settings
 from preview.track import Track
 from preview.tracker import Tracker
-from preview.view import view_of
+from preview.view import rectify_frame
 from road.camera import Camera, CameraMount, pose_of
 
-_CLEAR_M = 0.3  # margin around an object within which a wheel may be on it
+_OBJECT_MARGIN_M = 0.3  # margin around an object within which a wheel may be on it
 
 
 class Estimator:
@@ -64,8 +64,8 @@ class Estimator:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))
         seeing = stereo_base_m > 0.0 or self.settings.parallax
-        self._gauge = Gauge(camera, stereo_base_m, self.settings) if seeing else None
-        self._front = FrontWheel(wheel_y_m[0], self.settings)
+        self._gauge = HeightGauge(camera, stereo_base_m, self.settings) if seeing else None
+        self._front = WheelStrikeDetector(wheel_y_m[0], self.settings)
         self._newest_frame_s = -np.inf
 
     @property
@@ -86,7 +86,7 @@ class Estimator:
         yaw_rate: rad/s, positive to the left, of a car with that sensor: the wheels' path is curved
         accordingly; the cars of `vehicle` drive straight.
         """
-        state = self.motion.update(time_s, measurement, self._on_plane(), yaw_rate)
+        state = self.motion.update(time_s, measurement, self._wheels_on_plane(), yaw_rate)
         if self.motion.turn is not None:
             self.tracker.turn(state.x_m, self.motion.turn)
         self.tracker.grade_sigma = self.motion.grade_sigma
@@ -94,7 +94,7 @@ class Estimator:
         self._front.update(state.x_m + self.axle_x_m[0], height)
         for track in self.tracker.tracks:
             if self._front.due(track):
-                self._strike(track, time_s)
+                self._apply_strike(track, time_s)
         self.tracker.retire(time_s, state.x_m + min(self.axle_x_m))
 
     def update_boxes(
@@ -112,7 +112,7 @@ class Estimator:
         state = self.motion.at(exposure_s)
         pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad, roll=state.roll_rad)
         path = Path(state.curvature_1_m, self.mount.x_m - min(self.axle_x_m))
-        view = view_of(exposure_s, self.camera, pose, detections, self.settings, path)
+        view = rectify_frame(exposure_s, self.camera, pose, detections, self.settings, path)
         self.tracker.update(view, detections)
         if self._gauge is not None and image is not None:
             for track in self._gauge.measure(pose, image, second, self.tracker.tracks):
@@ -155,7 +155,7 @@ class Estimator:
         """Memory for the next drive over this road."""
         return remember(self.tracker.calibration, self.tracker.passed + self.tracker.tracks)
 
-    def _strike(self, track: Track, time_s: float) -> None:
+    def _apply_strike(self, track: Track, time_s: float) -> None:
         track.struck = True
         found = self._front.compare(track)
         if found is None:
@@ -166,11 +166,11 @@ class Estimator:
         self.tracker.refit(track)
         self.tracker.log("struck", track, time_s, moved_m=moved)
 
-    def _on_plane(self) -> bool:
+    def _wheels_on_plane(self) -> bool:
         """True if no wheel is on a known object."""
         x = self.motion.x_m
         return not any(
-            track.confirmed and track.start_m - _CLEAR_M < x + axle < track.end_m + _CLEAR_M
+            track.confirmed and track.start_m - _OBJECT_MARGIN_M < x + axle < track.end_m + _OBJECT_MARGIN_M
             for track in self.tracker.tracks
             for axle in self.axle_x_m
         )

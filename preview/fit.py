@@ -15,22 +15,25 @@ from typing import NamedTuple
 import numpy as np
 
 from preview.calibration import Gaussian
-from preview.elevation import Elevation, equations
+from preview.elevation import HeightSamples, equations
 from preview.settings import Settings
-from preview.shape import Kind, relief
+from preview.shape import ObstacleTemplate, unit_profile
 
 Array = np.ndarray
-X, OFFSET, GROUND, LENGTH, HEIGHT, LOW = range(6)
-SHARED = np.array([OFFSET, GROUND, LOW])  # states with a component common to all objects
-_BOTH = np.ix_(SHARED, SHARED)
-_SHARE = np.linspace(0.0, 1.0, 21)
-_LEAST = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
-_MOST = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
-_BEHIND_M, _AHEAD_M = 10.0, 100.0  # limits of X relative to the cameras, for lines of sight near the horizon
+X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS = range(6)
+SHARED = np.array([OFFSET, GROUND, EDGE_BIAS])  # states with a component common to all objects
+_SHARED_BLOCK = np.ix_(SHARED, SHARED)
+_PROFILE_POINTS = np.linspace(0.0, 1.0, 21)
+_MIN_STATE = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
+_MAX_STATE = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
+_X_MARGIN_BEHIND_M, _X_MARGIN_AHEAD_M = (
+    10.0,
+    100.0,
+)  # limits of X relative to the cameras, for lines of sight near the horizon
 _CAUCHY = 2.5  # residual in standard deviations with half weight
 
 
-class Sight(NamedTuple):
+class EdgeBearings(NamedTuple):
     """Edge bearings of one box; nan for an edge cut off by the image border or the bonnet.
 
     time_s: exposure. camera_x, camera_z: m; bottom, top: depression of the edges plus camera pitch (rad);
@@ -46,7 +49,7 @@ class Sight(NamedTuple):
     top_sigma: float
 
 
-class Direct(NamedTuple):
+class DirectMeasurement(NamedTuple):
     """Measurement of a single state entry by other means than boxes: index, value, standard deviation."""
 
     entry: int
@@ -60,7 +63,7 @@ class Fit(NamedTuple):
     cost: negative log evidence, for the comparison of kinds.
     """
 
-    kind: Kind
+    kind: ObstacleTemplate
     state: Array
     covariance: Array
     cost: float
@@ -73,7 +76,7 @@ class Fit(NamedTuple):
     @property
     def shared(self) -> Gaussian:
         """Marginal of pitch offset, ground height and bottom-edge bias."""
-        return Gaussian(self.state[SHARED], self.covariance[_BOTH])
+        return Gaussian(self.state[SHARED], self.covariance[_SHARED_BLOCK])
 
 
 def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) -> Array:
@@ -82,20 +85,20 @@ def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) 
     return np.array([x_m, offset, ground, length_m, height_m, low])
 
 
-def table(sights: list[Sight] | Array) -> Array:
-    """Edge bearings as rows (n, 7), columns as in `Sight`."""
-    return np.asarray(sights, dtype=float).reshape(-1, len(Sight._fields))
+def table(sights: list[EdgeBearings] | Array) -> Array:
+    """Edge bearings as rows (n, 7), columns as in `EdgeBearings`."""
+    return np.asarray(sights, dtype=float).reshape(-1, len(EdgeBearings._fields))
 
 
 def fit(
-    kind: Kind,
-    sights: list[Sight] | Array,
+    kind: ObstacleTemplate,
+    sights: list[EdgeBearings] | Array,
     start: Array,
     shared: Gaussian,
-    directs: list[Direct],
+    directs: list[DirectMeasurement],
     settings: Settings,
     iterations: int = 3,
-    elevation: Elevation | None = None,
+    elevation: HeightSamples | None = None,
 ) -> Fit:
     """Maximum a posteriori state for all `sights` (or their `table`), from `start`.
 
@@ -103,17 +106,17 @@ def fit(
     a wheel strike; elevation holds height samples measured in images.
     """
     priors = [
-        Direct(LENGTH, kind.length_m, kind.length_sigma_m),
-        Direct(HEIGHT, kind.height_m, kind.height_sigma_m),
+        DirectMeasurement(LENGTH, kind.length_m, kind.length_sigma_m),
+        DirectMeasurement(HEIGHT, kind.height_m, kind.height_sigma_m),
         *directs,
     ]
     known = np.array(priors)
     index = known[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = table(sights)
-    least, most = _LEAST.copy(), _MOST.copy()
+    least, most = _MIN_STATE.copy(), _MAX_STATE.copy()
     if len(data):
-        least[X], most[X] = data[:, 1].min() - _BEHIND_M, data[:, 1].max() + _AHEAD_M
+        least[X], most[X] = data[:, 1].min() - _X_MARGIN_BEHIND_M, data[:, 1].max() + _X_MARGIN_AHEAD_M
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
@@ -121,7 +124,7 @@ def fit(
             added = equations(kind, elevation, state)
             information, gradient, cost = information + added[0], gradient + added[1], cost + added[2]
         away = shared.mean - state[SHARED]
-        information[_BOTH] += shared_information
+        information[_SHARED_BLOCK] += shared_information
         gradient[SHARED] += shared_information @ away
         cost += 0.5 * float(away @ shared_information @ away)
         normal = (known[:, 1] - state[index]) / known[:, 2]
@@ -134,22 +137,26 @@ def fit(
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
 
 
-def silhouette(kind: Kind, state: Array, camera_x: Array, camera_z: Array) -> tuple[Array, Array, Array]:
+def silhouette(
+    kind: ObstacleTemplate, state: Array, camera_x: Array, camera_z: Array
+) -> tuple[Array, Array, Array]:
     """(ahead, below, share): the point of the profile on the silhouette, seen highest by each camera (n,).
 
     ahead, below: its distance and depth relative to the camera (m); share: position on the profile, 0..1.
     """
-    ahead = state[X] + _SHARE * state[LENGTH] - camera_x[:, None]
-    below = camera_z[:, None] - state[GROUND] - state[HEIGHT] * relief(kind, _SHARE, state[LENGTH])
+    ahead = state[X] + _PROFILE_POINTS * state[LENGTH] - camera_x[:, None]
+    below = (
+        camera_z[:, None] - state[GROUND] - state[HEIGHT] * unit_profile(kind, _PROFILE_POINTS, state[LENGTH])
+    )
     # The slope below/ahead orders the angles for points in front; points behind the camera come last.
     slope = np.where(ahead > 0.05, below / np.maximum(ahead, 0.05), np.inf)
     best = np.argmin(slope, axis=1)
     rows = np.arange(len(best))
-    return ahead[rows, best], below[rows, best], _SHARE[best]
+    return ahead[rows, best], below[rows, best], _PROFILE_POINTS[best]
 
 
 def _normal_equations(
-    kind: Kind, data: Array, state: Array, settings: Settings
+    kind: ObstacleTemplate, data: Array, state: Array, settings: Settings
 ) -> tuple[Array, Array, float]:
     """Information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
     camera_x, camera_z = data[:, 1], data[:, 2]
@@ -157,12 +164,12 @@ def _normal_equations(
     ahead = np.concatenate([state[X] - camera_x, ahead])
     below = np.concatenate([camera_z - state[GROUND], below])
     share = np.concatenate([np.zeros(len(data)), share])
-    rise = np.concatenate([np.zeros(len(data)), relief(kind, share[len(data) :], state[LENGTH])])
+    rise = np.concatenate([np.zeros(len(data)), unit_profile(kind, share[len(data) :], state[LENGTH])])
     measured = np.concatenate([data[:, 3], data[:, 4]])
     sigma = np.concatenate([data[:, 5], data[:, 6]])
 
     bottom = np.concatenate([np.ones(len(data)), np.zeros(len(data))])
-    residual = measured + state[OFFSET] - bottom * state[LOW] - np.arctan2(below, ahead)
+    residual = measured + state[OFFSET] - bottom * state[EDGE_BIAS] - np.arctan2(below, ahead)
     seen = np.isfinite(residual)
     square = ahead**2 + below**2
     by_ahead, by_below = -below / square, ahead / square  # derivatives of the modelled angle

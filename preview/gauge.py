@@ -7,8 +7,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from preview.elevation import Elevation, NearEdge, Rows
-from preview.parallax import Band, Field, band, match
+from preview.elevation import HeightRows, HeightSamples, NearEdge
+from preview.parallax import ImageBand, StructureField, band, match
 from preview.plane import fit_plane
 from preview.settings import Settings
 from preview.stereo import coarse, second_pose
@@ -19,28 +19,30 @@ Array = np.ndarray
 _MARGIN_M = 2.0  # road before and behind an object used to find the plane
 _BESIDE_M = 0.3  # margin around an object excluded from the plane
 _SHADOW = 0.1  # length of road hidden behind a bump, over the distance
-_STRIP_M = 1.5  # half width of the evaluated strip of road
-_LEAST_ROWS, _LEAST_COLUMNS = 12, 64
-_RIM = 2.0  # ratio of a hole's near-edge sigma to a bump's
+_HALF_STRIP_M = 1.5  # half width of the evaluated strip of road
+_MIN_ROWS, _MIN_COLUMNS = 12, 64
+_HOLE_SIGMA_RATIO = 2.0  # ratio of a hole's near-edge sigma to a bump's
 _EVERY_ROW = 2  # row stride: windows of neighbouring rows overlap
-_LEAST_NOISE_GREY = 1.0  # least noise of the difference of two images
+_MIN_NOISE_GREY = 1.0  # least noise of the difference of two images
 _ROBUST = 2.0  # deviation, in spreads of its row, with half weight
-_LEAST_PX = 0.05
+_MIN_SIGMA_PX = 0.05
 _WINDOW_M = 0.6  # window width across the road
-_MONO_BASE_M = 1.0
-_BARE = 0.99  # least weight share of bare road in a row of bare road
-_ALIKE = 2.0  # sigma inflation: errors of neighbouring rows are correlated, which their scatter hides
+_MIN_MONO_BASELINE_M = 1.0
+_MIN_BARE_SHARE = 0.99  # least weight share of bare road in a row of bare road
+_ROW_CORRELATION = (
+    2.0  # sigma inflation: errors of neighbouring rows are correlated, which their scatter hides
+)
 _KEPT = 4
 
 
-class Shot(NamedTuple):
+class PosedImage(NamedTuple):
     """Exposure: a grey image (H, W) uint8 and the camera pose."""
 
     pose: CameraPose
     image: Array
 
 
-class Gauge:
+class HeightGauge:
     """Height measurement of every track in range, added to the track's `elevation` in each frame.
 
     base_m: baseline to the second camera, right of the first; 0 for none, then earlier frames are used.
@@ -48,8 +50,8 @@ class Gauge:
 
     def __init__(self, camera: Camera, base_m: float, settings: Settings) -> None:
         self.camera, self.base_m, self.settings = camera.pinhole, base_m, settings
-        self._straight = None if camera.is_pinhole else _straightening(camera)
-        self._shots: deque[Shot] = deque(maxlen=_KEPT)
+        self._straight = None if camera.is_pinhole else _undistortion_maps(camera)
+        self._shots: deque[PosedImage] = deque(maxlen=_KEPT)
 
     def measure(
         self, pose: CameraPose, image: Array, second: Array | None, tracks: list[Track]
@@ -59,11 +61,11 @@ class Gauge:
         reach = [(track, span) for track, span in zip(tracks, rows, strict=True) if span is not None]
         if second is not None and not reach:
             return []
-        shot = Shot(pose, self.grey(image))
+        shot = PosedImage(pose, self.grey(image))
         if second is not None:
-            other = Shot(second_pose(pose, self.base_m), self.grey(second))
+            other = PosedImage(second_pose(pose, self.base_m), self.grey(second))
         else:
-            earlier = [s for s in self._shots if pose.x - s.pose.x >= _MONO_BASE_M]
+            earlier = [s for s in self._shots if pose.x - s.pose.x >= _MIN_MONO_BASELINE_M]
             self._shots.append(shot)
             if not earlier:
                 return []
@@ -77,10 +79,16 @@ class Gauge:
         return grey if self._straight is None else cv2.remap(grey, *self._straight, cv2.INTER_LINEAR)
 
     def _measure_one(
-        self, shot: Shot, other: Shot, stereo: bool, track: Track, rows: tuple[int, int], tracks: list[Track]
+        self,
+        shot: PosedImage,
+        other: PosedImage,
+        stereo: bool,
+        track: Track,
+        rows: tuple[int, int],
+        tracks: list[Track],
     ) -> bool:
         columns = self._columns_of(shot.pose, rows, track)
-        if columns[1] - columns[0] < _LEAST_COLUMNS:
+        if columns[1] - columns[0] < _MIN_COLUMNS:
             return False
         view = band(self.camera, shot.pose, other.pose, rows, columns)
         start = coarse(self.camera, view, shot.image, other.image) if stereo else np.ones_like(view.ahead)
@@ -92,8 +100,8 @@ class Gauge:
             return False
         if track.elevation is None:
             sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
-            ragged = 1.0 if track.best.kind.sign > 0 else _RIM
-            track.elevation = Elevation(ragged * sigma, stereo)
+            ragged = 1.0 if track.best.kind.sign > 0 else _HOLE_SIGMA_RATIO
+            track.elevation = HeightSamples(ragged * sigma, stereo)
         track.elevation.add(*found)
         return True
 
@@ -113,19 +121,25 @@ class Gauge:
             for ahead in (near, far)
         )
         rows = max(int(top), 0), min(int(bottom) + 1, limit)
-        return rows if rows[1] - rows[0] >= _LEAST_ROWS else None
+        return rows if rows[1] - rows[0] >= _MIN_ROWS else None
 
     def _columns_of(self, pose: CameraPose, rows: tuple[int, int], track: Track) -> tuple[int, int]:
         nearest = pose.z / np.tan(np.arctan2(rows[1] - self.camera.cy, self.camera.focal_px) + pose.pitch)
         scale = self.camera.focal_px / max(float(nearest), 1.0)
         right, left = track.right.y_m - pose.y - 0.5, track.left.y_m - pose.y + 0.5
-        span = np.clip([left, right], -_STRIP_M, _STRIP_M)
+        span = np.clip([left, right], -_HALF_STRIP_M, _HALF_STRIP_M)
         first, last = (int(self.camera.cx - scale * y) for y in span)
         return max(first, 0), min(last + 1, self.camera.width_px)
 
     def _profile(
-        self, pose: CameraPose, view: Band, field: Field, stereo: bool, track: Track, tracks: list[Track]
-    ) -> tuple[Rows, NearEdge | None] | None:
+        self,
+        pose: CameraPose,
+        view: ImageBand,
+        field: StructureField,
+        stereo: bool,
+        track: Track,
+        tracks: list[Track],
+    ) -> tuple[HeightRows, NearEdge | None] | None:
         """Height sample over the plane for each row on the object's strip, and its near edge."""
         axes = pose.rotation.astype(np.float32)
         point = np.stack([view.ahead, view.side, view.up])
@@ -140,18 +154,18 @@ class Gauge:
         ratio = (field.q - turned) / plane
         right, left = _strip(track, pose)
         inside = (y > right) & (y < left)
-        weight = np.where(inside, field.weight * _alike(ratio, inside), 0.0)
+        weight = np.where(inside, field.weight * _homogeneity_weights(ratio, inside), 0.0)
         total = weight.sum(axis=1)
         seen = np.flatnonzero(total > 0)[::_EVERY_ROW]
-        if len(seen) < _LEAST_ROWS // _EVERY_ROW:
+        if len(seen) < _MIN_ROWS // _EVERY_ROW:
             return None
         share = weight[seen] / total[seen][:, None]
         mean = (share * ratio[seen]).sum(axis=1)
         forward = (share * (x - pose.x)[seen] / (plane[seen] if stereo else 1.0)).sum(axis=1)
         pixels = (share * field.pixels[seen]).sum(axis=1)
-        sigma_px = np.hypot(max(field.noise, _LEAST_NOISE_GREY) / np.sqrt(total[seen]), _LEAST_PX)
+        sigma_px = np.hypot(max(field.noise, _MIN_NOISE_GREY) / np.sqrt(total[seen]), _MIN_SIGMA_PX)
         slant = forward / view.height_m
-        samples = Rows(
+        samples = HeightRows(
             pose.x + forward,
             view.height_m * (1.0 - 1.0 / mean),
             view.height_m * sigma_px / pixels,
@@ -159,8 +173,8 @@ class Gauge:
             slant,
         )
         if not stereo:
-            bare = (share * road[seen]).sum(axis=1) > _BARE
-            return samples._replace(sigma_m=samples.sigma_m * _excess(samples, bare)), None
+            bare = (share * road[seen]).sum(axis=1) > _MIN_BARE_SHARE
+            return samples._replace(sigma_m=samples.sigma_m * _sigma_inflation(samples, bare)), None
         nominal = (x - pose.x)[:, [0, -1]].mean(axis=1)
         return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0))
 
@@ -183,7 +197,7 @@ class Gauge:
         return NearEdge(pose.x + there, float(sigma), across)
 
 
-def _alike(ratio: Array, inside: Array) -> Array:
+def _homogeneity_weights(ratio: Array, inside: Array) -> Array:
     """Robust weights (rows, columns) of pixels by their deviation from the row's median inside the strip.
 
     An object is homogeneous over its width; drops on the lens and streaks of rain are not.
@@ -197,7 +211,7 @@ def _alike(ratio: Array, inside: Array) -> Array:
     return np.nan_to_num(1.0 / (1.0 + (away / (_ROBUST * np.maximum(spread, 1e-6))) ** 2))
 
 
-def _excess(samples: Rows, bare: Array) -> float:
+def _sigma_inflation(samples: HeightRows, bare: Array) -> float:
     """Sigma inflation from the excess scatter of bare-road rows (n,) bool.
 
     Reflections on a wet road and drops on the lens move independently from frame to frame; a stereo pair sees
@@ -206,10 +220,10 @@ def _excess(samples: Rows, bare: Array) -> float:
     if not bare.any():
         return 1.0
     normal = np.abs(samples.z_m / samples.sigma_m)[bare]
-    return max(1.0, _ALIKE * 1.48 * float(np.median(normal)))
+    return max(1.0, _ROW_CORRELATION * 1.48 * float(np.median(normal)))
 
 
-def _straightening(camera: Camera) -> tuple[Array, Array]:
+def _undistortion_maps(camera: Camera) -> tuple[Array, Array]:
     """Undistortion maps (for `cv2.remap`): distorted column and row of each undistorted pixel."""
     v, u = np.mgrid[: camera.height_px, : camera.width_px] + 0.5
     bent = camera.bent(np.stack([u.ravel(), v.ravel()], axis=1)).astype(np.float32) - np.float32(0.5)
@@ -218,8 +232,8 @@ def _straightening(camera: Camera) -> tuple[Array, Array]:
 
 def _strip(track: Track, pose: CameraPose) -> tuple[float, float]:
     """Lateral extent (right, left) over which the object is as it is under a wheel."""
-    right = max(track.right.y_m, pose.y - _STRIP_M)
-    left = min(track.left.y_m, pose.y + _STRIP_M)
+    right = max(track.right.y_m, pose.y - _HALF_STRIP_M)
+    left = min(track.left.y_m, pose.y + _HALF_STRIP_M)
     if track.best.kind.sign < 0:
         middle, half = 0.5 * (right + left), 0.25 * (left - right)
         return middle - half, middle + half

@@ -8,23 +8,23 @@ noise level of the detector. A change that is still ahead of the camera cannot b
 
 import numpy as np
 
-from preview.fit import GROUND, LOW, OFFSET, Sight, X, table
+from preview.fit import EDGE_BIAS, GROUND, OFFSET, EdgeBearings, X, table
 
 _BLOCK = 5  # frames
-_LEAST_BLOCKS = 3
+_MIN_BLOCKS = 3
 
 
-def strain(sights: list[Sight] | np.ndarray, state: np.ndarray) -> float:
+def strain(sights: list[EdgeBearings] | np.ndarray, state: np.ndarray) -> float:
     """Variance ratio of the near-edge residuals, about 1 on a plane road; 0 for too few sights.
 
     Scatter within blocks counts as no less than the variance that each sight claims.
     """
     _, camera_x, camera_z, bottom, _, sigma, _ = table(sights).T
     model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)
-    residual = (bottom + state[OFFSET] - state[LOW] - model) / sigma
+    residual = (bottom + state[OFFSET] - state[EDGE_BIAS] - model) / sigma
     residual = residual[np.isfinite(residual)]
     count = len(residual) // _BLOCK
-    if count < _LEAST_BLOCKS:
+    if count < _MIN_BLOCKS:
         return 0.0
     blocks = residual[-count * _BLOCK :].reshape(count, _BLOCK)
     between = _BLOCK * float(np.mean(blocks.mean(axis=1) ** 2))

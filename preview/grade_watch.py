@@ -13,24 +13,26 @@ from preview.settings import Settings
 
 Array = np.ndarray
 _SPAN_S = 0.05  # averaging time of one span
-_SPANS = 20  # spans in which the plane follows the wheels after a change, until the rear axle has passed it
-_BEFORE = 6  # age in spans of the roughness used, since a change of grade raises it
+_SETTLING_SPANS = (
+    20  # spans in which the plane follows the wheels after a change, until the rear axle has passed it
+)
+_ROUGHNESS_LAG_SPANS = 6  # age in spans of the roughness used, since a change of grade raises it
 
 
-class GradeWatch:
+class GradeChangeDetector:
     """Grade-change detector on mean road heights under the axles."""
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._sum, self._count, self._elapsed_s, self._left = np.zeros(1), 0, 0.0, 0
-        self._past: deque[float] = deque(maxlen=_BEFORE)
+        self._past: deque[float] = deque(maxlen=_ROUGHNESS_LAG_SPANS)
         self.fresh = False  # True if the wheels left the plane in the last completed span
         self.roughness_m = np.inf  # roughness before the change
 
     @property
     def unsettled(self) -> float:
         """1 when a change is detected, falling to 0 as the new plane settles."""
-        return (self._left / _SPANS) ** 2
+        return (self._left / _SETTLING_SPANS) ** 2
 
     def add(self, road_m: Array, step: float, roughness_m: float) -> Array | None:
         """Add heights (axles,) over the plane, `step` seconds after the last ones.
@@ -49,5 +51,5 @@ class GradeWatch:
         self.roughness_m = min(self._past[0], roughness_m)
         most = max(self._settings.grade_rises * self.roughness_m, self._settings.grade_rise_m)
         self.fresh = bool(np.abs(mean).max() > most)
-        self._left = _SPANS if self.fresh else max(self._left - 1, 0)
+        self._left = _SETTLING_SPANS if self.fresh else max(self._left - 1, 0)
         return mean if self._left else None

@@ -22,7 +22,7 @@ from preview.shape import KINDS
 RowVariance = Annotated[float, Interval(ge=1e-12, le=1e6), "px²"]
 WithMounting = Annotated[float, Interval(ge=-1e4, le=1e4), "rad·px or m·px"]
 Sigma = Annotated[float, Interval(ge=1e-9, le=1e5), "m"]
-KIND_OF = {kind.name: kind for kind in KINDS}
+TEMPLATE_BY_NAME = {kind.name: kind for kind in KINDS}
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class RowBias(Checked):
 
 
 @dataclass(frozen=True)
-class Remembered(Checked):
+class RememberedObject(Checked):
     """Object kept from a drive: kind, position, size (m), existence; a sigma is that of the value before it.
 
     Length and height are the measured ones, without the prior of the object's kind; None if not measured.
@@ -80,8 +80,8 @@ class Remembered(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.kind not in KIND_OF:
-            raise InputError(f"kind must be one of {', '.join(KIND_OF)}, got {shown(self.kind)}")
+        if self.kind not in TEMPLATE_BY_NAME:
+            raise InputError(f"kind must be one of {', '.join(TEMPLATE_BY_NAME)}, got {shown(self.kind)}")
         for name in ("length", "height"):
             if (getattr(self, f"{name}_m") is None) != (getattr(self, f"{name}_sigma_m") is None):
                 raise InputError(f"{name}_m and {name}_sigma_m must both be null or both be numbers")
@@ -97,13 +97,13 @@ class Memory:
     """
 
     mounting: Mounting
-    objects: tuple[Remembered, ...] = ()
+    objects: tuple[RememberedObject, ...] = ()
     rows: RowBias | None = None
 
     def __post_init__(self) -> None:
         if self.rows is None:
             return
-        covariance = covariance_of(self.mounting, self.rows)
+        covariance = calibration_covariance(self.mounting, self.rows)
         scale = np.sqrt(np.diag(covariance).clip(1e-30))
         if np.linalg.eigvalsh(covariance / np.outer(scale, scale)).min() < -1e-6:
             raise InputError(f"rows.variance must bound the covariances, got {shown(self.rows)}")
@@ -126,13 +126,15 @@ def to_text(memory: Memory) -> str:
     return str(yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 
-def of_mounting(kept: Mounting) -> np.ndarray:
+def mounting_covariance(kept: Mounting) -> np.ndarray:
     """Covariance (2, 2) of pitch and height."""
     return np.array([[kept.pitch_variance, kept.covariance], [kept.covariance, kept.height_variance]])
 
 
-def covariance_of(mounting: Mounting, rows: RowBias) -> np.ndarray:
+def calibration_covariance(mounting: Mounting, rows: RowBias) -> np.ndarray:
     """Covariance (4, 4) of the states of `preview.calibration`."""
     across = np.array([rows.with_pitch, rows.with_height])
     (bump, hole), both = rows.variance, rows.covariance
-    return np.block([[of_mounting(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]])
+    return np.block(
+        [[mounting_covariance(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]]
+    )

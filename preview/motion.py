@@ -11,12 +11,12 @@ from typing import Protocol
 import numpy as np
 
 from files.errors import InputError
-from preview.body import HEAVE, PITCH, Body, Turn
+from preview.body import HEAVE, PITCH, HeavePitchFilter, PlaneUpdate
 from preview.path import curvature
-from preview.roll import Roll
+from preview.roll import RollFilter
 from preview.settings import Settings
 
-_TURNED_S = 0.5  # greatest age of an arriving frame
+_MAX_FRAME_AGE_S = 0.5  # greatest age of an arriving frame
 
 
 class Measurement(Protocol):
@@ -84,14 +84,14 @@ class EgoMotion:
         if len(axles) not in (1, 2):
             raise InputError(f"axle_x_m must name 1 or 2 axles, got {len(axles)}")
         self.axle_x_m = np.asarray(axles, dtype=float)
-        self._of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
+        self._wheels_of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
         self.settings = settings
         self.x_m = x_m
-        self._body = Body(self.axle_x_m, settings)
-        self._roll = Roll(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
-        self._inertial: tuple[float, float, float] | None = None
+        self._body = HeavePitchFilter(self.axle_x_m, settings)
+        self._roll = RollFilter(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
+        self._last_inertial: tuple[float, float, float] | None = None
         self.road_m = 0.0
-        self.turn: Turn | None = None  # update of the road plane by the last `update`
+        self.turn: PlaneUpdate | None = None  # update of the road plane by the last `update`
         self._masked_until_s = -np.inf
         self._times: list[float] = []
         self._states: list[EgoState] = []
@@ -116,17 +116,18 @@ class EgoMotion:
         trust = on_plane and time_s >= self._masked_until_s
         inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate, measurement.roll_rate
         acceleration, pitch_rate, roll_rate = (
-            0.5 * (now + before) for now, before in zip(inertial, self._inertial or inertial, strict=True)
+            0.5 * (now + before)
+            for now, before in zip(inertial, self._last_inertial or inertial, strict=True)
         )
         self._body.predict(step, acceleration, pitch_rate)
         self._roll.predict(step, roll_rate)
-        self._inertial = inertial
+        self._last_inertial = inertial
         of_wheels = self._deflection(measurement)
         deflection = np.array(self._over_axles(of_wheels))
         if trust:
             self.turn = self._body.level(deflection, step, measurement.speed_m_s)
             if self.turn is not None:
-                self._turn_history(self.turn)
+                self._transform_history(self.turn)
             self._roll.level(of_wheels, self._body.roughness_m)
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
@@ -175,9 +176,9 @@ class EgoMotion:
         """Standard deviation of the grade ahead after a detected change of grade."""
         return self._body.grade_sigma
 
-    def _turn_history(self, turn: Turn) -> None:
+    def _transform_history(self, turn: PlaneUpdate) -> None:
         """Transform the recent states to the updated plane, for frames exposed then that may yet arrive."""
-        first = bisect_right(self._times, self._times[-1] - _TURNED_S)
+        first = bisect_right(self._times, self._times[-1] - _MAX_FRAME_AGE_S)
         for k in range(first, len(self._times)):
             was = self._states[k]
             heave = was.heave_m + turn.heave_m + (self.x_m - was.x_m) * turn.pitch_rad
@@ -201,4 +202,4 @@ class EgoMotion:
         return float((front * over[1] - rear * over[0]) / (front - rear))
 
     def _over_axles(self, values: np.ndarray) -> list[float]:
-        return [values[wheels].mean() for wheels in self._of_axle]
+        return [values[wheels].mean() for wheels in self._wheels_of_axle]

@@ -19,12 +19,12 @@ from road.camera import Camera, CameraPose
 
 Array = np.ndarray
 _WINDOW_ROWS = 3  # low windows: objects are homogeneous across the road, edges along it must stay sharp
-_MOST_STEP_PX = 1.0
-_NOISE = 0.02  # regularisation, (grey level / px)²: weaker gradients carry no information
-_MOST = 0.2  # limit of |q - 1|
+_MAX_STEP_PX = 1.0
+_REGULARISATION = 0.02  # regularisation, (grey level / px)²: weaker gradients carry no information
+_MAX_STRUCTURE = 0.2  # limit of |q - 1|
 
 
-class Band(NamedTuple):
+class ImageBand(NamedTuple):
     """Image band of the reference image and the geometry of its pixels, arrays (rows, columns) float32.
 
     top, left: its first row and column. ahead, side, up: the plane's point on each pixel's ray in axes of the
@@ -42,7 +42,7 @@ class Band(NamedTuple):
     height_m: float
 
 
-class Field(NamedTuple):
+class StructureField(NamedTuple):
     """Structure of a band (q of the module), arrays (rows, columns).
 
     weight: mean squared gradient along the epipolar line in the window, (grey level / px)². along: (2, rows,
@@ -67,7 +67,7 @@ def band(
     other: CameraPose,
     rows: tuple[int, int],
     columns: tuple[int, int],
-) -> Band:
+) -> ImageBand:
     """Geometry of the pixels in `rows` and `columns` (first, one after last), all below the horizon."""
     v = np.arange(*rows, dtype=np.float32)[:, None] + np.float32(0.5 - camera.cy)
     u = np.arange(*columns, dtype=np.float32)[None, :] + np.float32(0.5 - camera.cx)
@@ -79,10 +79,10 @@ def band(
     travel = other.rotation.T @ (reference.position - other.position)
     moved = np.tensordot(turn, point, axes=1).astype(np.float32)
     ground = point[0], point[1], point[2]
-    return Band(rows[0], columns[0], *ground, moved, travel.astype(np.float32), float(reference.z))
+    return ImageBand(rows[0], columns[0], *ground, moved, travel.astype(np.float32), float(reference.z))
 
 
-def place(camera: Camera, view: Band, q: Array) -> tuple[Array, Array, Array]:
+def place(camera: Camera, view: ImageBand, q: Array) -> tuple[Array, Array, Array]:
     """Columns and rows (for `cv2.remap`) in the other image of points at structure `q`, and their depth."""
     forward, left, up = (part + q * step for part, step in zip(view.other, view.travel, strict=True))
     scale = np.float32(camera.focal_px) / forward
@@ -91,13 +91,13 @@ def place(camera: Camera, view: Band, q: Array) -> tuple[Array, Array, Array]:
 
 def match(
     camera: Camera,
-    view: Band,
+    view: ImageBand,
     image: Array,
     other: Array,
     start: Array,
     window_px: int = 31,
     iterations: int = 3,
-) -> Field:
+) -> StructureField:
     """Refine the structure `start` (rows, columns) by matching `other` (H, W) to `image` (H, W), both grey.
 
     window_px: width of the windows.
@@ -123,9 +123,9 @@ def match(
         pixels = np.hypot(along_u, along_v)
         error = cv2.boxFilter(slope * (wanted - found), -1, window)
         weight = cv2.boxFilter(slope * slope, -1, window)
-        firm = weight + _NOISE * pixels**2
-        most = _MOST_STEP_PX / pixels
-        q = np.clip(q + np.clip(error / firm, -most, most), 1.0 - _MOST, 1.0 + _MOST)
+        firm = weight + _REGULARISATION * pixels**2
+        most = _MAX_STEP_PX / pixels
+        q = np.clip(q + np.clip(error / firm, -most, most), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE)
         q = cv2.boxFilter(q * firm, -1, (window_px, 1)) / cv2.boxFilter(firm, -1, (window_px, 1))
     noise = 1.48 * float(np.median(np.abs(wanted - found)))
-    return Field(q, weight / pixels**2, np.stack([along_u, along_v]), noise)
+    return StructureField(q, weight / pixels**2, np.stack([along_u, along_v]), noise)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Array = np.ndarray
-_LEAST_SPEED_M_S = 1.0  # below it a gyro offset would look like a bend
-_TIGHTEST_1_M = 0.2
+_MIN_SPEED_M_S = 1.0  # below it a gyro offset would look like a bend
+_MAX_CURVATURE_1_M = 0.2
 
 
 class Path(NamedTuple):
@@ -46,6 +46,6 @@ STRAIGHT = Path()
 
 def curvature(yaw_rate: float, speed_m_s: float) -> float:
     """Path curvature (1/m) from yaw rate (rad/s, positive left) and speed; side slip is neglected."""
-    if speed_m_s < _LEAST_SPEED_M_S:
+    if speed_m_s < _MIN_SPEED_M_S:
         return 0.0
-    return float(np.clip(yaw_rate / speed_m_s, -_TIGHTEST_1_M, _TIGHTEST_1_M))
+    return float(np.clip(yaw_rate / speed_m_s, -_MAX_CURVATURE_1_M, _MAX_CURVATURE_1_M))

@@ -13,8 +13,8 @@ from road.camera import Camera, CameraPose, project
 from road.features import Feature
 from road.profile import Road
 
-_ALONG, _ACROSS = 61, 61
-_LEAST_AHEAD_M = 0.3
+_GRID_ALONG, _GRID_ACROSS = 61, 61
+_MIN_AHEAD_M = 0.3
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,7 @@ def true_boxes(
     limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
     boxes, classes = [], []
     for feature in road.features:
-        if (
-            feature.cls is None
-            or feature.end_m < pose.x + _LEAST_AHEAD_M
-            or feature.start_m > pose.x + range_m
-        ):
+        if feature.cls is None or feature.end_m < pose.x + _MIN_AHEAD_M or feature.start_m > pose.x + range_m:
             continue
         box = _box(road, feature, camera, pose, limit)
         if box is not None:
@@ -101,8 +97,8 @@ def _box(
     road: Road, feature: Feature, camera: Camera, pose: CameraPose, limit: float
 ) -> tuple[float, float, float, float] | None:
     """Box around the feature's surface and edges, cut to the image, or None if out of sight."""
-    x = np.linspace(max(feature.start_m, pose.x + _LEAST_AHEAD_M), feature.end_m, _ALONG)
-    y = np.linspace(feature.y_min_m, feature.y_max_m, _ACROSS)
+    x = np.linspace(max(feature.start_m, pose.x + _MIN_AHEAD_M), feature.end_m, _GRID_ALONG)
+    y = np.linspace(feature.y_min_m, feature.y_max_m, _GRID_ACROSS)
     grid_x, grid_y = np.meshgrid(x, y)
     inside = feature.footprint(grid_x, grid_y)
     grid_x, grid_y = grid_x[inside], grid_y[inside]

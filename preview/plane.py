@@ -2,20 +2,22 @@
 
 import numpy as np
 
-from preview.parallax import Band, Field
+from preview.parallax import ImageBand, StructureField
 from road.camera import Camera
 
 Array = np.ndarray
-_EVERY = (slice(None, None, 2), slice(None, None, 8))
-_ROUNDS = 4
+_SAMPLING = (slice(None, None, 2), slice(None, None, 8))
+_ITERATIONS = 4
 _NOISE_PX = 0.5  # noise of one sample, inflated because neighbouring windows overlap
 _CAUCHY = 1.0
-_MOST_WEIGHT = 3.0  # limit of a weight over the median: road paint has strong gradients and must not dominate
+_MAX_WEIGHT = 3.0  # limit of a weight over the median: road paint has strong gradients and must not dominate
 _TILT_SIGMA = 0.02  # of the plane's inverse distance, 1/m: 2 % of grade or banking, 3 cm of camera height
-_TURN_SIGMA = 0.0003  # rad, error of the rotation between two exposures of one camera
+_ROTATION_SIGMA = 0.0003  # rad, error of the rotation between two exposures of one camera
 
 
-def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool) -> tuple[Array, Array]:
+def fit_plane(
+    camera: Camera, view: ImageBand, field: StructureField, road: Array, turns: bool
+) -> tuple[Array, Array]:
     """(plane, turned), both (rows, columns): structure q of the plane, and apparent q of a rotation error.
 
     road: (rows, columns) bool, pixels without known objects. turns: whether to estimate an error of the
@@ -23,16 +25,16 @@ def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool
     inverse distance is linear in the pixel, so q - 1 = a ahead + b side + c up.
     """
     basis = np.stack([view.ahead, view.side, view.up, *(_rotations(camera, view, field) if turns else ())])
-    sigma = np.array([_TILT_SIGMA] * 3 + [_TURN_SIGMA] * (len(basis) - 3))
-    use = road[_EVERY].ravel()
-    columns = basis[(slice(None), *_EVERY)].reshape(len(basis), -1)[:, use].astype(float)
+    sigma = np.array([_TILT_SIGMA] * 3 + [_ROTATION_SIGMA] * (len(basis) - 3))
+    use = road[_SAMPLING].ravel()
+    columns = basis[(slice(None), *_SAMPLING)].reshape(len(basis), -1)[:, use].astype(float)
     value, weight, pixels = (
-        part[_EVERY].ravel()[use].astype(float) for part in (field.q - 1.0, field.weight, field.pixels)
+        part[_SAMPLING].ravel()[use].astype(float) for part in (field.q - 1.0, field.weight, field.pixels)
     )
     usual = float(np.median(weight)) if len(weight) else 1.0
-    scale = (pixels / _NOISE_PX) ** 2 * np.minimum(weight / max(usual, 1e-9), _MOST_WEIGHT)
+    scale = (pixels / _NOISE_PX) ** 2 * np.minimum(weight / max(usual, 1e-9), _MAX_WEIGHT)
     found = np.zeros(len(basis))
-    for _ in range(_ROUNDS):
+    for _ in range(_ITERATIONS):
         far = (value - found @ columns) * pixels / _NOISE_PX / _CAUCHY
         weighted = columns * (scale / (1.0 + far**2))
         found = np.linalg.solve(weighted @ columns.T + np.diag(sigma**-2), weighted @ value)
@@ -41,7 +43,7 @@ def fit_plane(camera: Camera, view: Band, field: Field, road: Array, turns: bool
     return plane.astype(np.float32), turned.astype(np.float32)
 
 
-def _rotations(camera: Camera, view: Band, field: Field) -> list[Array]:
+def _rotations(camera: Camera, view: ImageBand, field: StructureField) -> list[Array]:
     """Apparent q per rad of pitch and of yaw error of the other camera, along the epipolar line."""
     forward, left, up = view.other + view.travel[:, None, None]
     x, y = left / forward, up / forward

@@ -3,13 +3,23 @@
 import numpy as np
 
 from preview.calibration import MOUNTING, ROWS, Calibration
-from preview.fit import HEIGHT, LENGTH, Direct, X, fit, start_state
-from preview.memory import KIND_OF, Memory, Mounting, Remembered, RowBias, covariance_of, of_mounting
+from preview.fit import HEIGHT, LENGTH, DirectMeasurement, X, fit, start_state
+from preview.memory import (
+    TEMPLATE_BY_NAME,
+    Memory,
+    Mounting,
+    RememberedObject,
+    RowBias,
+    calibration_covariance,
+    mounting_covariance,
+)
 from preview.settings import Settings
 from preview.shape import POTHOLE
 from preview.track import LOG_ODDS_LIMIT, Edge, Track
 
-_LEAST_SAID = 0.05  # least information on a size, over that of the kind's prior, that counts as a measurement
+_MIN_INFORMATION_RATIO = (
+    0.05  # least information on a size, over that of the kind's prior, that counts as a measurement
+)
 
 
 def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
@@ -19,7 +29,7 @@ def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
     offset, lift, *rows = calibration.mean.tolist()
     return Memory(
         Mounting(offset, lift, pitch, cross, height),
-        tuple(_remembered(track) for track in tracks if track.confirmed),
+        tuple(_to_memory(track) for track in tracks if track.confirmed),
         RowBias(tuple(rows), (bump, hole), both, tuple(with_pitch), tuple(with_height)),
     )
 
@@ -29,10 +39,10 @@ def recall(calibration: Calibration, memory: Memory) -> None:
     kept = memory.mounting
     calibration.mean[MOUNTING] = kept.pitch_rad, kept.height_m
     if memory.rows is None:
-        calibration.covariance[MOUNTING, MOUNTING] = of_mounting(kept)
+        calibration.covariance[MOUNTING, MOUNTING] = mounting_covariance(kept)
     else:
         calibration.mean[ROWS] = memory.rows.bottom_px
-        calibration.covariance = covariance_of(kept, memory.rows)
+        calibration.covariance = calibration_covariance(kept, memory.rows)
 
 
 def expectations(
@@ -40,17 +50,17 @@ def expectations(
 ) -> list[Track]:
     """Tracks of the remembered objects, numbered from `first`; the odometer starts at `x_m`."""
     return [
-        _expected(number, place, calibration, settings, x_m)
+        _track_from_memory(number, place, calibration, settings, x_m)
         for number, place in enumerate(memory.objects, first)
     ]
 
 
-def _remembered(track: Track) -> Remembered:
+def _to_memory(track: Track) -> RememberedObject:
     best = track.best
     (length, length_sigma), (height, height_sigma) = _measured(track, LENGTH), _measured(track, HEIGHT)
     if best.kind is POTHOLE and not track.depth_is_measured:
         height = height_sigma = None
-    return Remembered(
+    return RememberedObject(
         best.kind.name,
         float(best.state[X]),
         best.sigma_m,
@@ -77,23 +87,23 @@ def _measured(track: Track, entry: int) -> tuple[float, float] | tuple[None, Non
     }[entry]
     before, after = usual_sigma**-2, 1.0 / best.covariance[entry, entry]
     said = after - before
-    if said < _LEAST_SAID * before:
+    if said < _MIN_INFORMATION_RATIO * before:
         return None, None
     value = float((after * best.state[entry] - before * usual) / said)
     return (value, float(said**-0.5)) if value > 0 else (None, None)
 
 
-def _expected(
-    identity: int, place: Remembered, calibration: Calibration, settings: Settings, x_m: float
+def _track_from_memory(
+    identity: int, place: RememberedObject, calibration: Calibration, settings: Settings, x_m: float
 ) -> Track:
-    kind = KIND_OF[place.kind]
+    kind = TEMPLATE_BY_NAME[place.kind]
     # Both drives' odometers have drifted by the time the object is reached.
     drift = np.sqrt(2.0) * settings.odometry_sigma * abs(place.x_m - x_m)
-    directs = [Direct(X, place.x_m, float(np.hypot(place.x_sigma_m, drift)))]
+    directs = [DirectMeasurement(X, place.x_m, float(np.hypot(place.x_sigma_m, drift)))]
     if place.length_m is not None and place.length_sigma_m is not None:
-        directs.append(Direct(LENGTH, place.length_m, place.length_sigma_m))
+        directs.append(DirectMeasurement(LENGTH, place.length_m, place.length_sigma_m))
     if place.height_m is not None and place.height_sigma_m is not None:
-        directs.append(Direct(HEIGHT, place.height_m, place.height_sigma_m))
+        directs.append(DirectMeasurement(HEIGHT, place.height_m, place.height_sigma_m))
     prior = calibration.prior(kind.cls)
     start = start_state(place.x_m, prior, place.length_m or kind.length_m, place.height_m or kind.height_m)
     best = fit(kind, [], start, prior, directs, settings)

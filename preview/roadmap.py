@@ -25,9 +25,9 @@ from road.enveloping import Enveloping, RigidWheel
 from road.measured import FORMATS, MeasuredSurface, surface
 
 Array = np.ndarray
-_QUALITY = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
+_UNCERTAINTY_COLUMNS = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
 """Columns of the map's uncertainty, with their default values."""
-_MOST = {"height_sigma_m": 10.0, "position_sigma_m": 1000.0, "existence": 1.0}
+_UPPER_LIMITS = {"height_sigma_m": 10.0, "position_sigma_m": 1000.0, "existence": 1.0}
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,11 @@ class RoadMap:
     start_m: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in _QUALITY:
+        for name in _UNCERTAINTY_COLUMNS:
             values = getattr(self, name)
             if values.shape != self.surface.x_m.shape:
                 raise InputError(f"{name} must have one value per station, got shape {values.shape}")
-            most = _MOST[name]
+            most = _UPPER_LIMITS[name]
             if not ((values >= 0) & (values <= most)).all():
                 wrong = values[~((values >= 0) & (values <= most))][0]
                 raise InputError(f"{name} must lie in 0 ... {most:g}, got {wrong:g}")
@@ -69,10 +69,10 @@ def read(path: Path | str) -> RoadMap:
             raise InputError(
                 f"{path}: each column must be named once, got {shortened(', '.join(twice))} twice"
             )
-        kept = [k for k, name in enumerate(header) if name not in _QUALITY]
+        kept = [k for k, name in enumerate(header) if name not in _UNCERTAINTY_COLUMNS]
         x, y, heights = csv_profile.profile_of(path, [header[k] for k in kept], table[:, kept])
-        told = {name: table[:, header.index(name)] for name in _QUALITY if name in header}
-    quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _QUALITY.items()}
+        told = {name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header}
+    quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _UNCERTAINTY_COLUMNS.items()}
     found = surface(x, y, heights, str(path))
     try:
         return RoadMap(found, **quality, start_m=float(x[0]))

@@ -11,7 +11,7 @@ from preview.settings import Settings
 Array = np.ndarray
 
 
-class Roll:
+class RollFilter:
     """Filter of the roll angle (rad, left side up) and the gyro offset (rad/s), with covariance (2, 2).
 
     axle_x_m, wheel_y_m: positions of the wheels; without an axle with wheels on both sides there is no roll.
@@ -19,8 +19,8 @@ class Roll:
 
     def __init__(self, axle_x_m: tuple[float, ...], wheel_y_m: tuple[float, ...], settings: Settings) -> None:
         axle, beside = np.asarray(axle_x_m), np.asarray(wheel_y_m, dtype=float)
-        self._lever = beside - np.array([beside[axle == x].mean() for x in axle])
-        self._square = float(self._lever @ self._lever)
+        self._kinematic_row = beside - np.array([beside[axle == x].mean() for x in axle])
+        self._square = float(self._kinematic_row @ self._kinematic_row)
         self.settings = settings
         self.state = np.zeros(2)
         sigmas = settings.body_pitch_sigma_deg, settings.gyro_offset_sigma_deg_s
@@ -43,11 +43,11 @@ class Roll:
     def level(self, deflection: Array, roughness_m: float) -> None:
         """Correction by the road plane.
 
-        deflection: (wheels,) body over road, m. roughness_m: as in `Body`.
+        deflection: (wheels,) body over road, m. roughness_m: as in `HeavePitchFilter`.
         """
         if not self._square:
             return
-        measured = float(self._lever @ deflection) / self._square
+        measured = float(self._kinematic_row @ deflection) / self._square
         variance = (self.settings.level_ratio * roughness_m) ** 2 / self._square
         gain = self.covariance[:, 0] / (self.covariance[0, 0] + variance)
         self.state = self.state + gain * (measured - self.state[0])

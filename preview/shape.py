@@ -30,7 +30,7 @@ _WALL_M = 0.06  # wall length of potholes, from rim to floor
 
 
 @dataclass(frozen=True)
-class Kind:
+class ObstacleTemplate:
     """Obstacle template: priors of an obstacle kind, mean and standard deviation of length and height.
 
     cls: detector class; sign: +1 for raised, -1 for a hole; share: prior probability within its class.
@@ -46,19 +46,21 @@ class Kind:
     height_sigma_m: float
 
 
-BUMP = Kind("bump", 0, 1.0, 0.5, 0.45, 0.10, 0.075, 0.015)
-HUMP = Kind("hump", 0, 1.0, 0.25, 3.3, 0.50, 0.090, 0.015)
-TABLE = Kind("table", 0, 1.0, 0.25, 3.6, 0.60, 0.090, 0.015)
-POTHOLE = Kind("pothole", 1, -1.0, 1.0, 0.60, 0.30, 0.070, 0.025)
+BUMP = ObstacleTemplate("bump", 0, 1.0, 0.5, 0.45, 0.10, 0.075, 0.015)
+HUMP = ObstacleTemplate("hump", 0, 1.0, 0.25, 3.3, 0.50, 0.090, 0.015)
+TABLE = ObstacleTemplate("table", 0, 1.0, 0.25, 3.6, 0.60, 0.090, 0.015)
+POTHOLE = ObstacleTemplate("pothole", 1, -1.0, 1.0, 0.60, 0.30, 0.070, 0.025)
 KINDS = (BUMP, HUMP, TABLE, POTHOLE)
 
 
-def kinds_of(cls: int) -> tuple[Kind, ...]:
+def templates_of(cls: int) -> tuple[ObstacleTemplate, ...]:
     """Obstacle templates of detector class `cls`."""
     return tuple(kind for kind in KINDS if kind.cls == cls)
 
 
-def relief(kind: Kind, share: Array, length_m: float | Array, ramp: float | Array = RAMP) -> Array:
+def unit_profile(
+    kind: ObstacleTemplate, share: Array, length_m: float | Array, ramp: float | Array = RAMP
+) -> Array:
     """Unit profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
     A narrow bump is a half sine, a hump a parabola (a close approximation of Watts' circular arc), a table
@@ -80,7 +82,7 @@ def chord(length_m: float, width_m: float, offset_m: float) -> float:
     return length_m * float(np.sqrt(max(0.0, 1.0 - ratio**2)))
 
 
-def tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, Array]:
+def tyre_profile(kind: ObstacleTemplate, length_m: float, height_m: float) -> tuple[Array, Array]:
     """(x, height): the effective profile under a tyre, x in m from the near edge.
 
     Zero at both ends, so it may be continued flat. Lengths are rounded to 1 cm and heights to 2 mm.
@@ -89,11 +91,11 @@ def tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, A
 
 
 @lru_cache(maxsize=512)
-def _tyre_profile(kind: Kind, length_m: float, height_m: float) -> tuple[Array, Array]:
+def _tyre_profile(kind: ObstacleTemplate, length_m: float, height_m: float) -> tuple[Array, Array]:
     steps = round((length_m + 2 * TEMPLATE_MARGIN_M) / TEMPLATE_STEP_M)
     x = np.arange(steps + 1) * TEMPLATE_STEP_M - TEMPLATE_MARGIN_M
     share = np.clip(x / max(length_m, 1e-6), 0.0, 1.0)
-    height = envelope(height_m * relief(kind, share, length_m), TEMPLATE_STEP_M)
+    height = envelope(height_m * unit_profile(kind, share, length_m), TEMPLATE_STEP_M)
     x.setflags(write=False)
     height.setflags(write=False)
     return x, height

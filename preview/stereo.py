@@ -10,7 +10,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from preview.parallax import Band, place
+from preview.parallax import ImageBand, place
 from road.camera import Camera, CameraPose
 
 Array = np.ndarray
@@ -23,7 +23,7 @@ def second_pose(pose: CameraPose, base_m: float) -> CameraPose:
     return replace(pose, x=float(x), y=float(y), z=float(z))
 
 
-def coarse(camera: Camera, view: Band, left: Array, right: Array) -> Array:
+def coarse(camera: Camera, view: ImageBand, left: Array, right: Array) -> Array:
     """Structure q (rows, columns) of a band by semi-global matching, accurate to about half a pixel."""
     rows, columns = view.ahead.shape
     at_u, at_v, forward = place(camera, view, np.ones_like(view.ahead))

@@ -15,7 +15,7 @@ from road.camera import Camera, CameraPose, rotation_matrix
 Array = np.ndarray
 _SAMPLES = 9
 _PASSES = 3
-_HOLE = CLASS_NAMES.index("pothole")
+_POTHOLE = CLASS_NAMES.index("pothole")
 
 
 def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
@@ -27,9 +27,9 @@ def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cla
     if len(boxes) == 0 or (camera.is_pinhole and pose.roll == 0.0):
         return boxes
     left, top, right, bottom = boxes.T[..., None]
-    hole, middle = classes == _HOLE, _SAMPLES // 2
-    low = _level(camera, pose.roll, left, right, bottom)[1]
-    sides = _level(camera, pose.roll, left, right, (top + bottom) / 2)[0]
+    hole, middle = classes == _POTHOLE, _SAMPLES // 2
+    low = _rectify_row(camera, pose.roll, left, right, bottom)[1]
+    sides = _rectify_row(camera, pose.roll, left, right, (top + bottom) / 2)[0]
     near = np.where(hole, low[:, middle], low.min(axis=1))
     far = near - (bottom - top)[:, 0]
     horizon = camera.cy - camera.focal_px * np.tan(pose.pitch)
@@ -40,12 +40,12 @@ def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cla
             np.where(cut[:, [side]], u, camera.cx + ratio * (u - camera.cx))
             for side, u in ((0, left), (2, right))
         )
-        high = _level(camera, pose.roll, far_left, far_right, top)[1]
+        high = _rectify_row(camera, pose.roll, far_left, far_right, top)[1]
         far = np.where(hole, high[:, middle], high.max(axis=1))
     return np.column_stack([sides[:, 0], far, sides[:, -1], near])
 
 
-def _level(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
+def _rectify_row(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
     """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the rectified image."""
     along = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
     u, v = camera.straightened(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T

@@ -6,21 +6,32 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.body import Turn
+from preview.body import PlaneUpdate
 from preview.calibration import Gaussian
-from preview.elevation import Elevation
-from preview.fit import HEIGHT, LENGTH, SHARED, Direct, Fit, Sight, X, fit, start_state, table
+from preview.elevation import HeightSamples
+from preview.fit import (
+    HEIGHT,
+    LENGTH,
+    SHARED,
+    DirectMeasurement,
+    EdgeBearings,
+    Fit,
+    X,
+    fit,
+    start_state,
+    table,
+)
 from preview.grade import strain
 from preview.scores import mean_surplus, probability, surplus
 from preview.settings import Settings
-from preview.shape import POTHOLE, Kind, chord, kinds_of
+from preview.shape import POTHOLE, ObstacleTemplate, chord, templates_of
 
 Array = np.ndarray
-_HOPELESS = 10.0  # log evidence against a kind at which it is dropped
-_LEAST_SIGHTS = 8  # before a kind may be dropped
-_STRAINED = 2.5  # variance ratio above which the boxes contradict a plane road
-_TURNED_RAD = 0.002  # threshold below which the plane counts as unchanged
-_WIDENING = 2.0  # sigma inflation per unit above; calibrated for grade changes of 2 %
+_DROP_EVIDENCE = 10.0  # log evidence against a kind at which it is dropped
+_MIN_BEARINGS = 8  # before a kind may be dropped
+_MAX_VARIANCE_RATIO = 2.5  # variance ratio above which the boxes contradict a plane road
+_PLANE_UNCHANGED_RAD = 0.002  # threshold below which the plane counts as unchanged
+_SIGMA_INFLATION = 2.0  # sigma inflation per unit above; calibrated for grade changes of 2 %
 LOG_ODDS_LIMIT = 7.0  # so that a vanished object is deleted after half a second
 
 
@@ -64,9 +75,9 @@ class Track:
     right: Edge
     left: Edge
     fits: list[Fit]
-    sights: list[Sight] = field(default_factory=list)
-    directs: list[Direct] = field(default_factory=list)
-    elevation: Elevation | None = None
+    sights: list[EdgeBearings] = field(default_factory=list)
+    directs: list[DirectMeasurement] = field(default_factory=list)
+    elevation: HeightSamples | None = None
     last_seen_s: float = 0.0
     last_seen_x_m: float = 0.0
     hits: int = 1
@@ -94,14 +105,14 @@ class Track:
         return float(self.precision / (1.0 + np.exp(-self.log_odds)))
 
     @property
-    def strained(self) -> bool:
+    def contradicts_plane(self) -> bool:
         """True if the boxes contradict a plane road: its grade has changed on the way."""
-        return self.strain > _STRAINED
+        return self.strain > _MAX_VARIANCE_RATIO
 
     @property
-    def of_one_plane(self) -> bool:
+    def is_of_one_plane(self) -> bool:
         """True if all boxes belong to one road plane, according to boxes and wheels."""
-        return not self.strained and self.turned_rad < _TURNED_RAD
+        return not self.contradicts_plane and self.turned_rad < _PLANE_UNCHANGED_RAD
 
     @property
     def sigma_m(self) -> float:
@@ -111,7 +122,7 @@ class Track:
         """
         if self.elevation is not None and self.elevation.absolute:
             return self.best.sigma_m
-        return self.best.sigma_m * (1.0 + _WIDENING * max(0.0, self.strain - _STRAINED))
+        return self.best.sigma_m * (1.0 + _SIGMA_INFLATION * max(0.0, self.strain - _MAX_VARIANCE_RATIO))
 
     @property
     def start_m(self) -> float:
@@ -139,13 +150,13 @@ class Track:
         """Relative standard deviation of height or depth."""
         return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
 
-    def weigh(self, seen: bool, settings: Settings) -> None:
+    def update_existence(self, seen: bool, settings: Settings) -> None:
         """Bayesian update of existence after a frame in which the object should have been visible."""
         real, false = settings.detection_probability, settings.false_repeat_probability
         ratio = real / false if seen else (1.0 - real) / (1.0 - false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
-    def rate(self, score: float, height_px: float, settings: Settings) -> None:
+    def update_score(self, score: float, height_px: float, settings: Settings) -> None:
         """Update of the score evidence.
 
         It is skipped for an object proved real by a wheel strike, in this drive or an earlier one.
@@ -175,11 +186,11 @@ class Track:
             for old in self.fits
         ]
         least = min(candidate.cost for candidate in fits)
-        sure = len(self.sights) >= _LEAST_SIGHTS
-        self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _HOPELESS]
+        sure = len(self.sights) >= _MIN_BEARINGS
+        self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _DROP_EVIDENCE]
         self.strain = strain(sights, self.best.state)
 
-    def turn(self, x_m: float, turn: Turn) -> None:
+    def turn(self, x_m: float, turn: PlaneUpdate) -> None:
         """Transform all sights to a road plane that was updated at odometer reading `x_m`."""
         self.turned_rad += abs(turn.pitch_rad)
         for number, sight in enumerate(self.sights):
@@ -218,14 +229,14 @@ class Track:
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:
     """Initial fits of a new object from the ground position of its first box."""
-    return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in kinds_of(cls)]
+    return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in templates_of(cls)]
 
 
 def _normal_cdf(value: float) -> float:
     return 0.5 * (1.0 + math.erf(value / math.sqrt(2.0)))
 
 
-def _first_fit(kind: Kind, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
+def _first_fit(kind: ObstacleTemplate, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
     state = start_state(x_m, shared, kind.length_m, kind.height_m)
     covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m, 1.0]) ** 2
     covariance[np.ix_(SHARED, SHARED)] = shared.covariance

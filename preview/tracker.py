@@ -6,17 +6,24 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from detector.detection import CLASS_NAMES, Detections
-from preview.body import Turn
+from preview.body import PlaneUpdate
 from preview.calibration import Calibration, Gaussian
 from preview.cross_ratio import Marks, distance, distance_sigma
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
-from preview.view import Expected, View, expected, ground_of, sides_of, sight_of
+from preview.view import (
+    PredictedBox,
+    RectifiedFrame,
+    box_sides,
+    edge_bearings,
+    ground_position_of_box,
+    predict_box,
+)
 
 _GATE = 20.0  # association gate: sum of squared normalised row differences; four sigmas on one row
 _LATERAL_GATE_M = 0.5
-_OTHER_CLASS = 6.0  # cost added to a box of the other class with the same sides
-_PART_M = 0.3  # margin beyond an object's ends for boxes of its parts
+_OTHER_CLASS_COST = 6.0  # cost added to a box of the other class with the same sides
+_PART_MARGIN_M = 0.3  # margin beyond an object's ends for boxes of its parts
 _FIRST_EDGE_SIGMA_M = 1.0  # of a side cut by the image border in the first box
 
 
@@ -36,30 +43,30 @@ class Tracker:
         self.grade_sigma = 0.0  # of the grade ahead, after a change of grade
         self._next_identity = 0
 
-    def update(self, view: View, detections: Detections) -> None:
+    def update(self, view: RectifiedFrame, detections: Detections) -> None:
         """Process one frame. Frames may come late or out of order: each has its own pose."""
-        awaited = [expected(view, track) for track in self.tracks]
-        cost = self._costs(view, detections, awaited)
+        predictions = [predict_box(view, track) for track in self.tracks]
+        cost = self._costs(view, detections, predictions)
         rows, columns = linear_sum_assignment(cost)
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
         for number, track in enumerate(list(self.tracks)):
             if number in pairs:
-                self._hit(track, view, pairs[number], detections)
-            elif awaited[number].visible:
-                track.weigh(False, self.settings)
+                self._associate(track, view, pairs[number], detections)
+            elif predictions[number].visible:
+                track.update_existence(False, self.settings)
         # A second box on a tracked object does not start a track.
         claimed = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
         for number in range(len(detections)):
             if number not in claimed:
                 self._birth(view, number, detections)
-        self._bury(view.time_s)
+        self._delete_dead(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
         """Remove tracks wholly behind the rear wheel, and update the calibration with the real ones."""
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
-                if track.sights and track.of_one_plane:
+                if track.sights and track.is_of_one_plane:
                     self.refit(track, self.calibration.prior(track.cls))  # subtracted again by `learn`
                     self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
@@ -75,7 +82,7 @@ class Tracker:
         if track.marked is not None:
             track.place(*track.marked)
 
-    def turn(self, x_m: float, turn: Turn) -> None:
+    def turn(self, x_m: float, turn: PlaneUpdate) -> None:
         """Transform all tracks to a road plane that was updated at odometer reading `x_m`."""
         for track in self.tracks:
             track.turn(x_m, turn)
@@ -87,21 +94,23 @@ class Tracker:
         more = np.diag([1.0, ahead_m**2, 0.0]) * self.grade_sigma**2
         return Gaussian(known.mean, known.covariance + more)
 
-    def _costs(self, view: View, detections: Detections, awaited: list[Expected]) -> np.ndarray:
+    def _costs(
+        self, view: RectifiedFrame, detections: Detections, predictions: list[PredictedBox]
+    ) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
-        for t, (track, place) in enumerate(zip(self.tracks, awaited, strict=True)):
+        for t, (track, place) in enumerate(zip(self.tracks, predictions, strict=True)):
             for d in range(len(detections)) if place.top < view.limit_row else ():
                 if detections.classes[d] == track.cls:
                     cost[t, d] = self._cost(view, track, place, d)
                 elif self._same_sides(view, track, d):
-                    cost[t, d] = self._cost(view, track, place, d) + _OTHER_CLASS
+                    cost[t, d] = self._cost(view, track, place, d) + _OTHER_CLASS_COST
         return cost
 
-    def _cost(self, view: View, track: Track, place: Expected, number: int) -> float:
+    def _cost(self, view: RectifiedFrame, track: Track, place: PredictedBox, number: int) -> float:
         box = view.boxes[number]
         pixel = 2.0 * self.settings.pixel_sigma
         ahead = max(float(track.best.state[0]) - view.pose.x, 1.0)
-        right, left = sides_of(view, number, ahead)
+        right, left = box_sides(view, number, ahead)
         reach = _LATERAL_GATE_M + 2.0 * np.sqrt(track.right.variance)
         if left.y_m < track.right.y_m - reach or right.y_m > track.left.y_m + reach:
             return 1e6
@@ -109,22 +118,22 @@ class Tracker:
         top = (box[1] - max(place.top, 0.0)) / np.hypot(place.top_sigma, pixel)
         return float(bottom**2 + top**2)
 
-    def _same_sides(self, view: View, track: Track, number: int) -> bool:
+    def _same_sides(self, view: RectifiedFrame, track: Track, number: int) -> bool:
         """True if a box is as wide as the track; otherwise a box of another class is a neighbour."""
         right, left = self._sides(track, view, number)
         tolerance = 0.25 * (left.y_m - right.y_m) + 0.1
         return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
 
-    def _hit(self, track: Track, view: View, number: int, detections: Detections) -> None:
+    def _associate(self, track: Track, view: RectifiedFrame, number: int, detections: Detections) -> None:
         cls = int(detections.classes[number])
         track.classify(cls, self.calibration.prior(cls), self.settings)
         self._rate(track, view, number, detections)
-        track.sights.append(sight_of(view, number))
+        track.sights.append(edge_bearings(view, number))
         track.hits += 1
-        track.weigh(True, self.settings)
+        track.update_existence(True, self.settings)
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
-        track.marked = self._marked(view, number) or track.marked
+        track.marked = self._position_by_marks(view, number) or track.marked
         self.refit(track)
         for edge, seen in zip((track.right, track.left), self._sides(track, view, number), strict=True):
             edge.update(seen.y_m, seen.variance)
@@ -132,7 +141,7 @@ class Tracker:
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
 
-    def _marked(self, view: View, number: int) -> tuple[float, float] | None:
+    def _position_by_marks(self, view: RectifiedFrame, number: int) -> tuple[float, float] | None:
         """Near edge of a box by the marks, and its sigma; None without marks or out of range."""
         if self.marks is None or view.cut[number][3]:
             return None
@@ -142,14 +151,14 @@ class Tracker:
             return None
         return view.pose.x + away, distance_sigma(self.marks, row, self.settings.pixel_sigma)
 
-    def _birth(self, view: View, number: int, detections: Detections) -> None:
+    def _birth(self, view: RectifiedFrame, number: int, detections: Detections) -> None:
         score, cls = float(detections.scores[number]), int(detections.classes[number])
-        sight = sight_of(view, number)
+        sight = edge_bearings(view, number)
         prior = self.calibration.prior(cls)
-        x, sigma = ground_of(view, number, prior)
+        x, sigma = ground_position_of_box(view, number, prior)
         if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return
-        marked = self._marked(view, number)
+        marked = self._position_by_marks(view, number)
         if self.marks is not None and marked is None:
             return
         if self._is_part(view, number, cls, x):
@@ -171,30 +180,30 @@ class Tracker:
         self.tracks.append(track)
         self.log("born", track, view.time_s)
 
-    def _rate(self, track: Track, view: View, number: int, detections: Detections) -> None:
+    def _rate(self, track: Track, view: RectifiedFrame, number: int, detections: Detections) -> None:
         """Score update, except by a box of the wrong class, which says nothing of the right one."""
         if self.settings.score_evidence and int(detections.classes[number]) == track.cls:
             box = view.boxes[number]
-            track.rate(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
+            track.update_score(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
 
-    def _is_part(self, view: View, number: int, cls: int, x_m: float) -> bool:
+    def _is_part(self, view: RectifiedFrame, number: int, cls: int, x_m: float) -> bool:
         """True if a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
-        right, left = sides_of(view, number, max(x_m - view.pose.x, 1.0))
+        right, left = box_sides(view, number, max(x_m - view.pose.x, 1.0))
         return any(
-            track.start_m - _PART_M < x_m < track.end_m + _PART_M
+            track.start_m - _PART_MARGIN_M < x_m < track.end_m + _PART_MARGIN_M
             and right.y_m < track.left.y_m
             and left.y_m > track.right.y_m
             for track in self.tracks
             if track.confirmed and track.cls == cls and track.best.kind.sign > 0
         )
 
-    def _sides(self, track: Track, view: View, number: int) -> tuple[Edge, Edge]:
+    def _sides(self, track: Track, view: RectifiedFrame, number: int) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest at its near edge, a hole in its middle."""
         state = track.best.state
         share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
-        return sides_of(view, number, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
+        return box_sides(view, number, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
 
-    def _bury(self, time_s: float) -> None:
+    def _delete_dead(self, time_s: float) -> None:
         for track in [t for t in self.tracks if t.existence < self.settings.death_existence]:
             self._remove(track, time_s, "died")
 

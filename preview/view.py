@@ -9,7 +9,7 @@ from detector.detection import Detections
 from preview.calibration import Gaussian
 from preview.distance import depression, depression_sigma, locate, row_of
 from preview.edge_bias import edge_bias
-from preview.fit import GROUND, LENGTH, LOW, OFFSET, Sight, X, silhouette
+from preview.fit import EDGE_BIAS, GROUND, LENGTH, OFFSET, EdgeBearings, X, silhouette
 from preview.path import STRAIGHT, Path
 from preview.settings import Settings
 from preview.straighten import straightened
@@ -17,11 +17,11 @@ from preview.track import Edge, Track
 from road.camera import Camera, CameraPose
 
 Array = np.ndarray
-_LEAST_AHEAD_M = 0.5
+_MIN_AHEAD_M = 0.5
 _YAW_DRIFT_M = 0.02  # lateral drift of the car
 
 
-class View(NamedTuple):
+class RectifiedFrame(NamedTuple):
     """Rectified frame: as seen by a distortion-free camera without roll.
 
     camera, pose: of that camera at exposure; boxes (n, 4) with known biases subtracted; cut (n, 4): edges
@@ -38,7 +38,7 @@ class View(NamedTuple):
     settings: Settings
 
 
-class Expected(NamedTuple):
+class PredictedBox(NamedTuple):
     """Predicted box of a track: rows with sigmas, and whether enough of it is in view."""
 
     bottom: float
@@ -48,14 +48,14 @@ class Expected(NamedTuple):
     visible: bool
 
 
-def view_of(
+def rectify_frame(
     time_s: float,
     camera: Camera,
     pose: CameraPose,
     detections: Detections,
     settings: Settings,
     path: Path = STRAIGHT,
-) -> View:
+) -> RectifiedFrame:
     """Rectified frame for the tracker."""
     biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
     boxes = detections.boxes.astype(float) - biases
@@ -64,10 +64,12 @@ def view_of(
     cut = (boxes <= [border, border, -np.inf, -np.inf]) | (boxes >= most)
     straight = straightened(camera, pose, boxes, cut, detections.classes)
     (_, limit), *_ = camera.straightened([camera.cx, limit]).tolist()
-    return View(time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, path, settings)
+    return RectifiedFrame(
+        time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, path, settings
+    )
 
 
-def sight_of(view: View, number: int) -> Sight:
+def edge_bearings(view: RectifiedFrame, number: int) -> EdgeBearings:
     """Edge bearings of the bottom and top of a box; nan where border or bonnet cuts it."""
     top, bottom = view.boxes[number][1], view.boxes[number][3]
     pixels = np.hypot(view.settings.pixel_sigma, view.settings.relative_sigma * (bottom - top))
@@ -77,10 +79,10 @@ def sight_of(view: View, number: int) -> Sight:
         np.deg2rad(view.settings.pitch_sigma_deg),
     )
     angles[view.cut[number][[3, 1]]] = np.nan
-    return Sight(view.time_s, view.pose.x, view.pose.z, *angles.tolist(), *sigmas.tolist())
+    return EdgeBearings(view.time_s, view.pose.x, view.pose.z, *angles.tolist(), *sigmas.tolist())
 
 
-def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
+def ground_position_of_box(view: RectifiedFrame, number: int, shared: Gaussian) -> tuple[float, float]:
     """Ground position of the middle of a box's bottom: x and its sigma (m); nan above the horizon."""
     box = view.boxes[number]
     turn, lift = np.array([1.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
@@ -92,7 +94,7 @@ def ground_of(view: View, number: int, shared: Gaussian) -> tuple[float, float]:
     return float(found.position[0, 0]), float(np.sqrt(found.covariance[0, 0, 0]))
 
 
-def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
+def box_sides(view: RectifiedFrame, number: int, ahead_m: float) -> tuple[Edge, Edge]:
     """Sides (right, left) of a box `ahead_m` in front; infinite variance for a cut side."""
     box = view.boxes[number]
     scale = ahead_m / view.camera.focal_px
@@ -105,31 +107,31 @@ def sides_of(view: View, number: int, ahead_m: float) -> tuple[Edge, Edge]:
     )
 
 
-def expected(view: View, track: Track) -> Expected:
+def predict_box(view: RectifiedFrame, track: Track) -> PredictedBox:
     """Predicted box of `track` in the image, with the uncertainty of its fit."""
     best = track.best
     state, covariance, pose = best.state, best.covariance, view.pose
     turn = pose.pitch + state[OFFSET]
-    ahead = max(float(state[X]) - pose.x, _LEAST_AHEAD_M)
+    ahead = max(float(state[X]) - pose.x, _MIN_AHEAD_M)
     below = pose.z - float(state[GROUND])
-    bottom_angle = np.arctan2(below, ahead) - turn + float(state[LOW])
+    bottom_angle = np.arctan2(below, ahead) - turn + float(state[EDGE_BIAS])
     far, deep, _ = silhouette(best.kind, state, np.array([pose.x]), np.array([pose.z]))
-    top_angle = np.arctan2(deep[0], max(far[0], _LEAST_AHEAD_M)) - turn
+    top_angle = np.arctan2(deep[0], max(far[0], _MIN_AHEAD_M)) - turn
     bottom, top = row_of(view.camera, np.clip([bottom_angle, top_angle], -1.2, 1.2))
     square = ahead**2 + below**2
     slope = np.array([-below / square, -1.0, -ahead / square, 1.0])
-    used = np.ix_([X, OFFSET, GROUND, LOW], [X, OFFSET, GROUND, LOW])
+    used = np.ix_([X, OFFSET, GROUND, EDGE_BIAS], [X, OFFSET, GROUND, EDGE_BIAS])
     angle_sigma = np.sqrt(slope @ covariance[used] @ slope)
     focal = view.camera.focal_px
     bottom_sigma = focal * (1.0 + np.tan(bottom_angle) ** 2) * angle_sigma
     top_sigma = np.hypot(bottom_sigma, 0.25 * (bottom - top) + 2.0)
     least = max(2.0 + view.settings.border_px, 0.5 * (bottom - top))
     in_sight = min(bottom, view.limit_row) - top >= least
-    visible = in_sight and far[0] > _LEAST_AHEAD_M and _between_borders(view, track, ahead)
-    return Expected(float(bottom), float(top), float(bottom_sigma), float(top_sigma), bool(visible))
+    visible = in_sight and far[0] > _MIN_AHEAD_M and _between_borders(view, track, ahead)
+    return PredictedBox(float(bottom), float(top), float(bottom_sigma), float(top_sigma), bool(visible))
 
 
-def _between_borders(view: View, track: Track, ahead: float) -> bool:
+def _between_borders(view: RectifiedFrame, track: Track, ahead: float) -> bool:
     centre = view.path.left_of_camera(ahead, track.centre_y_m - view.pose.y)
     half = 0.5 * max(track.left.y_m - track.right.y_m, 0.0)
     reach = (

@@ -111,26 +111,26 @@ def random_appearance(rng: np.random.Generator) -> Appearance:
         distractors=float(rng.beta(1.2, 2)),
         sun_azimuth_deg=float(rng.uniform(-35, 35) if ahead else rng.uniform(-180, 180)),
         sun_elevation_deg=float(rng.uniform(4, 18) if light == "sunset" else rng.uniform(25, 75)),
-        tree_shadow=_sometimes(rng, 0.3, 0.2, 1),
-        bonnet=_sometimes(rng, 0.25, 0.03, 0.16),
+        tree_shadow=_uniform_or_zero(rng, 0.3, 0.2, 1),
+        bonnet=_uniform_or_zero(rng, 0.25, 0.03, 0.16),
         exposure=float(np.clip(np.exp(rng.normal(0, 0.28)), 0.45, 2.2)),
         warmth=float(np.clip(rng.normal(0, 0.05), -0.15, 0.15)),
         noise=float(rng.uniform(0.002, 0.02)),
         blur_px=float(rng.uniform(0.3, 0.9)),
         surroundings=str(rng.choice(SURROUNDINGS, p=(0.3, 0.35, 0.35))),
-        paint_wear=_sometimes(rng, 0.55, 0.1, 1),
+        paint_wear=_uniform_or_zero(rng, 0.55, 0.1, 1),
         decay=float(rng.uniform(0.1, 1)),
-        dirt=_sometimes(rng, 0.5, 0.1, 1),
-        litter=_sometimes(rng, 0.4, 0.1, 1),
-        puddles=_sometimes(rng, 0.15, 0.2, 1),
-        street_lamps=_sometimes(rng, 0.6, 0.3, 1) if light == "night" else 0.0,
-        glare=_sometimes(rng, 0.8, 0.3, 1) if ahead else 0.0,
-        motion_blur_px=_sometimes(rng, 0.3, 1.5, 9),
-        distortion=_sometimes(rng, 0.4, -0.12, 0.04),
+        dirt=_uniform_or_zero(rng, 0.5, 0.1, 1),
+        litter=_uniform_or_zero(rng, 0.4, 0.1, 1),
+        puddles=_uniform_or_zero(rng, 0.15, 0.2, 1),
+        street_lamps=_uniform_or_zero(rng, 0.6, 0.3, 1) if light == "night" else 0.0,
+        glare=_uniform_or_zero(rng, 0.8, 0.3, 1) if ahead else 0.0,
+        motion_blur_px=_uniform_or_zero(rng, 0.3, 1.5, 9),
+        distortion=_uniform_or_zero(rng, 0.4, -0.12, 0.04),
     )
 
 
-def _sometimes(rng: np.random.Generator, share: float, low: float, high: float) -> float:
+def _uniform_or_zero(rng: np.random.Generator, share: float, low: float, high: float) -> float:
     """A uniform number between `low` and `high` with probability `share`, otherwise 0."""
     return float(rng.uniform(low, high) if rng.random() < share else 0.0)
 

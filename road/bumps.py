@@ -26,8 +26,8 @@ PAINTS = (
 )
 
 
-class _Raised(Checked):
-    """Base class of raised features; a subclass gives its normalised profile along x as `_relief`.
+class _RaisedFeature(Checked):
+    """Base class of raised features; a subclass gives its normalised profile along x as `_unit_profile`.
 
     The normalised profile is 1 at the crest and 0 at both ends.
     """
@@ -56,18 +56,18 @@ class _Raised(Checked):
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height over the road (m) at world points, broadcast over x and y."""
         s = np.clip(np.asarray(x, float) - self.start_m, 0.0, self.length_m)
-        return self.height_m * self._relief(s) * self._across(y)
+        return self.height_m * self._unit_profile(s) * self._lateral_taper(y)
 
     def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
         """True where the feature covers the road, broadcast over x and y."""
         x, y = np.asarray(x, float), np.asarray(y, float)
         return (x >= self.start_m) & (x <= self.end_m) & (y >= self.y_min_m) & (y <= self.y_max_m)
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Profile normalised by `height_m` at distances s, 0 to length_m, from the near edge."""
         raise NotImplementedError
 
-    def _across(self, y: ArrayLike) -> NDArray[np.float64]:
+    def _lateral_taper(self, y: ArrayLike) -> NDArray[np.float64]:
         """Lateral taper factor: 1 over the bump's width, a smooth step to 0 over taper_m at both ends."""
         y = np.asarray(y, float)
         margin = np.minimum(y - self.y_min_m, self.y_max_m - y)
@@ -78,7 +78,7 @@ class _Raised(Checked):
 
 
 @dataclass(frozen=True)
-class HalfSineBump(_Raised):
+class HalfSineBump(_RaisedFeature):
     """Bump with a half-sine profile along x.
 
     Args:
@@ -99,13 +99,13 @@ class HalfSineBump(_Raised):
     taper_m: Taper = 0.1
     paint: str = "plain"
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         nearer_end = np.minimum(s, self.length_m - s)  # exactly zero at both ends, as sin(pi) is not
         return np.sin(np.pi * nearer_end / self.length_m)
 
 
 @dataclass(frozen=True)
-class SinusoidalHump(_Raised):
+class SinusoidalHump(_RaisedFeature):
     """Hump with a raised-cosine profile along x (one period), tangent to the road at both ends.
 
     Arguments as for HalfSineBump.
@@ -121,12 +121,12 @@ class SinusoidalHump(_Raised):
     taper_m: Taper = 0.2
     paint: str = "plain"
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sin(np.pi * np.minimum(s, self.length_m - s) / self.length_m) ** 2
 
 
 @dataclass(frozen=True)
-class WattsHump(_Raised):
+class WattsHump(_RaisedFeature):
     """Watts hump: circular-arc profile over the chord `length_m` (Watts, TRRL LR 597, 1973).
 
     Arguments as for HalfSineBump.
@@ -147,7 +147,7 @@ class WattsHump(_Raised):
         if self.height_m > self.length_m / 2:
             raise InputError(f"height_m must be <= length_m / 2 (a half circle), got {self.height_m!r}")
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         half, h = self.length_m / 2, self.height_m
         radius = (half**2 + h**2) / (2 * h)
         arc = np.sqrt(radius**2 - (s - half) ** 2) - (radius - h)
@@ -155,7 +155,7 @@ class WattsHump(_Raised):
 
 
 @dataclass(frozen=True)
-class FlatTopHump(_Raised):
+class FlatTopHump(_RaisedFeature):
     """Flat-top hump (speed table): linear ramps of `ramp_m` at both ends and a flat top.
 
     `length_m` includes both ramps; other arguments as for HalfSineBump.
@@ -176,12 +176,12 @@ class FlatTopHump(_Raised):
         super()._check()
         check_number("ramp_m", self.ramp_m, 0.0, self.length_m / 2, open_low=True)
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.minimum(np.minimum(s, self.length_m - s) / self.ramp_m, 1.0)
 
 
 @dataclass(frozen=True)
-class TrapezoidalBump(_Raised):
+class TrapezoidalBump(_RaisedFeature):
     """Bolt-on bump with a trapezoidal profile: linear ramps up and down, which may differ, and a flat top.
 
     `length_m` includes both ramps; other arguments as for HalfSineBump.
@@ -204,12 +204,12 @@ class TrapezoidalBump(_Raised):
         check_number("ramp_up_m", self.ramp_up_m, 0.0, self.length_m, open_low=True)
         check_number("ramp_down_m", self.ramp_down_m, 0.0, self.length_m - self.ramp_up_m, open_low=True)
 
-    def _relief(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.minimum(np.minimum(s / self.ramp_up_m, (self.length_m - s) / self.ramp_down_m), 1.0)
 
 
 @dataclass(frozen=True)
-class SpeedCushion(_Raised):
+class SpeedCushion(_RaisedFeature):
     """Speed cushion: a truncated pyramid narrower than a car's track, which wide vehicles straddle.
 
     Ramps are linear, `ramp_m` long at both ends and `taper_m` at both sides (by default 1:8 and 1:4), inside

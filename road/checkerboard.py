@@ -16,9 +16,9 @@ from road.camera import Camera
 from road.lens import Distortion
 
 Array = NDArray[np.float64]
-LEAST_VIEWS = 4
-_QUICK = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
-_SEARCHES = _QUICK, _QUICK | cv2.CALIB_CB_EXHAUSTIVE
+MIN_VIEWS = 4
+_FAST_FLAGS = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
+_SEARCH_FLAGS = _FAST_FLAGS, _FAST_FLAGS | cv2.CALIB_CB_EXHAUSTIVE
 _SQUARE_PIXELS = cv2.CALIB_FIX_ASPECT_RATIO
 _HALF_PIXEL = 0.5  # OpenCV counts pixels from their centres, `Camera` from their edges
 
@@ -66,7 +66,7 @@ class Mounting(NamedTuple):
 
 def find_corners(image: NDArray[np.uint8], board: Board) -> NDArray[np.float32] | None:
     """Detected corners (n, 2) of `board` in a grey image, px counted from its edge; None if not visible."""
-    for flags in _SEARCHES:
+    for flags in _SEARCH_FLAGS:
         found, corners = cv2.findChessboardCornersSB(image, board.pattern, flags=flags)
         if found:
             return np.asarray(corners.reshape(-1, 2) + _HALF_PIXEL, np.float32)
@@ -81,8 +81,8 @@ def calibrate(
     The third radial coefficient is dropped where the views leave the image corners uncovered and it would
     fold the image there. Raises InputError for too few views, or views that do not determine a camera.
     """
-    if len(views) < LEAST_VIEWS:
-        raise InputError(f"photographs of the whole board must be >= {LEAST_VIEWS}, got {len(views)}")
+    if len(views) < MIN_VIEWS:
+        raise InputError(f"photographs of the whole board must be >= {MIN_VIEWS}, got {len(views)}")
     for flags in (_SQUARE_PIXELS, _SQUARE_PIXELS | cv2.CALIB_FIX_K3):
         rms, matrix, distortion, _, _, sigmas, _, errors = cv2.calibrateCameraExtended(
             [board.corners] * len(views),

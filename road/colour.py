@@ -55,7 +55,7 @@ def colour(  # type: ignore[no-untyped-def]
             dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
             fall = drop[v, u]
             if fall == 0:
-                _look_up(panorama, dx, dy, dz, light)
+                _sample_panorama(panorama, dx, dy, dz, light)
                 distance = _SKY_DISTANCE_M
             else:
                 sx, sy = dx / -dz, dy / -dz
@@ -90,8 +90,8 @@ def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignor
     level = min(np.log2(max(pixel_m / CELL_M, 1.0)), _LEVELS - 1.001)
     k = int(level)
     texel[:] = 0.0
-    _texel(atlas, k, row, col, k + 1 - level, texel)
-    _texel(atlas, k + 1, row, col, level - k, texel)
+    _add_texel(atlas, k, row, col, k + 1 - level, texel)
+    _add_texel(atlas, k + 1, row, col, level - k, texel)
     share = min(max(distance - FAR_M, x - end_m) / FADE_M + 1, 1.0)
     if share > 0:
         place = min(max(col / (1 << _SHIFTS[-1]) - 0.5, 0.0), strip.shape[0] - 1.001)
@@ -102,7 +102,7 @@ def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignor
 
 
 @njit(nogil=True, inline="always")
-def _texel(atlas, level, row, col, weight, out):  # type: ignore[no-untyped-def]
+def _add_texel(atlas, level, row, col, weight, out):  # type: ignore[no-untyped-def]
     """Add `weight` times the bilinear sample of one mip level to `out` (4,)."""
     if weight < 0.02:
         return
@@ -148,7 +148,7 @@ def _illuminate(reflected, texel, gain, grazing, sx, sy, light):  # type: ignore
     wet = texel[3] / 255
     fresnel = 0.0
     if wet > 0.02:
-        _look_up(reflected, sx, sy, 1.0, light)
+        _sample_panorama(reflected, sx, sy, 1.0, light)
         fresnel = wet * (0.02 + 0.75 * (1 - grazing) ** 5)
     for q in range(3):
         value = (texel[q] / 255) ** 2 * WHITE * gain
@@ -156,7 +156,7 @@ def _illuminate(reflected, texel, gain, grazing, sx, sy, light):  # type: ignore
 
 
 @njit(nogil=True)
-def _look_up(panorama, dx, dy, dz, out):  # type: ignore[no-untyped-def]
+def _sample_panorama(panorama, dx, dy, dz, out):  # type: ignore[no-untyped-def]
     """Nearest texel of the panorama in a direction."""
     azimuth = np.arctan2(dy, dx) * _DEGREES
     elevation = np.arctan2(dz, np.sqrt(dx * dx + dy * dy)) * _DEGREES

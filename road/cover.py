@@ -13,11 +13,11 @@ _DUST = (0.22, 0.18, 0.13)
 _SNOW = np.array((0.80, 0.82, 0.86), np.float32)
 _WATER = np.array((0.05, 0.05, 0.05), np.float32)
 _LEAVES = ((0.30, 0.22, 0.08), (0.25, 0.14, 0.06), (0.14, 0.16, 0.05), (0.42, 0.40, 0.36), (0.10, 0.08, 0.06))
-_PER_SQUARE_M = 0.9  # highest density of litter
+_MAX_LITTER_PER_M2 = 0.9  # highest density of litter
 
 
 @dataclass(frozen=True)
-class Cover:
+class LooseCover:
     """Loose cover of a whole road.
 
     litter: (n, 6) x, y, radius (m), albedo rgb. puddles: (n, 3) x, y, radius (m). snow: amount in 0..1.
@@ -28,10 +28,12 @@ class Cover:
     snow: float
 
 
-def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Cover:
+def plan(
+    rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float
+) -> LooseCover:
     """Random loose cover of a whole road."""
     right, left = edges
-    count = rng.poisson(_PER_SQUARE_M * look.litter**2 * length_m * (left - right))
+    count = rng.poisson(_MAX_LITTER_PER_M2 * look.litter**2 * length_m * (left - right))
     kinds = rng.integers(len(_LEAVES), size=count)
     litter = np.column_stack(
         (
@@ -45,10 +47,10 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
     puddles = np.column_stack(
         (rng.uniform(0, length_m, pools), rng.uniform(right, left, pools), rng.uniform(0.2, 1.3, pools))
     )
-    return Cover(litter, puddles, float(rng.uniform(0.1, 1)) if look.weather == "snow" else 0.0)
+    return LooseCover(litter, puddles, float(rng.uniform(0.1, 1)) if look.weather == "snow" else 0.0)
 
 
-def paint(block: Block, cover: Cover, look: Appearance, edges: tuple[float, float]) -> None:
+def paint(block: Block, cover: LooseCover, look: Appearance, edges: tuple[float, float]) -> None:
     """Paint dust, litter, puddles and snow over a painted block."""
     if look.dirt:
         _dust(block, look, edges)

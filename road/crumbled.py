@@ -16,7 +16,7 @@ _DIRTY_WATER = np.array((0.13, 0.09, 0.06), np.float32)
 
 
 @dataclass(frozen=True)
-class Ground:
+class PotholeCells:
     """Cells around one pothole.
 
     x (n, 1), y (1, m): cell centres, m. inside (n, m): footprint. lumps, stones (n, m): noise of lumps and
@@ -34,7 +34,7 @@ def paint(
     block: Block,
     part: tuple[slice, slice],
     hole: Pothole,
-    ground: Ground,
+    ground: PotholeCells,
     rng: np.random.Generator,
     look: Appearance,
 ) -> None:
@@ -71,7 +71,7 @@ def _filling(style: str, look: Appearance, rng: np.random.Generator) -> tuple[np
 def _surround(
     albedo: np.ndarray,
     hole: Pothole,
-    ground: Ground,
+    ground: PotholeCells,
     tint: np.ndarray,
     rng: np.random.Generator,
     look: Appearance,
@@ -93,7 +93,7 @@ def _surround(
 
 
 def _fill_with_water(
-    block: Block, part: tuple[slice, slice], ground: Ground, sink: np.ndarray, rng: np.random.Generator
+    block: Block, part: tuple[slice, slice], ground: PotholeCells, sink: np.ndarray, rng: np.random.Generator
 ) -> None:
     """Fill the hole with water to a level: brown and reflecting, with a dark damp margin above it."""
     level = rng.uniform(0.1, 0.8)

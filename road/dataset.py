@@ -26,7 +26,7 @@ FORMAT = 1
 KIND = "dataset"
 """Of folders of rendered sets, in their marker."""
 _ORDER = ("val", "train", "test")  # so that training may begin on a set that still grows
-_TELL_EVERY = 120
+_REPORT_EVERY = 120
 
 
 def write_dataset(
@@ -109,7 +109,7 @@ def progress(total: int) -> Iterator[Callable[[int], None]]:
 
     def tell(done: int) -> None:
         nonlocal shown
-        if done - shown >= _TELL_EVERY or done == total:
+        if done - shown >= _REPORT_EVERY or done == total:
             shown = done
             print(f"{done}/{total} images, {time.monotonic() - began:.0f} s", flush=True)
 

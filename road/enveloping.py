@@ -24,7 +24,7 @@ class RigidWheel(Checked):
 
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
         """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
-        z = _follow(np.asarray(heights, float), step_m, radius_m, radius_m, 2.0)
+        z = _cam_profile(np.asarray(heights, float), step_m, radius_m, radius_m, 2.0)
         return patch_mean(z, step_m, self.patch_m)
 
 
@@ -56,12 +56,12 @@ class TandemCam(Checked):
     def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
         """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
         z = np.asarray(heights, float)
-        cam = _follow(z, step_m, self.length * radius_m, self.height * radius_m, self.order)
+        cam = _cam_profile(z, step_m, self.length * radius_m, self.height * radius_m, self.order)
         half = self.shift * self.contact_m / 2 / step_m
         reach = int(np.ceil(half)) + 1
         padded = np.pad(cam, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
         centre = np.arange(z.shape[-1], dtype=np.float64) + reach
-        return (_linear(padded, centre + half) + _linear(padded, centre - half)) / 2
+        return (_interpolate(padded, centre + half) + _interpolate(padded, centre - half)) / 2
 
 
 Enveloping = RigidWheel | TandemCam
@@ -77,11 +77,11 @@ def patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray
     area = np.zeros(padded.shape)
     np.cumsum((padded[..., 1:] + padded[..., :-1]) / 2, axis=-1, out=area[..., 1:])
     centre = np.arange(z.shape[-1], dtype=np.float64) + (reach + 1)
-    ahead, behind = _integral(padded, area, centre + half), _integral(padded, area, centre - half)
+    ahead, behind = _integrate_to(padded, area, centre + half), _integrate_to(padded, area, centre - half)
     return (ahead - behind) / (2 * half)
 
 
-def _follow(
+def _cam_profile(
     z: NDArray[np.float64], step_m: float, half_length_m: float, half_height_m: float, order: float
 ) -> NDArray[np.float64]:
     """Height of the lowest point of an upright superellipse resting on the road, at each station."""
@@ -97,13 +97,13 @@ def _follow(
     return result
 
 
-def _linear(z: NDArray[np.float64], position: NDArray[np.float64]) -> NDArray[np.float64]:
+def _interpolate(z: NDArray[np.float64], position: NDArray[np.float64]) -> NDArray[np.float64]:
     """Linear interpolant of z at fractional grid positions."""
     cell = np.floor(position).astype(np.int64)
     return z[..., cell] + (position - cell) * (z[..., cell + 1] - z[..., cell])
 
 
-def _integral(
+def _integrate_to(
     z: NDArray[np.float64], area: NDArray[np.float64], position: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Integral of the linear interpolant of z from 0 to fractional grid positions."""

@@ -13,7 +13,7 @@ STEP_M = 0.05
 
 
 @dataclass(frozen=True)
-class Track:
+class TrackSummary:
     """Unevenness along the line y = y_m, from the end of the fade-in to the end of the road.
 
     range_m: highest minus lowest point, features included. iri_m_km: IRI, features included; it needs 11 m of
@@ -29,7 +29,7 @@ class Track:
     iso_class: str | None
 
 
-def track_facts(road: Road, y_m: float) -> Track:
+def summarise_track(road: Road, y_m: float) -> TrackSummary:
     """Unevenness along one line of the road."""
     x = np.arange(min(FADE_IN_M, road.length_m), road.length_m, STEP_M)
     z = road.height(x, y_m)
@@ -41,7 +41,7 @@ def track_facts(road: Road, y_m: float) -> Track:
         line = fit(spectrum(replace(road, features=()).height(x, y_m), STEP_M))
     except InputError:
         line = None
-    return Track(
+    return TrackSummary(
         y_m=y_m,
         range_m=float(np.ptp(z)) if len(z) else 0.0,
         iri_m_km=roughness,
@@ -51,6 +51,6 @@ def track_facts(road: Road, y_m: float) -> Track:
     )
 
 
-def feature_facts(road: Road) -> list[dict[str, object]]:
+def list_features(road: Road) -> list[dict[str, object]]:
     """All features in order of position, with all their dimensions."""
     return [{"kind": feature.kind, "end_m": feature.end_m, **asdict(feature)} for feature in road.features]

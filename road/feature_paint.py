@@ -15,7 +15,7 @@ MARGIN_M = 0.6  # reach of the debris around a pothole
 _WHITE, _YELLOW = np.array((0.62, 0.62, 0.60), np.float32), np.array((0.58, 0.40, 0.05), np.float32)
 _BLACK, _RED = np.array((0.035, 0.035, 0.035), np.float32), np.array((0.24, 0.10, 0.07), np.float32)
 # Filling of a pothole: tint, and least and greatest brightness relative to the road.
-_FILLS = {
+_FILLINGS = {
     "broken_asphalt": ((1.06, 1.0, 0.94), 0.4, 0.7),
     "rubble": ((1.12, 1.0, 0.86), 0.55, 1.5),
     "mud": ((1.4, 1.0, 0.62), 0.5, 1.1),
@@ -24,7 +24,7 @@ _WATER = np.array((0.15, 0.10, 0.065), np.float32)
 
 
 @dataclass(frozen=True)
-class Spot:
+class FeatureCells:
     """Part of a block around one feature: index into its fields, x (n, 1), y (1, m), footprint (n, m)."""
 
     part: tuple[slice, slice]
@@ -46,7 +46,7 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
         return
     part = (block.rows(low, high), slice(int(cols[0]), int(cols[-1]) + 1))
     x, y = block.x[part[0]], block.y[:, part[1]]
-    spot = Spot(part, x, y, np.asarray(feature.footprint(x, y)))
+    spot = FeatureCells(part, x, y, np.asarray(feature.footprint(x, y)))
     block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
         _pothole(block, spot, feature, rng, look)
@@ -57,7 +57,9 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
         _bump(block, spot, feature, rng, look)
 
 
-def _bump(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator, look: Appearance) -> None:
+def _bump(
+    block: Block, spot: FeatureCells, feature: Bump, rng: np.random.Generator, look: Appearance
+) -> None:
     # A bump is laid later than the road around it: darker or lighter, with a joint at either edge.
     if feature.paint == "bare":
         _bare(block, spot, feature, rng)
@@ -76,7 +78,7 @@ def _bump(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator, loo
     np.copyto(block.albedo[spot.part], skin, where=spot.inside[..., None])
 
 
-def _bare(block: Block, spot: Spot, feature: Bump, rng: np.random.Generator) -> None:
+def _bare(block: Block, spot: FeatureCells, feature: Bump, rng: np.random.Generator) -> None:
     """Unpainted bump of the road's own material: shading, a seam at either edge, and tyre scuffs."""
     noise = block.noise["wear"][spot.part]
     from_edge = np.minimum(spot.x - feature.start_m, feature.end_m - spot.x)
@@ -155,16 +157,23 @@ def _rubber(
     return yellow, _YELLOW * np.float32(rng.uniform(0.75, 1.35)), body.astype(np.float32)
 
 
-def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator, look: Appearance) -> None:
+def _pothole(
+    block: Block, spot: FeatureCells, hole: Pothole, rng: np.random.Generator, look: Appearance
+) -> None:
     if look.decay and rng.random() < 0.35 + 0.5 * look.decay:
         lumps, stones = (_noise_at(hole, spot, octaves, rng) for octaves in ((0.5, 0.5, 0.5, 0.4), (1.0,)))
         crumbled.paint(
-            block, spot.part, hole, crumbled.Ground(spot.x, spot.y, spot.inside, lumps, stones), rng, look
+            block,
+            spot.part,
+            hole,
+            crumbled.PotholeCells(spot.x, spot.y, spot.inside, lumps, stones),
+            rng,
+            look,
         )
         return
     sink = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
     lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
-    tint, least, most = _FILLS[str(rng.choice(list(_FILLS), p=(0.6, 0.25, 0.15)))]
+    tint, least, most = _FILLINGS[str(rng.choice(list(_FILLINGS), p=(0.6, 0.25, 0.15)))]
     fill = np.array(tint, np.float32) * np.float32(look.brightness * rng.uniform(least, most))
     inner = fill * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
     rim = np.float32(rng.uniform(0.55, 0.9))  # freshly broken asphalt is darker than the worn top
@@ -179,7 +188,7 @@ def _pothole(block: Block, spot: Spot, hole: Pothole, rng: np.random.Generator, 
 
 
 def _scatter_debris(
-    albedo: np.ndarray, spot: Spot, hole: Pothole, lumps: np.ndarray, rng: np.random.Generator
+    albedo: np.ndarray, spot: FeatureCells, hole: Pothole, lumps: np.ndarray, rng: np.random.Generator
 ) -> None:
     """Loose gravel and dust, thinning out around the rim."""
     u = (spot.x - hole.start_m - hole.length_m / 2) / (hole.length_m / 2)
@@ -190,7 +199,7 @@ def _scatter_debris(
 
 
 def _noise_at(
-    hole: Pothole, spot: Spot, amplitudes: tuple[float, ...], rng: np.random.Generator
+    hole: Pothole, spot: FeatureCells, amplitudes: tuple[float, ...], rng: np.random.Generator
 ) -> np.ndarray:
     """Noise (n, m) fixed to the pothole, independent of the block being painted."""
     corner = (hole.start_m - MARGIN_M, hole.y_min_m - MARGIN_M)

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from files.errors import InputError
 from files.ranges import Checked
 
-STEEPEST = 0.3
-_HIGHEST_M = 0.3  # greatest height of a feature over the alignment
+MAX_GRADE = 0.3
+_MAX_FEATURE_HEIGHT_M = 0.3  # greatest height of a feature over the alignment
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,11 @@ class GradeChange(Checked):
     """Change of grade to `grade` (m/m, negative downhill), from `start_m` on, over `length_m`.
 
     The vertical curve between is a parabola, as in road design. Raises InputError for a grade beyond
-    +-STEEPEST.
+    +-MAX_GRADE.
     """
 
     start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"]
-    grade: Annotated[float, Interval(ge=-STEEPEST, le=STEEPEST), "m/m"]
+    grade: Annotated[float, Interval(ge=-MAX_GRADE, le=MAX_GRADE), "m/m"]
     length_m: Annotated[float, Interval(ge=1e-3, le=10_000.0), "m"] = 2.0
 
 
@@ -61,7 +61,7 @@ def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
     return before
 
 
-def rise_ahead(changes: tuple[GradeChange, ...], x: float, z: float, far_m: float) -> float:
+def min_descending_slope(changes: tuple[GradeChange, ...], x: float, z: float, far_m: float) -> float:
     """Least slope (m/m) of a plane ahead of a camera at x and z to which all rays to the road descend.
 
     far_m: distance ahead of the camera beyond which the road keeps its grade. 0 for a road without changes.
@@ -69,5 +69,5 @@ def rise_ahead(changes: tuple[GradeChange, ...], x: float, z: float, far_m: floa
     if not changes:
         return 0.0
     ahead = np.arange(1.0, far_m + 1.0)
-    top = grade_height(changes, x + ahead) + _HIGHEST_M
+    top = grade_height(changes, x + ahead) + _MAX_FEATURE_HEIGHT_M
     return max(grade_at(changes, x + far_m), float(((top - z) / ahead).max()))

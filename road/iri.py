@@ -14,16 +14,16 @@ from road.checks import check_number
 
 SPEED_M_S = 80 / 3.6
 # Golden car, all per sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.
-TYRE_S2, SPRING_S2, DAMPING_S, WHEEL = 653.0, 63.3, 6.0, 0.15
-BASE_M = 0.25  # length of the moving average that models tyre enveloping
-START_M = 11.0  # length whose mean slope initialises the states
+TYRE_STIFFNESS_S2, SPRING_STIFFNESS_S2, DAMPING_S, UNSPRUNG_MASS_RATIO = 653.0, 63.3, 6.0, 0.15
+ENVELOPE_BASE_M = 0.25  # length of the moving average that models tyre enveloping
+INITIAL_SLOPE_BASE_M = 11.0  # length whose mean slope initialises the states
 MAX_STEP_M = 0.3  # ASTM E1926
 
 
 def iri(heights: ArrayLike, step_m: float) -> float:
     """IRI (m/km) of a profile of (n,) heights (m) every `step_m` along x.
 
-    Raises InputError for a step over MAX_STEP_M, a road shorter than START_M, or heights
+    Raises InputError for a step over MAX_STEP_M, a road shorter than INITIAL_SLOPE_BASE_M, or heights
     that are not finite.
     """
     return float(np.mean(rectified_slope(heights, step_m)) * 1000)
@@ -35,11 +35,13 @@ def rectified_slope(heights: ArrayLike, step_m: float) -> NDArray[np.float64]:
     check_number("step_m", step_m, 0.0, MAX_STEP_M, open_low=True)
     if z.ndim != 1 or not np.all(np.isfinite(z)):
         raise InputError(f"heights must be (n,) finite values, got shape {z.shape}")
-    if (len(z) - 1) * step_m < START_M:
-        raise InputError(f"IRI: road must be >= {START_M:g} m long, got {(len(z) - 1) * step_m:g} m")
-    start = round(START_M / step_m)
+    if (len(z) - 1) * step_m < INITIAL_SLOPE_BASE_M:
+        raise InputError(
+            f"IRI: road must be >= {INITIAL_SLOPE_BASE_M:g} m long, got {(len(z) - 1) * step_m:g} m"
+        )
+    start = round(INITIAL_SLOPE_BASE_M / step_m)
     initial = (z[min(start, len(z) - 1)] - z[0]) / (min(start, len(z) - 1) * step_m)
-    samples = max(1, round(BASE_M / step_m))
+    samples = max(1, round(ENVELOPE_BASE_M / step_m))
     smooth = np.convolve(z, np.full(samples, 1 / samples), mode="valid")
     return np.abs(_stroke_slope(np.diff(smooth) / step_m, initial, step_m))
 
@@ -49,34 +51,39 @@ def transition(step_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]
 
     States: slope of the body's trajectory, its rate of change (1/s), then the same of the wheel.
     """
-    return _exact(_dynamics(), step_m / SPEED_M_S)
+    return _discretise(_golden_car(), step_m / SPEED_M_S)
 
 
 def response(wavenumber: ArrayLike) -> NDArray[np.complex128]:
     """Frequency response, stroke slope over profile slope, in closed form; wavenumber in cycles/m."""
     s = 2j * np.pi * np.asarray(wavenumber, float) * SPEED_M_S
-    body = s**2 + DAMPING_S * s + SPRING_S2
-    wheel = WHEEL * s**2 + DAMPING_S * s + SPRING_S2 + TYRE_S2
-    coupling = DAMPING_S * s + SPRING_S2
+    body = s**2 + DAMPING_S * s + SPRING_STIFFNESS_S2
+    wheel = UNSPRUNG_MASS_RATIO * s**2 + DAMPING_S * s + SPRING_STIFFNESS_S2 + TYRE_STIFFNESS_S2
+    coupling = DAMPING_S * s + SPRING_STIFFNESS_S2
     # Body and wheel over road are coupling · k / d and body · k / d; their difference is -s² k / d.
-    return -TYRE_S2 * s**2 / (body * wheel - coupling**2)
+    return -TYRE_STIFFNESS_S2 * s**2 / (body * wheel - coupling**2)
 
 
-def _dynamics() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    k, c = SPRING_S2, DAMPING_S
+def _golden_car() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    k, c = SPRING_STIFFNESS_S2, DAMPING_S
     a = np.array(
         [
             [0, 1, 0, 0],
             [-k, -c, k, c],
             [0, 0, 0, 1],
-            [k / WHEEL, c / WHEEL, -(TYRE_S2 + k) / WHEEL, -c / WHEEL],
+            [
+                k / UNSPRUNG_MASS_RATIO,
+                c / UNSPRUNG_MASS_RATIO,
+                -(TYRE_STIFFNESS_S2 + k) / UNSPRUNG_MASS_RATIO,
+                -c / UNSPRUNG_MASS_RATIO,
+            ],
         ],
         float,
     )
-    return a, np.array([0.0, 0.0, 0.0, TYRE_S2 / WHEEL])
+    return a, np.array([0.0, 0.0, 0.0, TYRE_STIFFNESS_S2 / UNSPRUNG_MASS_RATIO])
 
 
-def _exact(
+def _discretise(
     model: tuple[NDArray[np.float64], NDArray[np.float64]], dt: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     a, b = model

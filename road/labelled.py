@@ -14,7 +14,7 @@ from road.camera import Camera, CameraPose
 from road.features import Feature
 from road.profile import Road
 from road.render import Frame, Scene
-from road.roadside import moving, standing
+from road.roadside import random_traffic, static_objects
 from road.scenes import approach_positions, random_positions, random_road, random_view
 
 SPLITS = ("train", "val", "test")
@@ -44,15 +44,15 @@ def render_road(job: Job) -> list[dict]:
     look = random_appearance(rng)
     road = random_road(rng, look)
     if job.plain:
-        road, look = replace(road, features=()), crowded(look, rng)
+        road, look = replace(road, features=()), with_distractors(look, rng)
     scene = Scene(road, look, int(rng.integers(1 << 31)))
-    beside = standing(rng, look)
+    beside = static_objects(rng, look)
     rows = []
     place = approach_positions if job.approach else random_positions
     shares = (APPROACH_SHARES,) if job.approach else ()
     for view, x in enumerate(place(rng, road, VIEWS_PER_ROAD)[: job.views]):
         camera, pose = random_view(rng, x, *shares)
-        frame = scene.render(camera, pose, view, [*beside, *moving(rng, look, x)])
+        frame = scene.render(camera, pose, view, [*beside, *random_traffic(rng, look, x)])
         name = f"{SPLITS[job.split]}_{job.road:05d}_{view}.jpg"
         objects = list(_objects(road, frame, pose))
         label = "".join(_label(o["class"], o["box"], camera) for o in objects)
@@ -74,7 +74,7 @@ def render_road(job: Job) -> list[dict]:
     return rows
 
 
-def crowded(look: Appearance, rng: np.random.Generator) -> Appearance:
+def with_distractors(look: Appearance, rng: np.random.Generator) -> Appearance:
     """The same appearance with many distractors: patches, covers, stains and crossings."""
     patches, distractors = (float(share) for share in rng.uniform(0.4, 1.0, 2))
     return replace(look, patches=patches, distractors=distractors)

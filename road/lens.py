@@ -19,7 +19,7 @@ Distortion = tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficie
 """k1, k2, p1, p2, k3: OpenCV's order."""
 
 NO_DISTORTION: Distortion = (0.0, 0.0, 0.0, 0.0, 0.0)
-_EXACT = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-13)
+_UNDISTORT_CRITERIA = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-13)
 
 
 def distort(points: Array, distortion: Distortion) -> Array:
@@ -43,7 +43,10 @@ def distort(points: Array, distortion: Distortion) -> Array:
 def undistort(points: Array, distortion: Distortion) -> Array:
     """Undistorted coordinates of `points`; inverse of `distort` up to its reach."""
     straight = cv2.undistortPoints(
-        np.ascontiguousarray(points).reshape(-1, 1, 2), np.eye(3), np.array(distortion), criteria=_EXACT
+        np.ascontiguousarray(points).reshape(-1, 1, 2),
+        np.eye(3),
+        np.array(distortion),
+        criteria=_UNDISTORT_CRITERIA,
     )
     return np.asarray(straight.reshape(-1, 2))
 

@@ -69,17 +69,17 @@ def shade(light: Light, block: Block) -> np.ndarray:
     height = block.height
     hollow = 7 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
     hollow += 9 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
-    visible = _dapple(light.foliage, block)
+    visible = _foliage_transmission(light.foliage, block)
     if light.sun.any():
-        visible = visible * _visibility(height, light.direction)
+        visible = visible * _sun_visibility(height, light.direction)
     out = np.empty((*height.shape, 4), np.uint8)
     vectors = np.stack((light.sun, light.sky, light.direction)).astype(np.float32)
-    _shade(height, hollow, visible, block.albedo, block.wet, vectors, np.float32(CELL_M), out)
+    _shade_cells(height, hollow, visible, block.albedo, block.wet, vectors, np.float32(CELL_M), out)
     return out
 
 
 @njit(nogil=True)
-def _shade(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
+def _shade_cells(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
     rows, cols = height.shape
     sun, sky, direction = vectors
     for i in range(rows):
@@ -99,7 +99,7 @@ def _shade(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: i
             out[i, j, 3] = np.uint8(255 * min(max(wet[i, j], 0.0), 1.0) + 0.5)
 
 
-def _dapple(foliage: float, block: Block) -> np.ndarray:
+def _foliage_transmission(foliage: float, block: Block) -> np.ndarray:
     """Share of sunlight transmitted by trees beside the road."""
     if foliage == 0:
         return np.ones(block.height.shape, np.float32)
@@ -107,19 +107,21 @@ def _dapple(foliage: float, block: Block) -> np.ndarray:
     return 0.08 + 0.92 * leaf
 
 
-def _visibility(height: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def _sun_visibility(height: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """Sun visibility: 1 in the sun, 0 in the shadow of the height field, with a penumbra of about 2 cm."""
     flat = float(np.hypot(direction[0], direction[1]))
     if flat < 1e-3 or float(height.max() - height.min()) < 5e-3:
         return np.ones(height.shape, np.float32)
     step = direction[:2] / flat
-    return _march(
+    return _march_shadow(
         height, float(step[0]), float(step[1]), float(direction[2] / flat) * CELL_M, float(height.max())
     )
 
 
 @njit(nogil=True)
-def _march(height: np.ndarray, row_step: float, col_step: float, rise: float, top: float) -> np.ndarray:
+def _march_shadow(
+    height: np.ndarray, row_step: float, col_step: float, rise: float, top: float
+) -> np.ndarray:
     rows, cols = height.shape
     result = np.ones((rows, cols), np.float32)
     for i in range(rows):

@@ -16,7 +16,7 @@ MAX_POINTS = 50_000_000
 MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres
 MAX_LENGTH_M = 100_000.0
 MAX_PLACE_M = 1e7
-LEAST_STEP_M = 1e-6
+MIN_STEP_M = 1e-6
 """Minimum spacing of stations and of lines (m); a smaller one indicates a mistake of units."""
 FORMATS = (".csv", ".crg")
 
@@ -99,8 +99,8 @@ def _check_places(values: NDArray[np.float64], name: str) -> None:
     if not np.all(np.abs(values) <= MAX_PLACE_M) or not np.all(np.diff(values) > 0):
         raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m")
     least = float(np.diff(values).min(initial=np.inf))
-    if least < LEAST_STEP_M:
-        raise InputError(f"{name} must lie at least {LEAST_STEP_M:g} m apart, got {least:g} m")
+    if least < MIN_STEP_M:
+        raise InputError(f"{name} must lie at least {MIN_STEP_M:g} m apart, got {least:g} m")
 
 
 @lru_cache(maxsize=4)

@@ -7,12 +7,12 @@ import cv2
 import numpy as np
 
 from road.camera import Camera
-from road.raycast import View
+from road.raycast import CameraView
 
 _BLUR_STEPS = 5
 
 
-class Lens(NamedTuple):
+class LensMap(NamedTuple):
     """Resampling maps of a distorted lens.
 
     source: distortion-free camera with at least the same field of view; across, down: (H, W) float32,
@@ -25,7 +25,7 @@ class Lens(NamedTuple):
 
 
 @lru_cache(maxsize=4)
-def lens_of(camera: Camera) -> Lens:
+def lens_map(camera: Camera) -> LensMap:
     """Resampling maps of a camera with lens distortion."""
     columns, rows = np.meshgrid(np.arange(camera.width_px) + 0.5, np.arange(camera.height_px) + 0.5)
     straight = camera.straightened(np.column_stack([columns.ravel(), rows.ravel()]))
@@ -33,10 +33,10 @@ def lens_of(camera: Camera) -> Lens:
     width, height = (high - low).astype(int).tolist()
     centre = float(camera.cx - low[0]), float(camera.cy - low[1])
     across, down = (straight - low - 0.5).astype(np.float32).T.reshape(2, *columns.shape)
-    return Lens(Camera(width, height, camera.focal_px, centre), across, down)
+    return LensMap(Camera(width, height, camera.focal_px, centre), across, down)
 
 
-def through(lens: Lens, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
+def through(lens: LensMap, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
     """Apply the lens to a source's `image` (H, W, 3), and to `maps` (H, W) without interpolation."""
     seen = cv2.remap(image, lens.across, lens.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     rows, cols = np.rint(lens.down).astype(int), np.rint(lens.across).astype(int)
@@ -47,7 +47,7 @@ def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float)
     """Apply radial distortion to `image` (H, W, 3), and to `maps` (H, W) without interpolation.
 
     One radial coefficient (Brown 1966), scaled so that the image stays filled: augmentation for training,
-    where the lens need not be known. A camera with known distortion uses `Lens` instead.
+    where the lens need not be known. A camera with known distortion uses `LensMap` instead.
     A point at radius r (1 is half of the image's width) of the result shows what a pinhole camera shows at
     s r (1 - coefficient r^2); negative coefficients give barrel distortion.
     """
@@ -64,7 +64,9 @@ def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float)
     return [seen, *(values[rows, cols] for values in maps)]
 
 
-def motion_blur(image: np.ndarray, view: View, length_px: float, rng: np.random.Generator) -> np.ndarray:
+def motion_blur(
+    image: np.ndarray, view: CameraView, length_px: float, rng: np.random.Generator
+) -> np.ndarray:
     """Motion blur of forward driving: mean over the exposure of images that expand from the vanishing point.
 
     `length_px` is the distance that a point at the image's lower edge travels; a quarter of it is added as
@@ -82,7 +84,7 @@ def motion_blur(image: np.ndarray, view: View, length_px: float, rng: np.random.
     return np.asarray(total / np.float32(_BLUR_STEPS))
 
 
-def glare(image: np.ndarray, view: View, sun: np.ndarray, amount: float) -> None:
+def glare(image: np.ndarray, view: CameraView, sun: np.ndarray, amount: float) -> None:
     """Glare: light scattered in lens and windscreen around a sun in direction `sun` (3,)."""
     forward, left, up = sun @ view.rotation
     if forward < 0.2:

@@ -19,7 +19,14 @@ _VERGES = {
 }
 _CONTRAST = {"grass": 0.9, "soil": 0.45, "pavement": 0.15, "red_soil": 0.4, "dry_grass": 0.8, "gravel": 0.5}
 _WETNESS = {"dry": 0.0, "wet": 0.5, "rain": 0.75, "fog": 0.15, "snow": 0.4}
-_RAGGED_M = {"grass": 0.1, "soil": 0.1, "pavement": 0.0, "red_soil": 0.35, "dry_grass": 0.2, "gravel": 0.3}
+_EDGE_RAGGEDNESS_M = {
+    "grass": 0.1,
+    "soil": 0.1,
+    "pavement": 0.0,
+    "red_soil": 0.35,
+    "dry_grass": 0.2,
+    "gravel": 0.3,
+}
 
 
 def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
@@ -34,7 +41,7 @@ def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
         _verge(block, look, side, edge)
 
 
-def soak(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
+def apply_wetness(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
     """Apply the weather's water film to the carriageway and darken wet cells."""
     water = _WETNESS[look.weather]
     if water:
@@ -59,7 +66,7 @@ def _verge(block: Block, look: Appearance, side: int, edge: float) -> None:
         return
     part = (slice(None), slice(columns[0], columns[-1] + 1))
     distance = np.broadcast_to(beyond[part].astype(np.float32), block.height[part].shape)
-    ragged = _RAGGED_M[look.verge]
+    ragged = _EDGE_RAGGEDNESS_M[look.verge]
     wear = block.noise["wear"][part]
     outside = distance + ragged * wear > 0
     rough = np.clip(1 + _CONTRAST[look.verge] * (wear + 0.5 * block.noise["dirt"][part]), 0.25, 2.2)

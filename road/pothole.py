@@ -57,13 +57,13 @@ class Pothole(Checked):
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height over the road (m, <= 0) at world points, broadcast over x and y."""
-        return -self.depth_m * np.clip(self._depth_into(x, y) / self.wall_m, 0.0, 1.0)
+        return -self.depth_m * np.clip(self._inward_distance(x, y) / self.wall_m, 0.0, 1.0)
 
     def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
         """True inside the rim, broadcast over x and y."""
-        return self._depth_into(x, y) > 0
+        return self._inward_distance(x, y) > 0
 
-    def _depth_into(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def _inward_distance(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Distance (m) from the rim inwards along the ray to the centre; negative outside."""
         dx = np.asarray(x, float) - (self.start_m + self.length_m / 2)
         dy = np.asarray(y, float) - self.y_m

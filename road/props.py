@@ -51,7 +51,7 @@ class Sprite:
 Prop = Solid | Sprite
 
 
-def place_of(prop: Prop) -> np.ndarray:
+def ground_position(prop: Prop) -> np.ndarray:
     """(2,) position on the ground, m."""
     return prop.base.mean(axis=0) if isinstance(prop, Solid) else np.array([prop.x, prop.y])
 
@@ -121,7 +121,9 @@ def wheel(x: float, y: float, radius: float, side: int) -> list[Face]:
     return faces
 
 
-def stand(faces: list[Face], outline: np.ndarray, height_m: float, x: float, y: float, yaw: float) -> Solid:
+def place_body(
+    faces: list[Face], outline: np.ndarray, height_m: float, x: float, y: float, yaw: float
+) -> Solid:
     """Place a body that is built around the origin on the road."""
     c, s = np.cos(yaw), np.sin(yaw)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])

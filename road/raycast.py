@@ -2,7 +2,7 @@
 
 Rays are marched downwards, so they must descend. Where the road rises to the camera's height they do so only
 relative to a plane that rises ahead of the camera: then all heights are counted from that plane
-(`View.over`), which leaves x, y and the depth of every point unchanged. The horizon of the surroundings
+(`CameraView.over`), which leaves x, y and the depth of every point unchanged. The horizon of the surroundings
 follows the plane.
 """
 
@@ -23,7 +23,7 @@ HORIZON_M = 1500.0  # no ground beyond this distance
 _WIDTH = 2 * HALF_WIDTH_M / CELL_M
 
 
-class View(NamedTuple):
+class CameraView(NamedTuple):
     """Camera view: camera-to-world rotation (3, 3), position (3,) and intrinsics (px)."""
 
     rotation: np.ndarray
@@ -32,7 +32,7 @@ class View(NamedTuple):
     cx: float
     cy: float
 
-    def over(self, rise: float) -> "View":
+    def over(self, rise: float) -> "CameraView":
         """The view with heights relative to a plane that rises by `rise` (m/m) ahead of the camera."""
         if rise == 0:
             return self
@@ -54,13 +54,13 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 def trace(  # type: ignore[no-untyped-def]
     view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
 ):
-    """Cast one ray per pixel; fills four (H, W) images. Heights refer to the plane of `View.over`.
+    """Cast one ray per pixel; fills four (H, W) images. Heights refer to the plane of `CameraView.over`.
 
     drop: depth of the intersection below the camera (m), 0 if the ray meets no ground. slope: dz/dx there, if
     a feature is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m),
     inf if none. outlines: (n, 5) per feature: 1 if its outline is the rectangle x0, x1, y0, y1, otherwise 0
     and the map of ids decides. limits: lowest and highest height of the map in view. far: height and grade of
-    the plane beyond it. hills: whether the grade changes, and the rise of the plane of `View.over`.
+    the plane beyond it. hills: whether the grade changes, and the rise of the plane of `CameraView.over`.
     """
     r, (px, py, pz) = view.rotation, view.position
     focal, cx, cy = view.focal, view.cx, view.cy
@@ -84,14 +84,14 @@ def trace(  # type: ignore[no-untyped-def]
             fall = 0.0
             if under or (hilly and (pz - top) * reach < FAR_M):
                 least = bottom if under else max(bottom, pz - FAR_M / reach)
-                z = _hit(height, mask, px, py, pz, sx, sy, reach, least, top, rise)
+                z = _march(height, mask, px, py, pz, sx, sy, reach, least, top, rise)
                 if under or z > least:
                     fall = pz - z
                     x, y = px + sx * fall, py + sy * fall
                     i, j = int((x - START_M) / CELL_M), int((y + HALF_WIDTH_M) / CELL_M)
                     inside = 0 < i < ids.shape[0] - 1 and 0 <= j < ids.shape[1]
                     if inside and mask[i // MASK_CELLS, j // MASK_CELLS]:
-                        hits[v, u] = _owner(ids, outlines, i, j, x, y)
+                        hits[v, u] = _feature_at(ids, outlines, i, j, x, y)
                         slope[v, u] = (height[i + 1, j] - height[i - 1, j]) / (2 * CELL_M) - rise
             if fall == 0:
                 if above:
@@ -102,7 +102,7 @@ def trace(  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True)
-def _hit(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: ignore[no-untyped-def]
+def _march(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type: ignore[no-untyped-def]
     """Height at which a ray meets the map, marched down from `top` to `bottom`.
 
     sx, sy: distance along x and y per metre of fall; reach: the length of (sx, sy).
@@ -141,7 +141,7 @@ def _bilinear(grid, row, col):  # type: ignore[no-untyped-def]
 
 
 @njit(nogil=True)
-def _owner(ids, outlines, i, j, x, y):  # type: ignore[no-untyped-def]
+def _feature_at(ids, outlines, i, j, x, y):  # type: ignore[no-untyped-def]
     """Number of the feature at a hit: from the id map for potholes, from exact edges for bumps."""
     number = ids[i, j]
     if number > 0 and outlines[number - 1, 0] == 0:

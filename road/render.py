@@ -14,10 +14,10 @@ from road.block import CELL_M, START_M
 from road.camera import Camera, CameraPose
 from road.colour import Conditions, colour
 from road.features import Feature, ManholeCover, Pothole
-from road.grade import grade_at, grade_height, rise_ahead
+from road.grade import grade_at, grade_height, min_descending_slope
 from road.profile import Road
 from road.props import Prop
-from road.raycast import FAR_M, View, trace
+from road.raycast import FAR_M, CameraView, trace
 from road.surface import Surface
 from road.texture import grain
 from road.visible import visible_boxes
@@ -67,7 +67,7 @@ class Scene:
     def __init__(self, road: Road, appearance: Appearance, seed: int, threads: int = 1) -> None:
         self.road, self.appearance, self.seed = road, appearance, seed
         self._threads = threads
-        self._team = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._executor = ThreadPoolExecutor(threads) if threads > 1 else None
         self._surface = Surface(road, appearance, seed)
         rng = np.random.default_rng((seed, 3))
         self._panorama = background.panorama(rng, appearance)
@@ -80,7 +80,7 @@ class Scene:
             headlight=_HEADLIGHT[appearance.light],
             end_m=START_M + self._surface.rows * CELL_M,
         )
-        self._air = staging.Air(
+        self._air = staging.Atmosphere(
             lighting.plan(appearance),
             self._conditions.ambient,
             self._conditions.headlight,
@@ -95,14 +95,14 @@ class Scene:
 
     def render(self, camera: Camera, pose: CameraPose, index: int = 0, props: Sequence[Prop] = ()) -> Frame:
         """Render the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
-        lens = None if camera.is_pinhole else optics.lens_of(camera)
+        lens = None if camera.is_pinhole else optics.lens_map(camera)
         camera = camera if lens is None else lens.source
-        view = View(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
-        rise = rise_ahead(self.road.grades, float(view.position[0]), float(view.position[2]), FAR_M)
+        view = CameraView(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
+        rise = min_descending_slope(self.road.grades, float(view.position[0]), float(view.position[2]), FAR_M)
         drop, slope, hits, depth = self._trace(camera, view.over(rise), rise)
         image = np.empty((*drop.shape, 3), np.float32)
         sky, surface, pools = self._panorama, self._surface, staging.lamp_pools(props)
-        self._share_rows(
+        self._parallel_rows(
             lambda part, rows: colour(
                 part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
                 sky.image, sky.blurred, sky.haze, pools, image[rows],
@@ -124,8 +124,8 @@ class Scene:
         image: np.ndarray,
         hits: np.ndarray,
         depth: np.ndarray,
-        view: View,
-        lens: optics.Lens | None,
+        view: CameraView,
+        lens: optics.LensMap | None,
         index: int,
     ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
         """Atmosphere, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
@@ -152,7 +152,7 @@ class Scene:
         return hits, depth, pixels
 
     def _trace(
-        self, camera: Camera, view: View, rise: float
+        self, camera: Camera, view: CameraView, rise: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int16], NDArray[np.float32]]:
         x = float(view.position[0])
         surface = self._surface
@@ -165,7 +165,7 @@ class Scene:
         limits = low - max(rise, 0.0) * FAR_M, high + max(-rise, 0.0) * FAR_M
         far = float(grade_height(grades, end)) - rise * FAR_M, grade_at(grades, end) - rise
         hills = len(grades) > 0, rise
-        self._share_rows(
+        self._parallel_rows(
             lambda part, rows: trace(
                 part, surface.height, surface.ids, surface.mask, self._outlines, limits, far, hills,
                 drop[rows], slope[rows], hits[rows], depth[rows],
@@ -174,13 +174,17 @@ class Scene:
         )  # fmt: skip
         return drop, slope, hits, depth
 
-    def _share_rows(self, work: Callable[[View, slice], object], view: View, height: int) -> None:
+    def _parallel_rows(
+        self, work: Callable[[CameraView, slice], object], view: CameraView, height: int
+    ) -> None:
         """Do `work` on bands of rows, shared among threads; a band's view counts rows from its first."""
-        count = 1 if self._team is None else _BANDS_PER_THREAD * self._threads
+        count = 1 if self._executor is None else _BANDS_PER_THREAD * self._threads
         starts = [height * band // count for band in range(count + 1)]
         bands = [slice(*pair) for pair in pairwise(starts)]
         views = [view._replace(cy=view.cy - band.start) for band in bands]
-        for _ in map(work, views, bands) if self._team is None else self._team.map(work, views, bands):
+        for _ in (
+            map(work, views, bands) if self._executor is None else self._executor.map(work, views, bands)
+        ):
             pass
 
 

@@ -13,23 +13,23 @@ _HOUSE_SPACING_M = {"avenue": 60.0, "country": 90.0, "town": 22.0}
 _BUSH_SPACING_M = {"avenue": 9.0, "country": 12.0, "town": 40.0}
 
 
-def standing(rng: np.random.Generator, look: Appearance) -> list[Prop]:
+def static_objects(rng: np.random.Generator, look: Appearance) -> list[Prop]:
     """Static roadside objects of an appearance, from the start of the road to REACH_M."""
     props: list[Prop] = []
     density = rng.uniform(0.3, 1.6, 3)
     pictures = [pyramid(sprites.tree(rng)) for _ in range(5)]
     bushes = [pyramid(sprites.bush(rng)) for _ in range(3)]
     for side, edge in ((-1, look.right_edge_m), (1, look.left_edge_m)):
-        for x in _walk(rng, _TREE_SPACING_M[look.surroundings] / density[0]):
+        for x in _random_stations(rng, _TREE_SPACING_M[look.surroundings] / density[0]):
             off = rng.gamma(2.0, 1.3 if look.surroundings == "avenue" else 3.0) + 1.2
             props.append(_tree(rng, x, edge + side * off, pictures[int(rng.integers(5))]))
-        for x in _walk(rng, _BUSH_SPACING_M[look.surroundings] / density[1]):
+        for x in _random_stations(rng, _BUSH_SPACING_M[look.surroundings] / density[1]):
             height = rng.uniform(0.4, 2.0)
             y = edge + side * (rng.gamma(2.0, 2.0) + 1.0)
             props.append(Sprite(x, y, height * rng.uniform(1.2, 2.5), height, bushes[int(rng.integers(3))]))
-        for x in _walk(rng, _HOUSE_SPACING_M[look.surroundings] / density[2]):
+        for x in _random_stations(rng, _HOUSE_SPACING_M[look.surroundings] / density[2]):
             props.append(vehicles.house(rng, x, edge + side * rng.uniform(6, 16)))
-        for x in _walk(rng, 40.0):
+        for x in _random_stations(rng, 40.0):
             height = rng.uniform(1.8, 2.8)
             props.append(
                 Sprite(
@@ -40,10 +40,10 @@ def standing(rng: np.random.Generator, look: Appearance) -> list[Prop]:
                     pyramid(sprites.sign(rng)),
                 )
             )
-    return props + _masts(rng, look)
+    return props + _poles(rng, look)
 
 
-def moving(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
+def random_traffic(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
     """Vehicles and people around a camera at x."""
     lights = look.light == "night" or (look.light == "sunset" and rng.random() < 0.5)
     right, left = look.right_edge_m, look.left_edge_m
@@ -63,7 +63,7 @@ def moving(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
         y = edge + side * rng.uniform(-0.3, 1.6)
         props.append(vehicles.random_vehicle(rng, x + _distance(rng), y, float(yaw), False))
     for _ in range(rng.choice((0, 1, 2, 4), p=(0.68, 0.16, 0.1, 0.06))):
-        y = rng.uniform(right, left) if rng.random() < 0.25 else _beside(rng, right, left)
+        y = rng.uniform(right, left) if rng.random() < 0.25 else _lateral_offset(rng, right, left)
         height = rng.uniform(1.4, 1.85)
         props.append(_upright(x + _distance(rng), y, height * 40 / 96, height, pyramid(sprites.person(rng))))
     if rng.random() < 0.14:
@@ -76,14 +76,14 @@ def moving(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
     return props
 
 
-def _walk(rng: np.random.Generator, spacing_m: float) -> list[float]:
+def _random_stations(rng: np.random.Generator, spacing_m: float) -> list[float]:
     """Positions along the road, `spacing_m` apart on average."""
     steps = rng.uniform(0.4, 1.6, int(REACH_M / spacing_m) + 2) * spacing_m
     places = np.cumsum(steps) - spacing_m * rng.random()
     return [float(x) for x in places[places < REACH_M]]
 
 
-def _masts(rng: np.random.Generator, look: Appearance) -> list[Prop]:
+def _poles(rng: np.random.Generator, look: Appearance) -> list[Prop]:
     """A row of poles on one side, with lamps where the street is lit."""
     lamps = look.street_lamps > 0 or (look.surroundings != "country" and rng.random() < 0.4)
     if not lamps and rng.random() < 0.3:
@@ -133,6 +133,6 @@ def _distance(rng: np.random.Generator) -> float:
     return float(np.exp(rng.uniform(np.log(5), np.log(60))))
 
 
-def _beside(rng: np.random.Generator, right: float, left: float) -> float:
+def _lateral_offset(rng: np.random.Generator, right: float, left: float) -> float:
     off = rng.uniform(-0.3, 2.5)
     return float(right - off if rng.random() < 0.5 else left + off)

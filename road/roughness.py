@@ -14,7 +14,7 @@ from road.checks import check_choice
 ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")
 REFERENCE_N0 = 0.1  # cycles/m
 WAVINESS = 2.0
-LOWEST_N, HIGHEST_N = 0.01, 10.0  # cycles/m; ISO 8608 itself covers 0.011 to 2.83
+MIN_WAVENUMBER, MAX_WAVENUMBER = 0.01, 10.0  # cycles/m; ISO 8608 itself covers 0.011 to 2.83
 STEP_M = 0.02
 BLOCK_M = 1024.0
 TRACKS = 11
@@ -87,7 +87,7 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
         period *= 2
     samples = round(period / STEP_M)
     n = np.fft.rfftfreq(samples, STEP_M)
-    active = (n >= LOWEST_N) & (n <= HIGHEST_N)
+    active = (n >= MIN_WAVENUMBER) & (n <= MAX_WAVENUMBER)
     y = roughness.track_m / 2 * np.arange(-(TRACKS // 2), TRACKS // 2 + 1, dtype=np.float64)
     distance = np.abs(y[:, None] - y[None, :])
     coherence = isotropic_coherence(2 * np.pi * n[active, None, None] * distance)
@@ -97,15 +97,15 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     # A spectral line Z adds a mean square of 2 E|Z|^2 / samples^2 = G / period, and E|line|^2 is 2.
     scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
     spectrum = np.zeros((TRACKS, len(n)), complex)
-    spectrum[:, active] = _levelled(np.einsum("kij,kj->ki", root, line).T, n[active]) * scale
+    spectrum[:, active] = _normalise_bands(np.einsum("kij,kj->ki", root, line).T, n[active]) * scale
     heights = np.fft.irfft(spectrum, samples, axis=1)
     heights.setflags(write=False)
     return RoughSurface(y, heights)
 
 
-def _levelled(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray[np.complex128]:
+def _normalise_bands(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray[np.complex128]:
     """Spectral lines (tracks, k), E|line|^2 = 2, with mean square exactly 2 in each third of an octave."""
-    band = np.floor(3 * np.log2(n / LOWEST_N) + 1e-9).astype(np.int64)
+    band = np.floor(3 * np.log2(n / MIN_WAVENUMBER) + 1e-9).astype(np.int64)
     first = np.flatnonzero(np.diff(band, prepend=-1))
     weight = n**-WAVINESS
     power = np.add.reduceat(np.abs(lines) ** 2 * weight, first, axis=1)

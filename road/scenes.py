@@ -10,7 +10,7 @@ from road.roughness import Roughness
 
 ROAD_M = 62.0
 FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # range of camera positions
-NEAREST_M, FARTHEST_M = 3.0, 18.0  # range of distances from the camera to the feature approached
+MIN_APPROACH_M, MAX_APPROACH_M = 3.0, 18.0  # range of distances from the camera to the feature approached
 TRACK_M = 0.95  # half the car's width
 _PAINT_SHARES = {
     "bare": 0.15,
@@ -163,13 +163,13 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
 def approach_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
     """Camera positions on the approach to a feature in the car's path, in a controller's range."""
     ahead = [f for f in road.features if f.y_min_m < TRACK_M and f.y_max_m > -TRACK_M]
-    targets = [f for f in ahead if f.start_m - NEAREST_M > FIRST_VIEW_M]
+    targets = [f for f in ahead if f.start_m - MIN_APPROACH_M > FIRST_VIEW_M]
     if not targets:
         return random_positions(rng, road, count)
     bumps = [f for f in targets if f.cls == 0]
     pool = bumps if bumps and rng.random() < 0.7 else targets
     start = pool[int(rng.integers(len(pool)))].start_m
-    distances = np.exp(rng.uniform(np.log(NEAREST_M), np.log(FARTHEST_M), count))
+    distances = np.exp(rng.uniform(np.log(MIN_APPROACH_M), np.log(MAX_APPROACH_M), count))
     return sorted(np.maximum(start - distances, FIRST_VIEW_M).tolist())
 
 

@@ -7,19 +7,19 @@ import cv2
 import numpy as np
 
 from road.lighting import Light
-from road.props import Face, Prop, Solid, Sprite, place_of
-from road.raycast import View
+from road.props import Face, Prop, Solid, Sprite, ground_position
+from road.raycast import CameraView
 
 _NEAR_M = 0.4
 _SPRITE_NEAR_M = 1.3
 _SPRITE_MIN_PX, _SPRITE_MAX_PX = 3, 1200
 _SHADOWS_WITHIN_M = 50.0
-_LONGEST_SHADOW = 6.0  # metres per metre of height
+_MAX_SHADOW_RATIO = 6.0  # metres per metre of height
 _CONTACT = ((1.3, 50), (1.12, 110), (0.98, 165))  # contact shadow: scale of outline, darkness (of 255)
 _LAMP_HEIGHT_M = 4.0  # lamps above this height are street lamps
 
 
-class Air(NamedTuple):
+class Atmosphere(NamedTuple):
     """Illumination and atmosphere of a scene: light, shares of the lamps (see `colour.Conditions`), fog."""
 
     light: Light
@@ -31,13 +31,13 @@ class Air(NamedTuple):
 
 
 def draw(
-    image: np.ndarray, hits: np.ndarray, view: View, props: Sequence[Prop], air: Air
+    image: np.ndarray, hits: np.ndarray, view: CameraView, props: Sequence[Prop], air: Atmosphere
 ) -> dict[int, float]:
     """Draw `props` into the linear `image` (H, W, 3), farthest first; clear the `hits` (H, W) behind them.
 
     Returns the occluded share of the pixels of each feature in `hits`.
     """
-    ordered = sorted(props, key=lambda prop: -float(np.hypot(*(place_of(prop) - view.position[:2]))))
+    ordered = sorted(props, key=lambda prop: -float(np.hypot(*(ground_position(prop) - view.position[:2]))))
     ground = hits.copy()
     _shade_ground(image, view, ordered, air)
     halos: list[tuple[float, float, float, np.ndarray]] = []
@@ -60,12 +60,12 @@ def lamp_pools(props: Sequence[Prop]) -> np.ndarray:
     return np.array([(p.x, 0.75 * p.y, max(p.glow)) for p in lamps]).reshape(-1, 3)
 
 
-def _to_camera(view: View, points: np.ndarray) -> np.ndarray:
+def _to_camera(view: CameraView, points: np.ndarray) -> np.ndarray:
     """Camera coordinates forward, left, up (n, 3) of world points."""
     return (points - view.position) @ view.rotation
 
 
-def _pixels(view: View, points: np.ndarray) -> np.ndarray | None:
+def _pixels(view: CameraView, points: np.ndarray) -> np.ndarray | None:
     """Pixel polygon (m, 2) of a world polygon, clipped at the near plane; None if nothing is left."""
     seen = _to_camera(view, points)
     inside = seen[:, 0] > _NEAR_M
@@ -97,15 +97,15 @@ def _window(low: np.ndarray, high: np.ndarray, shape: tuple[int, ...]) -> tuple[
     return (slice(r0, r1), slice(c0, c1)) if r1 > r0 and c1 > c0 else None
 
 
-def _shade_ground(image: np.ndarray, view: View, props: Sequence[Prop], air: Air) -> None:
+def _shade_ground(image: np.ndarray, view: CameraView, props: Sequence[Prop], air: Atmosphere) -> None:
     """Cast shadows of the sun, and contact shadows under bodies."""
     sun, light = air.light.sun, air.light
-    props = [p for p in props if abs(place_of(p)[0] - view.position[0]) < _SHADOWS_WITHIN_M]
+    props = [p for p in props if abs(ground_position(p)[0] - view.position[0]) < _SHADOWS_WITHIN_M]
     mask = np.zeros(image.shape[:2], np.uint8)
     if sun.max() > 0.15:
         flat = light.direction[:2]
         shift = -flat * min(
-            1 / max(light.direction[2], 1e-3), _LONGEST_SHADOW / max(float(np.hypot(*flat)), 1e-3)
+            1 / max(light.direction[2], 1e-3), _MAX_SHADOW_RATIO / max(float(np.hypot(*flat)), 1e-3)
         )
         for prop in props:
             for outline in _shadow_outlines(prop, shift):
@@ -139,11 +139,11 @@ def _shadow_outlines(prop: Prop, shift: np.ndarray) -> list[np.ndarray]:
         both = np.concatenate((prop.base, prop.base + 0.95 * prop.height_m * shift)).astype(np.float32)
         return [cv2.convexHull(both)[:, 0]]
     across = np.array([-shift[1], shift[0]]) / max(float(np.hypot(*shift)), 1e-6)
-    return [place_of(prop) + part[:, :1] * across + part[:, 1:] * shift for part in prop.shadow]
+    return [ground_position(prop) + part[:, :1] * across + part[:, 1:] * shift for part in prop.shadow]
 
 
 def _radiance(
-    albedo: np.ndarray, beam: float, openness: float, ahead: float, aside: float, air: Air
+    albedo: np.ndarray, beam: float, openness: float, ahead: float, aside: float, air: Atmosphere
 ) -> np.ndarray:
     """Reflected radiance (..., 3) of a surface: sun, sky, and at night the headlights."""
     lit = air.light.sun * beam + air.light.sky * openness * air.ambient
@@ -153,16 +153,16 @@ def _radiance(
     return np.asarray(albedo * lit)
 
 
-def _veiled(light: np.ndarray, distance: float, air: Air) -> np.ndarray:
+def _with_haze(light: np.ndarray, distance: float, air: Atmosphere) -> np.ndarray:
     return air.haze + (light - air.haze) * np.exp(-distance / air.fog_m)
 
 
 def _draw_face(
     image: np.ndarray,
     hits: np.ndarray,
-    view: View,
+    view: CameraView,
     face: Face,
-    air: Air,
+    air: Atmosphere,
     halos: list[tuple[float, float, float, np.ndarray]],
 ) -> None:
     middle = face.points.mean(axis=0)
@@ -180,7 +180,7 @@ def _draw_face(
     distance = float(np.hypot(ahead, aside))
     beam = max(float(face.normal @ air.light.direction), 0.0)
     light = _radiance(np.array(face.albedo), beam, 0.6 + 0.4 * face.normal[2], max(ahead, 0.1), aside, air)
-    light = _veiled(light + np.array(face.glow), distance, air).astype(np.float32)
+    light = _with_haze(light + np.array(face.glow), distance, air).astype(np.float32)
     share = mask.astype(np.float32)[..., None] / 255
     image[part] += (light - image[part]) * share
     hits[part][mask > 127] = 0
@@ -194,9 +194,9 @@ def _draw_face(
 def _draw_sprite(
     image: np.ndarray,
     hits: np.ndarray,
-    view: View,
+    view: CameraView,
     sprite: Sprite,
-    air: Air,
+    air: Atmosphere,
     halos: list[tuple[float, float, float, np.ndarray]],
 ) -> None:
     forward, left, up = _to_camera(view, np.array([[sprite.x, sprite.y, 0.0]]))[0]

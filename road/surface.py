@@ -12,10 +12,10 @@ from road.texture import fractal
 
 COLUMNS = int(2 * HALF_WIDTH_M / CELL_M)
 BLOCK_ROWS = 640
-APRON_ROWS = 40  # rows beyond a block that shadows and shading use
-COARSE = 4  # the smooth random fields have a grid coarser by this factor
+HALO_ROWS = 40  # rows beyond a block that shadows and shading use
+COARSENING = 4  # the smooth random fields have a grid coarser by this factor
 BEYOND_END_M = 50.0  # length of the map past the road's end, so that the view stays filled
-_STEEP = 0.3  # lateral slope (a kerb) from which on the ray caster takes fine steps
+_FINE_STEP_SLOPE = 0.3  # lateral slope (a kerb) from which on the ray caster takes fine steps
 _OCTAVES = {
     "tone": (0.05, 0.05, 0.04, 0.04, 0.03, 0.03, 0.03),
     "wear": (0.1, 0.15, 0.2, 0.3, 0.35),
@@ -51,7 +51,7 @@ class Surface:
         self._edges = _carriageway(road, look)
         self._light = lighting.plan(look)
         rng = np.random.default_rng((seed, 1))
-        coarse = ((self.rows + 2 * APRON_ROWS) // COARSE, COLUMNS // COARSE)
+        coarse = ((self.rows + 2 * HALO_ROWS) // COARSENING, COLUMNS // COARSENING)
         self._fields = {name: fractal(rng, coarse, octaves) for name, octaves in _OCTAVES.items()}
         length = self.rows * CELL_M
         self._damage = damage.plan(rng, look, self._edges, length)
@@ -77,7 +77,7 @@ class Surface:
 
     def _fill(self, index: int) -> None:
         block = self._paint(index)
-        inner = slice(APRON_ROWS, -APRON_ROWS)
+        inner = slice(HALO_ROWS, -HALO_ROWS)
         rows = slice(index * BLOCK_ROWS, (index + 1) * BLOCK_ROWS)
         self.height[rows] = block.height[inner]
         self.ids[rows] = block.ids[inner]
@@ -86,22 +86,22 @@ class Surface:
             if k:
                 lit = cv2.resize(lit, (COLUMNS >> shift, BLOCK_ROWS >> k), interpolation=cv2.INTER_AREA)
             level[index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = lit
-        self._mark(block, rows)
+        self._update_march_mask(block, rows)
 
     def _paint(self, index: int) -> Block:
-        block = self._blank(index)
+        block = self._empty_block(index)
         pavement.paint(block, self.look, self._edges)
         damage.paint(block, self._damage)
         markings.paint(block, self._markings)
         for number, (feature, seed) in enumerate(zip(self.road.features, self._paint_seeds, strict=True)):
             feature_paint.paint(block, feature, number + 1, np.random.default_rng(seed), self.look)
         cover.paint(block, self._cover, self.look, self._edges)
-        pavement.soak(block, self.look, self._edges)
+        pavement.apply_wetness(block, self.look, self._edges)
         return block
 
-    def _blank(self, index: int) -> Block:
-        first = index * BLOCK_ROWS - APRON_ROWS
-        shape = (BLOCK_ROWS + 2 * APRON_ROWS, COLUMNS)
+    def _empty_block(self, index: int) -> Block:
+        first = index * BLOCK_ROWS - HALO_ROWS
+        shape = (BLOCK_ROWS + 2 * HALO_ROWS, COLUMNS)
         x = START_M + (first + 0.5 + np.arange(shape[0]))[:, None] * CELL_M
         y = -HALF_WIDTH_M + (0.5 + np.arange(COLUMNS))[None] * CELL_M
         return Block(
@@ -111,18 +111,18 @@ class Surface:
             albedo=np.empty((*shape, 3), np.float32),
             ids=np.zeros(shape, np.int16),
             wet=np.zeros(shape, np.float32),
-            noise={name: _refined(field, first, shape[0]) for name, field in self._fields.items()},
+            noise={name: _upsampled_rows(field, first, shape[0]) for name, field in self._fields.items()},
         )
 
-    def _mark(self, block: Block, rows: slice) -> None:
+    def _update_march_mask(self, block: Block, rows: slice) -> None:
         """Store the height range, and the mask of fine ray steps: around features and at kerbs."""
         across = np.abs(np.diff(block.height, axis=1, prepend=block.height[:, :1]))
-        uneven = (block.ids > 0) | (across > _STEEP * CELL_M)
+        uneven = (block.ids > 0) | (across > _FINE_STEP_SLOPE * CELL_M)
         tiles = uneven.reshape(-1, MASK_CELLS, COLUMNS // MASK_CELLS, MASK_CELLS).any(axis=(1, 3))
         margin = int(np.ceil(COARSE_STEP_M / (MASK_CELLS * CELL_M)))
         around = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
         part = slice(rows.start // MASK_CELLS, rows.stop // MASK_CELLS)
-        apron = APRON_ROWS // MASK_CELLS
+        apron = HALO_ROWS // MASK_CELLS
         self.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), around)[apron:-apron]
         bands = self.height[rows].reshape(BLOCK_ROWS // MASK_CELLS, -1)
         self._ranges[part] = np.stack((bands.min(axis=1), bands.max(axis=1)), axis=1)
@@ -143,7 +143,7 @@ def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:
 def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Road height (n, m) float32 at x (n, 1), y (1, m).
 
-    Between features it is sampled COARSE times more sparsely across the road and interpolated, as
+    Between features it is sampled COARSENING times more sparsely across the road and interpolated, as
     roughness itself is between its tracks.
     """
     plain = np.ones(len(x), bool)
@@ -151,19 +151,19 @@ def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         plain &= (x[:, 0] < feature.start_m) | (x[:, 0] > feature.end_m)
     height = np.zeros((len(x), y.shape[1]), np.float32)
     if not road.is_flat_between_features and plain.any():
-        thin = road.height(x[plain], y.reshape(1, -1, COARSE).mean(axis=2)).astype(np.float32)
+        thin = road.height(x[plain], y.reshape(1, -1, COARSENING).mean(axis=2)).astype(np.float32)
         height[plain] = cv2.resize(thin, (y.shape[1], len(thin)), interpolation=cv2.INTER_LINEAR)
     if not plain.all():
         height[~plain] = road.height(x[~plain], y)
     return height
 
 
-def _refined(field: np.ndarray, first: int, rows: int) -> np.ndarray:
+def _upsampled_rows(field: np.ndarray, first: int, rows: int) -> np.ndarray:
     """Rows of a coarse field at the resolution of the map; `first` counts map rows from the map's start."""
-    start = (first + APRON_ROWS) // COARSE
-    low, high = max(start - 2, 0), min(start + rows // COARSE + 2, len(field))
-    fine = cv2.resize(field[low:high], (COLUMNS, (high - low) * COARSE), interpolation=cv2.INTER_LINEAR)
-    return fine[(start - low) * COARSE :][:rows]
+    start = (first + HALO_ROWS) // COARSENING
+    low, high = max(start - 2, 0), min(start + rows // COARSENING + 2, len(field))
+    fine = cv2.resize(field[low:high], (COLUMNS, (high - low) * COARSENING), interpolation=cv2.INTER_LINEAR)
+    return fine[(start - low) * COARSENING :][:rows]
 
 
 def _carriageway(road: Road, look: Appearance) -> tuple[float, float]:

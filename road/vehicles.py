@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from road.props import Colour, Face, Solid, panel, prism, stand, wheel
+from road.props import Colour, Face, Solid, panel, place_body, prism, wheel
 
 _PAINTS: tuple[Colour, ...] = (
     (0.62, 0.62, 0.62),
@@ -42,7 +42,7 @@ def random_vehicle(rng: np.random.Generator, x: float, y: float, yaw: float, lig
     length, width, height = size
     faces += _lamps(length, width, 0.75 if kind != "lorry" else 0.95, lights)
     outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (length / 2, width / 2)
-    return stand(faces, outline, height, x, y, yaw)
+    return place_body(faces, outline, height, x, y, yaw)
 
 
 def house(rng: np.random.Generator, x: float, y: float) -> Solid:
@@ -55,7 +55,7 @@ def house(rng: np.random.Generator, x: float, y: float) -> Solid:
     if height > 2.5:
         faces += _windows(rng, length, width, height)
     outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (length / 2, width / 2)
-    return stand(faces, outline, float(height), x, y, float(rng.normal(0, 0.03)))
+    return place_body(faces, outline, float(height), x, y, float(rng.normal(0, 0.03)))
 
 
 def _windows(rng: np.random.Generator, length: float, width: float, height: float) -> list[Face]:

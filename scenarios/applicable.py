@@ -25,7 +25,7 @@ def require_applicable(
     for i, fault in enumerate(faults):
         if isinstance(fault, SensorFault):
             _require_sensor(car, fault, f"faults[{i}]")
-    motions = [motion for motion, needed in MOTIONS.items() if len(car.body_inertia) < needed]
+    motions = [motion for motion, needed in MOTIONS.items() if len(car.generalised_mass) < needed]
     for place, given, usual in (
         ("sensors", sensors, SensorNoise()),
         ("sensors.interface", sensors.interface, SensorInterface()),
@@ -44,7 +44,7 @@ def require_applicable(
 
 
 def _require_sensor(car: Car, fault: SensorFault, place: str) -> None:
-    if len(car.body_inertia) < MOTIONS.get(fault.channel, 0):
+    if len(car.generalised_mass) < MOTIONS.get(fault.channel, 0):
         raise _refusal(f"{place}.channel", car, fault.channel.removesuffix("_rate"), fault.channel)
     highest = car.wheels - 1 if fault.channel in PER_WHEEL else 0
     if fault.wheel > highest:

@@ -9,7 +9,7 @@ from pathlib import Path
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError, shortened, shown
-from files.numbers import is_whole
+from files.numbers import is_integer
 from files.strict_json import read_json
 from scenarios.cases import Case
 from scenarios.loading import load
@@ -22,7 +22,7 @@ REFERENCE = Path(__file__).parent / "baselines" / "reference.json"
 
 
 @dataclass(frozen=True)
-class Held:
+class BaselineEntry:
     """Baseline entry: a case and its reference metrics.
 
     scenario: a name in the library, or a file relative to the baseline's folder. overrides: as for `--set`.
@@ -54,7 +54,7 @@ class Held:
 class Baseline:
     """Baseline file: cases, its own tolerances (absolute, SI), and the foreride version that wrote it."""
 
-    held: tuple[Held, ...] = ()
+    held: tuple[BaselineEntry, ...] = ()
     tolerances: dict[str, float] | None = None
     foreride: str = ""
 
@@ -62,7 +62,7 @@ class Baseline:
         """The file's own tolerances, which replace the default ones."""
         return {metric: Tolerance(absolute) for metric, absolute in (self.tolerances or {}).items()}
 
-    def renewed(self, held: Sequence[Held]) -> "Baseline":
+    def with_entries(self, held: Sequence[BaselineEntry]) -> "Baseline":
         """Replace the cases of the same key by these, and append new ones."""
         known = {one.key: one for one in self.held} | {one.key: one for one in held}
         return replace(self, held=tuple(known.values()))
@@ -98,7 +98,7 @@ class _File:
             raise InputError(f"tolerances must be > 0, got {shown(self.tolerances)}")
 
 
-def seen_from(folder: Path, name: str) -> str:
+def relative_name(folder: Path, name: str) -> str:
     """Path of a scenario or user controller relative to the baseline's `folder`; other names unchanged."""
     path, separator, inner = name.rpartition(":") if ".py:" in name else (name, "", "")
     return os.path.relpath(path, folder) + separator + inner if Path(path).is_file() else name
@@ -138,7 +138,7 @@ def read(path: Path) -> Baseline:
         raise InputError(f"{path}: is no baseline of schema {SCHEMA} ({shortened(told)})") from None
     kept = strict.structure(_File, content, str(path))
     held = tuple(
-        Held(case.scenario, case.set, case.controller, case.perception, case.seed, case.metrics)
+        BaselineEntry(case.scenario, case.set, case.controller, case.perception, case.seed, case.metrics)
         for case in kept.cases
     )
     if _number(wrote) > _number(version("foreride")):
@@ -148,4 +148,4 @@ def read(path: Path) -> Baseline:
 
 
 def _number(text: str) -> tuple[int, ...]:
-    return tuple(int(part) for part in text.split(".") if is_whole(part))
+    return tuple(int(part) for part in text.split(".") if is_integer(part))

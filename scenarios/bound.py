@@ -11,7 +11,7 @@ import numpy as np
 from controller.clairvoyant import Optimum, optimise
 from controller.model import KILO
 from controller.tuned import tuned_settings
-from controller.whole_drive import Drive, WholeDrive
+from controller.whole_drive import DriveInputs, WholeDriveObjective
 from files.atomic import write_bytes
 from files.cache import cached
 from scenarios.cases import Case
@@ -23,7 +23,7 @@ from vehicle.plant import Plant
 from vehicle.speed import ConstantSpeed, SpeedProfile
 from vehicle.state import road_under
 
-STARTS = ("passive", "skyhook", "mpc_preview")
+START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")
 """Controllers whose commands serve as starting points of the optimisation."""
 
 Commands = Callable[[Case], np.ndarray]
@@ -35,8 +35,8 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
 
     A cached plan is accepted only if it still yields the J stored with it.
     """
-    car, drive = scenario.vehicle.parameters, drive_of(scenario)
-    whole = WholeDrive(car, drive)
+    car, drive = scenario.vehicle.parameters, drive_inputs(scenario)
+    whole = WholeDriveObjective(car, drive)
     path = cached(f"bounds/{_key(scenario, drive)}.npz")
     try:
         known = _read(path.read_bytes(), whole)
@@ -46,15 +46,15 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
         return known
     first = np.searchsorted(drive.interval, np.arange(whole.intervals))
     plans = {}
-    for name in STARTS:
-        plans[name] = commands(_rehearsal(scenario, name))[:, first].T / KILO
+    for name in START_CONTROLLERS:
+        plans[name] = commands(_start_case(scenario, name))[:, first].T / KILO
     optimum = optimise(car, whole, plans)
     with suppress(OSError):  # a bound that cannot be cached is still valid
         write_bytes(path, _bytes(optimum))
     return optimum
 
 
-def drive_of(scenario: Scenario) -> Drive:
+def drive_inputs(scenario: Scenario) -> DriveInputs:
     """External inputs of the scenario's drive, for `controller.whole_drive`."""
     car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
@@ -68,7 +68,7 @@ def drive_of(scenario: Scenario) -> Drive:
     still = stretch.forward_acc is None
     late = ticks(control.delay_s)
     asked = [tick >= late and due(tick - late, control.rate_hz) for tick in range(count)]
-    return Drive(
+    return DriveInputs(
         rate_hz=TICKS_PER_SECOND,
         height=np.array(height),
         velocity=np.array(velocity),
@@ -81,7 +81,7 @@ def drive_of(scenario: Scenario) -> Drive:
     )
 
 
-def _rehearsal(scenario: Scenario, controller: str) -> Case:
+def _start_case(scenario: Scenario, controller: str) -> Case:
     """Fault-free case with exact states, the true road ahead and shipped settings, as a starting point.
 
     It depends only on what enters `_key`: a cached result must not depend on the caller's settings.
@@ -97,7 +97,7 @@ def _rehearsal(scenario: Scenario, controller: str) -> Case:
     return Case(clear, controller, "oracle" if controller == "mpc_preview" else "none", scenario.seed)
 
 
-def _key(scenario: Scenario, drive: Drive) -> str:
+def _key(scenario: Scenario, drive: DriveInputs) -> str:
     """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
     told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
     told.update(repr((drive.rate_hz, drive.rho)).encode())
@@ -113,7 +113,7 @@ def _bytes(optimum: Optimum) -> bytes:
     return stream.getvalue()
 
 
-def _read(data: bytes, whole: WholeDrive) -> Optimum | None:
+def _read(data: bytes, whole: WholeDriveObjective) -> Optimum | None:
     """Parse a cached optimum; None if it is damaged or outdated."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as kept:

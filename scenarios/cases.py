@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from controller.registry import sees_ahead
+from controller.registry import uses_preview
 from files.errors import InputError
 from scenarios.schema import Scenario
 
@@ -40,7 +40,7 @@ def cases(
         for scenario in scenarios
         for seed in (seeds if seeds is not None else [scenario.seed])
         for controller in controllers
-        for perception in (perceptions if sees_ahead(controller) else ["none"])
+        for perception in (perceptions if uses_preview(controller) else ["none"])
     ]
 
 

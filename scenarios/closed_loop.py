@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 
 from comfort.metrics import ride_metrics
-from controller.clairvoyant import Replay
+from controller.clairvoyant import PlanReplay
 from controller.registry import CLAIRVOYANT
 from preview.memory import Memory
 from scenarios.bound import bound
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
-from scenarios.driver import Driver
+from scenarios.driver import MultirateLoop
 from scenarios.eyes import build_perception
 from scenarios.faults import Faults
 from scenarios.named_files import hashes
 from scenarios.observer_errors import observer_errors
-from scenarios.perception import Event, Look
+from scenarios.perception import Event, Exposure
 from scenarios.preview_log import PreviewLog, collect
 from scenarios.tracks import wheel_profiles
 from vehicle.audit import energy_audit
 from vehicle.equations import input_size
-from vehicle.parameters import prediction_car
+from vehicle.parameters import control_model
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
 from vehicle.state import VehicleState
@@ -56,7 +56,7 @@ class Run:
     timing: dict[str, float]
     files_sha256: dict[str, str | None]
     track_y_m: float
-    looks: list[Look]
+    looks: list[Exposure]
     previews: PreviewLog
     memory: Memory | None = None
     bound: dict[str, float] | None = None
@@ -86,8 +86,8 @@ def simulate(
     perception = build_perception(case, profiles, streams, keep_images)
     files_sha256 = hashes(case)
     faults = Faults(scenario.faults, streams["faults"])
-    replay = Replay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
-    driver = Driver(case, plant, sensors, perception, faults, replay)
+    replay = PlanReplay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
+    driver = MultirateLoop(case, plant, sensors, perception, faults, replay)
     try:
         driver.drive(advance)
     finally:
@@ -101,7 +101,7 @@ def simulate(
         metrics=metrics_of(record, case),
         events=driver.events,
         solver=driver.solver,
-        observer=observer_errors(prediction_car(car), driver.estimates, record),
+        observer=observer_errors(control_model(car), driver.estimates, record),
         perception_stats=perception.stats(),
         timing=timing | driver.timing | perception.timing(),
         files_sha256=files_sha256,

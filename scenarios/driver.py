@@ -7,23 +7,23 @@ from dataclasses import replace
 import numpy as np
 
 from controller.base import Controller, Estimate, Timing
-from controller.observer import Observer, truth_estimate
+from controller.observer import Observer, exact_estimate
 from controller.passive import Constant
 from controller.registry import build
-from controller.sensor_watch import SensorWatch
+from controller.sensor_watch import SensorMonitor
 from scenarios import preview_log
 from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
-from scenarios.faults import LATE, Faults
-from scenarios.perception import Blind, Event, Perception
+from scenarios.faults import LATE_ANSWER, Faults
+from scenarios.perception import Event, NoPreview, Perception
 from vehicle.equations import state_size
-from vehicle.parameters import prediction_car
+from vehicle.parameters import control_model
 from vehicle.plant import Plant
 from vehicle.sensors import Sensors
 from vehicle.state import VehicleState
 
 
-class Driver:
+class MultirateLoop:
     """Scheduler of plant, perception and controller for one case; call `drive` once, then read the rest.
 
     events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
@@ -45,19 +45,19 @@ class Driver:
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
         timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
-        known = prediction_car(car)
+        known = control_model(car)
         self._controller = controller or build(case.controller, known, control.settings, timing)
         self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
         self._states = state_size(known)
-        self._watch = SensorWatch(car.wheels, scenario.sensors)
+        self._watch = SensorMonitor(car.wheels, scenario.sensors)
         self._plant, self._sensors, self._perception = plant, sensors, perception
         self._faults = faults
         self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
-        self._unasked = False
-        if isinstance(self._controller, Constant) and isinstance(perception, Blind):
-            self._unasked = True
+        self._open_loop = False
+        if isinstance(self._controller, Constant) and isinstance(perception, NoPreview):
+            self._open_loop = True
             self._waiting.append((self._delay, self._controller.command))
         self.estimates: list[Estimate] = []
         self._wheel = int(np.argmin(car.wheel_y_m))  # right front wheel
@@ -72,7 +72,7 @@ class Driver:
         tick = 0
         while tick < self._total:
             self._perception.expose(tick, self._state)
-            asked = not self._unasked and due(tick, self._rate_hz)
+            asked = not self._open_loop and due(tick, self._rate_hz)
             estimate = self._sense() if asked else None
             self.events += self._perception.receive(tick)
             if estimate is not None:
@@ -98,7 +98,7 @@ class Driver:
         checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
         self._perception.sense(checked.measurement)
         if self._observer is None:
-            return replace(truth_estimate(state), x=state.x[: self._states])
+            return replace(exact_estimate(state), x=state.x[: self._states])
         estimate = self._observer.update(checked, self._command)
         self.estimates.append(estimate)
         return estimate
@@ -107,9 +107,9 @@ class Driver:
         time_s = tick / TICKS_PER_SECOND
         preview = self._faults.preview(self._perception.preview(time_s, self._state), time_s)
         if preview is not None and due(tick, preview_log.RATE_HZ):
-            self.seen.append(preview_log.thinned(preview, self._wheel))
+            self.seen.append(preview_log.decimated(preview, self._wheel))
         if self._faults.late(time_s):
-            estimate = replace(estimate, faults=(*estimate.faults, LATE))
+            estimate = replace(estimate, faults=(*estimate.faults, LATE_ANSWER))
         command = self._controller.step(estimate, preview)
         if problem := getattr(self._controller, "problem", None):
             self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
@@ -120,7 +120,7 @@ class Driver:
         return np.asarray(command, dtype=float)
 
     def _next_event(self, tick: int) -> int:
-        asking = tick + TICKS_PER_SECOND if self._unasked else next_due(tick, self._rate_hz)
+        asking = tick + TICKS_PER_SECOND if self._open_loop else next_due(tick, self._rate_hz)
         candidates = [self._total, asking]
         candidates += [when for when, _ in self._waiting]
         looked = self._perception.next_tick(tick)

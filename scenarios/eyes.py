@@ -19,13 +19,13 @@ from road.render import Scene
 from scenarios.cases import Case
 from scenarios.mapped import build_map
 from scenarios.oracle import build_oracle
-from scenarios.perception import Blind, Look, Perception, Seeing
+from scenarios.perception import DetectorPerception, Exposure, NoPreview, Perception
 from scenarios.schema import Scenario
-from scenarios.told import corrector
+from scenarios.told import track_corrector
 from vehicle.state import VehicleState
 
-Eye = Callable[[int, VehicleState], Look]
-_SECOND = 1 << 40  # offset of the tick that seeds the second camera's image noise
+BoxSource = Callable[[int, VehicleState], Exposure]
+_SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise
 
 
 def build_perception(
@@ -37,7 +37,7 @@ def build_perception(
     """Build the perception that a case names."""
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     if case.perception == "none":
-        return Blind()
+        return NoPreview()
     if case.perception == "oracle":
         rng, enveloping = streams["oracle"], scenario.enveloping
         return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping)
@@ -46,9 +46,9 @@ def build_perception(
     nominal = scenario.camera.mount(max(car.axle_x_m))
     mount = true_mount(scenario, nominal, streams["mounting"])
     if case.perception == "boxes":
-        eye = box_eye(scenario, mount, streams["boxes"])
+        eye = true_box_source(scenario, mount, streams["boxes"])
     else:
-        eye = camera_eye(scenario, mount, load_detector(scenario), streams["image"])
+        eye = rendered_box_source(scenario, mount, load_detector(scenario), streams["image"])
     estimator = Estimator(
         scenario.camera.intrinsics,
         nominal,
@@ -60,8 +60,8 @@ def build_perception(
         stereo_base_m=scenario.camera.stereo_base_m,
     )
     setup = scenario.camera
-    correct = corrector(scenario.road.features, scenario.told)
-    return Seeing(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct)
+    correct = track_corrector(scenario.road.features, scenario.told)
+    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct)
 
 
 def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
@@ -94,25 +94,27 @@ def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
     return pose_of(mount, float(state.x_m), *attitude, roll=float(state.roll_rad))
 
 
-def box_eye(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> Eye:
+def true_box_source(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> BoxSource:
     """Box source: true outlines with the scenario's box errors."""
     camera, errors = scenario.camera.intrinsics, scenario.boxes
 
-    def look(tick: int, state: VehicleState) -> Look:
+    def look(tick: int, state: VehicleState) -> Exposure:
         exact = true_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
-        return Look(tick, degrade(exact, camera, errors, rng))
+        return Exposure(tick, degrade(exact, camera, errors, rng))
 
     return look
 
 
-def camera_eye(scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator) -> Eye:
+def rendered_box_source(
+    scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator
+) -> BoxSource:
     """Box source: render the image, or the stereo pair, and run the detector on the first image."""
     setup = scenario.camera
     seed = int(rng.integers(2**31))
     scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)
     yaw = np.deg2rad(setup.stereo_yaw_sigma_deg) * float(rng.standard_normal())
 
-    def look(tick: int, state: VehicleState) -> Look:
+    def look(tick: int, state: VehicleState) -> Exposure:
         started = perf_counter()
         first = pose(mount, state)
         image = scene.render(setup.intrinsics, first, tick).image
@@ -120,7 +122,7 @@ def camera_eye(scenario: Scenario, mount: CameraMount, detector: Detector, rng: 
         if setup.stereo_base_m > 0.0:
             right = second_pose(first, setup.stereo_base_m)
             right = replace(right, yaw=right.yaw + yaw)
-            second = scene.render(setup.intrinsics, right, tick + _SECOND).image
-        return Look(tick, detector(image), image, second, perf_counter() - started)
+            second = scene.render(setup.intrinsics, right, tick + _SECOND_CAMERA_OFFSET).image
+        return Exposure(tick, detector(image), image, second, perf_counter() - started)
 
     return look

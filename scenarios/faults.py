@@ -11,8 +11,8 @@ from files.ranges import Checked, Share
 from preview.horizon import RoadPreview
 from vehicle.sensors import Measurement
 
-LATE = "late answer"
-_ABSURD_M = 3.0
+LATE_ANSWER = "late answer"
+_IMPLAUSIBLE_HEIGHT_M = 3.0
 Start = Annotated[float, Interval(ge=0.0, le=1e6), "s"]
 Duration = Annotated[float, Interval(ge=1e-3, le=1e6), "s"]
 
@@ -68,7 +68,7 @@ class Faults:
         delivered = measurement
         for fault in self._faults:
             if isinstance(fault, SensorFault) and _active(fault, measurement.time_s):
-                delivered = _spoil(delivered, fault, self._reading)
+                delivered = _apply_sensor_fault(delivered, fault, self._reading)
         self._reading = delivered
         return delivered
 
@@ -79,7 +79,7 @@ class Faults:
         for fault in self._faults:
             if isinstance(fault, PreviewFault) and _active(fault, time_s):
                 if fault.mode == "absurd":
-                    return replace(preview, height_m=preview.height_m + _ABSURD_M)
+                    return replace(preview, height_m=preview.height_m + _IMPLAUSIBLE_HEIGHT_M)
                 preview = self._preview or preview
         self._preview = preview
         return preview
@@ -94,7 +94,9 @@ def _active(fault: Fault, time_s: float) -> bool:
     return fault.start_s <= time_s < fault.start_s + fault.duration_s
 
 
-def _spoil(measurement: Measurement, fault: SensorFault, before: Measurement | None) -> Measurement:
+def _apply_sensor_fault(
+    measurement: Measurement, fault: SensorFault, before: Measurement | None
+) -> Measurement:
     channels = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate")
     changed: dict[str, Any] = {}
     for name in channels if fault.channel == "all" else (fault.channel,):

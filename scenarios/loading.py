@@ -8,7 +8,7 @@ from typing import Any
 from controller.tuned import tuned_mapping
 from files import strict
 from files.errors import InputError, printable, shortened, shown
-from files.numbers import is_whole
+from files.numbers import is_integer
 from files.reading import read_text, reading
 from files.yaml12 import parse
 from scenarios import road_block
@@ -97,7 +97,7 @@ def _step(place: Any, key: str, override: str) -> Any:
 
 
 def _index(place: list[Any], key: str, override: str) -> int:
-    if not is_whole(key) or int(key) >= len(place):
+    if not is_integer(key) or int(key) >= len(place):
         raise InputError(f"--set {shown(override)}: {shortened(key)} must be an index 0 ... {len(place) - 1}")
     return int(key)
 

@@ -8,13 +8,13 @@ from files.errors import InputError
 from preview.horizon import RoadPreview
 from preview.roadmap import RoadMap, map_preview, read, wheel_tracks
 from road.envelope import WheelProfile
-from scenarios.perception import Blind
+from scenarios.perception import NoPreview
 from scenarios.schema import Scenario
 from vehicle.parameters import Car
 from vehicle.state import VehicleState
 
 
-class Mapped(Blind):
+class MapPerception(NoPreview):
     """Perception from a road map, with a constant localisation error `error_m` over the drive."""
 
     def __init__(
@@ -38,9 +38,9 @@ def read_map(scenario: Scenario) -> tuple[RoadMap, float]:
     return read(scenario.map.file), scenario.map.localisation_sigma_m
 
 
-def build_map(scenario: Scenario, rng: np.random.Generator) -> Mapped:
+def build_map(scenario: Scenario, rng: np.random.Generator) -> MapPerception:
     """Build the perception `map` of a scenario, with a localisation error drawn from `rng`."""
     car = scenario.vehicle.parameters
     known, sigma = read_map(scenario)
     tracks = wheel_tracks(known, car.wheel_y_m, car.wheel_radius_m, scenario.enveloping)
-    return Mapped(known, tracks, car, sigma, sigma * float(rng.standard_normal()))
+    return MapPerception(known, tracks, car, sigma, sigma * float(rng.standard_normal()))

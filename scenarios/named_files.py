@@ -3,26 +3,26 @@
 import hashlib
 from pathlib import Path
 
-from controller.own import is_own, load_user_controller
+from controller.own import is_user_controller, load_user_controller
 from preview.memory import read as read_memory
 from scenarios.cases import Case
 from scenarios.eyes import load_detector
 from scenarios.mapped import read_map
 
-SEEING = ("boxes", "camera")
+ESTIMATOR_PERCEPTIONS = ("boxes", "camera")
 """Perceptions with an estimator, which can use the memory of an earlier drive."""
 HASHES = ("weights_sha256", "map_sha256", "memory_sha256")
 
 
-def try_files(case: Case) -> None:
+def check_case_files(case: Case) -> None:
     """Read every file that the case needs; InputError for the first that is missing or invalid."""
     if case.perception == "camera":
         load_detector(case.scenario)
     if case.perception == "map":
         read_map(case.scenario)
-    if case.perception in SEEING and case.scenario.memory is not None:
+    if case.perception in ESTIMATOR_PERCEPTIONS and case.scenario.memory is not None:
         read_memory(case.scenario.memory)
-    if is_own(case.controller):
+    if is_user_controller(case.controller):
         load_user_controller(case.controller)
 
 
@@ -32,7 +32,7 @@ def hashes(case: Case) -> dict[str, str | None]:
     used = (
         load_detector(scenario).path if seen == "camera" else None,
         scenario.map.file if seen == "map" and scenario.map else None,
-        scenario.memory if seen in SEEING else None,
+        scenario.memory if seen in ESTIMATOR_PERCEPTIONS else None,
     )
     return {name: _sha256(path) if path else None for name, path in zip(HASHES, used, strict=True)}
 

@@ -28,7 +28,7 @@ def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleStat
     felt = np.array([estimate.road_height for estimate in estimates]).T - np.array(mine.wheel)
     deflection = felt - (record.road_height[:, when] - np.array(real.wheel))
     contact = np.array([estimate.contact for estimate in estimates]).T & (record.tyre_force[:, when] > 0.0)
-    motions = ("heave_velocity", "pitch_rate", "roll_rate")[: len(car.body_inertia)]
+    motions = ("heave_velocity", "pitch_rate", "roll_rate")[: len(car.generalised_mass)]
     errors = {
         "rattle_m": travel,
         "rattle_velocity": rate,

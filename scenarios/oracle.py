@@ -14,7 +14,7 @@ from road.envelope import WheelProfile, wheel_profile
 from road.enveloping import Enveloping
 from road.features import Feature, HalfSineBump, Pothole
 from road.profile import Road
-from scenarios.perception import Blind
+from scenarios.perception import NoPreview
 from vehicle.parameters import Car
 from vehicle.sensors import Measurement
 from vehicle.state import VehicleState
@@ -41,7 +41,7 @@ class OracleErrors(Checked):
     existence: Share = 1.0
 
 
-class Oracle(Blind):
+class OraclePerception(NoPreview):
     """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
 
     def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
@@ -94,13 +94,13 @@ def build_oracle(
     errors: OracleErrors,
     rng: np.random.Generator,
     enveloping: Enveloping | None = None,
-) -> Oracle:
+) -> OraclePerception:
     """Build the oracle of a drive; missed and false features are drawn once."""
     if errors.miss_probability == errors.false_per_100m == 0.0:
-        return Oracle(true, car, errors)
+        return OraclePerception(true, car, errors)
     believed = believed_road(road, car.track_m, errors, rng)
     tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, enveloping) for y in car.wheel_y_m}
-    return Oracle([tracks[y] for y in car.wheel_y_m], car, errors)
+    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors)
 
 
 def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.random.Generator) -> Road:
@@ -108,11 +108,11 @@ def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.rand
     found = rng.random(len(road.features)) >= errors.miss_probability
     kept = [feature for feature, seen in zip(road.features, found, strict=True) if seen]
     count = rng.poisson(errors.false_per_100m * road.length_m / 100.0)
-    imagined = [_imagined(start, track_m, rng) for start in rng.uniform(0.0, road.length_m - 1.0, count)]
+    imagined = [_false_feature(start, track_m, rng) for start in rng.uniform(0.0, road.length_m - 1.0, count)]
     return replace(road, features=(*kept, *imagined))
 
 
-def _imagined(start_m: float, track_m: float, rng: np.random.Generator) -> Feature:
+def _false_feature(start_m: float, track_m: float, rng: np.random.Generator) -> Feature:
     """False feature of common size: a bump across the lane or a pothole on the right track."""
     size, length = float(rng.uniform(0.04, 0.08)), float(rng.uniform(0.35, 0.8))
     if rng.random() < 0.5:

@@ -21,7 +21,7 @@ from preview.estimator import Estimator
 from preview.horizon import RoadPreview
 from preview.memory import Memory
 from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
-from scenarios.told import Correct
+from scenarios.told import TrackCorrection
 from vehicle.sensors import Measurement
 from vehicle.state import VehicleState
 
@@ -29,7 +29,7 @@ Event = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Look:
+class Exposure:
     """Camera exposure: its tick, detections and, from a camera, the image (H, W, 3).
 
     second: image of the right camera of a stereo pair.
@@ -45,7 +45,7 @@ class Look:
 class Perception(Protocol):
     """Protocol of a perception, called at the ticks it requests: `expose`, `receive`; `preview` on demand."""
 
-    looks: list[Look]
+    looks: list[Exposure]
 
     def next_tick(self, tick: int) -> int | None:
         """Next tick after `tick` at which the perception must be called; None for never."""
@@ -76,10 +76,10 @@ class Perception(Protocol):
 
 
 @dataclass
-class Blind:
+class NoPreview:
     """Perception without preview (`none`)."""
 
-    looks: list[Look] = field(default_factory=list)
+    looks: list[Exposure] = field(default_factory=list)
 
     def next_tick(self, tick: int) -> int | None:
         """Return None: there are no events."""
@@ -115,30 +115,30 @@ class Blind:
         """Do nothing."""
 
 
-class Seeing:
+class DetectorPerception:
     """Detector-based perception (`boxes`, `camera`): exposures at `rate_hz`, with boxes `latency_s` later.
 
-    `eye` maps the car's state at exposure to its `Look`. It runs in a thread of its own while simulated time
-    goes on; its result is awaited at the tick where it is due, so real time never changes a result. `looks`
-    holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
+    `eye` maps the car's state at exposure to its `Exposure`. It runs in a thread of its own while simulated
+    time goes on; its result is awaited at the tick where it is due, so real time never changes a result.
+    `looks` holds the first camera's images only with `keep_images`. `correct`: see `scenarios.told`.
     """
 
     def __init__(
         self,
-        eye: Callable[[int, VehicleState], Look],
+        eye: Callable[[int, VehicleState], Exposure],
         estimator: Estimator,
         rate_hz: int,
         latency_s: float,
         keep_images: bool = False,
-        correct: Correct | None = None,
+        correct: TrackCorrection | None = None,
     ) -> None:
         self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
         self._keep_images, self._correct = keep_images, correct
         self._latency = ticks(latency_s)
         self._failed = 0
         self._pool = ThreadPoolExecutor(max_workers=1)
-        self._pending: deque[tuple[int, Future[Look]]] = deque()
-        self.looks: list[Look] = []
+        self._pending: deque[tuple[int, Future[Exposure]]] = deque()
+        self.looks: list[Exposure] = []
         self.estimator_s: list[float] = []
 
     def next_tick(self, tick: int) -> int | None:
@@ -171,7 +171,7 @@ class Seeing:
             events.append(when | {"event": "boxes", **self._take(exposed / TICKS_PER_SECOND, look)})
         return events
 
-    def _take(self, exposure_s: float, look: Look) -> Event:
+    def _take(self, exposure_s: float, look: Exposure) -> Event:
         """Pass one exposure to the estimator; return its log entry."""
         self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
         start = perf_counter()

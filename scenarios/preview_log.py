@@ -30,7 +30,7 @@ class PreviewLog:
         return len(self.time_s)
 
 
-def thinned(preview: RoadPreview, wheel: int) -> tuple[float, np.ndarray, np.ndarray]:
+def decimated(preview: RoadPreview, wheel: int) -> tuple[float, np.ndarray, np.ndarray]:
     """Preview of one wheel every 0.1 m: (time_s, distances, [height, position_sigma, existence])."""
     stride = max(1, round(STEP_M / float(preview.distance_m[1] - preview.distance_m[0])))
     rows = (preview.height_m, preview.position_sigma_m, preview.existence)

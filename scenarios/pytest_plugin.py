@@ -52,16 +52,16 @@ class RideComfort:
         `scenario`, `controller`: as on the command line, files relative to the test's folder; `overrides`: as
         for `--set`; `tolerances`: absolute ones (SI) in place of the default ones.
         """
-        from scenarios.baseline import Baseline, Held, read, write
+        from scenarios.baseline import Baseline, BaselineEntry, read, write
         from scenarios.closed_loop import simulate
         from scenarios.regression import Tolerance, changes, diff, failed, label, measured
 
-        asked = Held(scenario, tuple(overrides), controller, perception, seed, {})
+        asked = BaselineEntry(scenario, tuple(overrides), controller, perception, seed, {})
         case = asked.case(self._file.parent.parent)
         baseline = read(self._file) if self._file.exists() else Baseline()
         run = simulate(case)
         if self._accept:
-            write(self._file, baseline.renewed([replace(asked, metrics=measured(run))]))
+            write(self._file, baseline.with_entries([replace(asked, metrics=measured(run))]))
             return run
         held = {one.key: one for one in baseline.held}.get(asked.key)
         if held is None:

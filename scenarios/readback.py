@@ -21,7 +21,7 @@ from scenarios.cases import Case
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.named_files import HASHES
-from scenarios.perception import Event, Look
+from scenarios.perception import Event, Exposure
 from scenarios.preview_log import PreviewLog
 from scenarios.record import check_run
 from scenarios.runfolder import KIND, MANIFEST, frame_name
@@ -115,14 +115,14 @@ class _Files:
         return self.content[name]
 
 
-def _look(event: Event, files: _Files) -> Look:
+def _look(event: Event, files: _Files) -> Exposure:
     tick = round(event["exposed_s"] * TICKS_PER_SECOND)
     boxes = np.array(event["boxes"], np.float32).reshape(-1, 4)
     name = frame_name(tick)
     stored = files.content.get(name)
     image = None if stored is None else decode(stored, files.folder / name, cv2.IMREAD_COLOR)
     rgb = None if image is None else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-    return Look(tick, Detections(boxes, event["scores"], event["classes"]), rgb)
+    return Exposure(tick, Detections(boxes, event["scores"], event["classes"]), rgb)
 
 
 def _previews(table: pa.Table) -> PreviewLog:

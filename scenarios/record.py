@@ -16,7 +16,7 @@ METRICS = ("objective", *(column.metric for column in COLUMNS))
 """Metrics that each row must contain."""
 SIGNALS = ("time_s", "x_m", "heave_m", "seat_acc_0", "road_height_0", "damping_0", "damper_force_0")
 """Signals that each run must contain, and `wheel_z_0`, ... for each wheel, all finite."""
-MOST = 1e12
+MAX_METRIC = 1e12
 """Maximum magnitude of a metric."""
 
 
@@ -51,9 +51,9 @@ class _Row:
         missing = [name for name in METRICS if name not in self.metrics]
         if missing:
             raise InputError(f"metrics.{missing[0]} is missing")
-        absurd = [name for name, value in self.metrics.items() if abs(value) > MOST]
+        absurd = [name for name, value in self.metrics.items() if abs(value) > MAX_METRIC]
         if absurd:
-            raise InputError(f"metrics.{absurd[0]} must lie within ±{MOST:g}")
+            raise InputError(f"metrics.{absurd[0]} must lie within ±{MAX_METRIC:g}")
 
 
 def check_row(found: Any, source: str) -> None:
@@ -128,7 +128,7 @@ def _is_track(track: Any) -> bool:
 
 
 def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and abs(value) <= MOST
+    return type(value) in (int, float) and abs(value) <= MAX_METRIC
 
 
 def _check_previews(run: Run) -> None:

@@ -38,9 +38,9 @@ TOLERANCES = {
     "damper_energy": Tolerance(5.0, 0.02, "J"),
     "fallbacks": Tolerance(0.5),
 }
-"""Below what a passenger perceives or a sensor resolves; metrics without an entry get `OTHERS`."""
-OTHERS = Tolerance(1e-6, 0.02)
-NEUTRAL = frozenset({"crest_factor", "damper_energy"})
+"""Below what a passenger perceives or a sensor resolves; metrics without an entry get `DEFAULT_TOLERANCE`."""
+DEFAULT_TOLERANCE = Tolerance(1e-6, 0.02)
+NEUTRAL_METRICS = frozenset({"crest_factor", "damper_energy"})
 """Metrics whose change is reported but is no loss of comfort or safety."""
 
 
@@ -64,7 +64,7 @@ class Change:
         """`worse`, `better`, or `changed` for a neutral metric."""
         if not (math.isfinite(self.before) and math.isfinite(self.after)):
             return "worse"
-        if self.metric in NEUTRAL:
+        if self.metric in NEUTRAL_METRICS:
             return "changed"
         return "worse" if self.after > self.before else "better"
 
@@ -84,7 +84,7 @@ def changes(
     found = []
     for metric, old in before.items():
         new = after.get(metric, math.nan)
-        allowed = (own.get(metric) or TOLERANCES.get(metric, OTHERS)).of(old)
+        allowed = (own.get(metric) or TOLERANCES.get(metric, DEFAULT_TOLERANCE)).of(old)
         if not (math.isfinite(old) and abs(new - old) <= allowed):
             found.append(Change(metric, old, new, allowed))
     return sorted(found, key=lambda change: (change.verdict != "worse", -change.used))
@@ -99,7 +99,7 @@ def diff(found: Sequence[Change]) -> list[str]:
     """One line per change: metric, old and new value, and the change in units of its tolerance."""
     lines = []
     for change in found:
-        shown = TOLERANCES.get(change.metric, OTHERS)
+        shown = TOLERANCES.get(change.metric, DEFAULT_TOLERANCE)
         before, after, allowed = (
             value * shown.factor for value in (change.before, change.after, change.allowed)
         )

@@ -19,8 +19,8 @@ from files.reading import read_bytes, reading
 from files.strict_json import JSON_LIMIT, parse_json
 
 KIND = "sweep"
-"""Kind of result folders in their marker."""
-ROWS_A_PART = 500
+"""ObstacleTemplate of result folders in their marker."""
+ROWS_PER_PART = 500
 _PART = re.compile(r"part-[0-9]{5,}\.parquet")
 _JOURNAL = "journal.jsonl"
 _TEXT = frozenset({"error"})
@@ -51,7 +51,7 @@ class Results:
         self._append(row)
         self._waiting.append(dict(row))
         self.done[row["key"]] = row["error"]
-        if len(self._waiting) >= ROWS_A_PART:
+        if len(self._waiting) >= ROWS_PER_PART:
             self.flush()
 
     def flush(self) -> None:
@@ -62,7 +62,11 @@ class Results:
         number = int(last[0].stem.removeprefix("part-")) + 1 if last else 0  # gaps are not filled
         part = self.folder / f"part-{number:05d}.parquet"
         sink = io.BytesIO()
-        pq.write_table(_typed(pa.Table.from_pylist(_even(self._waiting))), sink, compression="zstd")
+        pq.write_table(
+            _cast_null_columns(pa.Table.from_pylist(_with_all_columns(self._waiting))),
+            sink,
+            compression="zstd",
+        )
         write_bytes(part, sink.getvalue())
         self._waiting = []
         self._restart_journal()
@@ -119,13 +123,13 @@ def _row(line: bytes, place: str) -> dict[str, Any]:
     return row
 
 
-def _even(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _with_all_columns(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows padded to the same columns, as a failed case has no metrics."""
     names = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in names} for row in rows]
 
 
-def _typed(table: pa.Table) -> pa.Table:
+def _cast_null_columns(table: pa.Table) -> pa.Table:
     """Cast columns without any value to the type they have in other parts."""
     for place, field in enumerate(table.schema):
         if pa.types.is_null(field.type):

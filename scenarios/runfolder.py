@@ -26,7 +26,7 @@ from scenarios.preview_log import PreviewLog
 from scenarios.schema import Scenario
 
 KIND = "run"
-"""Kind of run folders in their marker."""
+"""ObstacleTemplate of run folders in their marker."""
 MANIFEST = "manifest.json"
 FRAMES = "frames"
 _VERSIONED = (

@@ -11,7 +11,7 @@ from files.ranges import Checked
 from vehicle.speed import SpeedProfile
 
 KM_H = 1 / 3.6
-HARDEST_M_S2 = 12.0
+MAX_ACCELERATION_M_S2 = 12.0
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> S
     """Speed profile from `start_kmh` at time 0 and position `start_m` through the points, in order.
 
     Between two points the acceleration is constant. Raises InputError naming the point that comes too early,
-    requires more than HARDEST_M_S2, or leaves the car at standstill.
+    requires more than MAX_ACCELERATION_M_S2, or leaves the car at standstill.
     """
     times, speeds, place = [0.0], [start_kmh * KM_H], start_m
     for i, point in enumerate(points):
@@ -47,9 +47,9 @@ def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> S
             raise InputError(
                 f"speed[{i}] must come after the point before it, at {times[-1]:g} s, {place:g} m"
             )
-        if abs(speed - before) > HARDEST_M_S2 * span:
+        if abs(speed - before) > MAX_ACCELERATION_M_S2 * span:
             asked = f"{(speed - before) / span:.3g} m/s²"
-            raise InputError(f"speed[{i}] must need at most {HARDEST_M_S2:g} m/s², got {asked}")
+            raise InputError(f"speed[{i}] must need at most {MAX_ACCELERATION_M_S2:g} m/s², got {asked}")
         times.append(times[-1] + span)
         speeds.append(speed)
         place += mean * span

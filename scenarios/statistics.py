@@ -16,7 +16,7 @@ Row = Mapping[str, Any]
 PASSIVE = "passive"
 BOUND = "clairvoyant"
 """Controller whose objective is the lower bound for all controllers."""
-LEAST_SEEDS = 3
+MIN_SEEDS = 3
 """Minimum number of values for a confidence interval."""
 CONFIDENCE = 0.95
 RESAMPLES = 9999
@@ -102,7 +102,7 @@ def intervals(values: NDArray[np.float64]) -> list[Interval]:
     from scipy.stats import bootstrap  # slow to import, needed for several seeds only
 
     means = values.mean(axis=1)
-    if values.shape[1] < LEAST_SEEDS:
+    if values.shape[1] < MIN_SEEDS:
         return [Interval(float(mean)) for mean in means]
     limits = np.stack([means, means])
     spread = np.ptp(values, axis=1) > 1e-12 * np.abs(means)

@@ -12,7 +12,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from controller.registry import sees_ahead
+from controller.registry import uses_preview
 from files import strict
 from files.errors import InputError, shown
 from files.ranges import Checked, Seed
@@ -21,14 +21,14 @@ from files.yaml12 import parse
 from scenarios.axis import Axis, Scalar, read_axis, scalar
 from scenarios.cases import Case
 from scenarios.loading import load
-from scenarios.named_files import try_files
+from scenarios.named_files import check_case_files
 from scenarios.runfolder import digest
 
-MOST_DRIVES = 1_000_000
+MAX_DRIVES = 1_000_000
 """Maximum number of drives of a study."""
-MOST_NUMBERS = 20_000_000
+MAX_SAMPLED_VALUES = 20_000_000
 """Maximum number of sampled values of varied fields."""
-TRIED = 20
+TRIAL_SAMPLES = 20
 """Number of samples of each kind of which at least one must be valid, else the study is refused."""
 
 
@@ -42,7 +42,7 @@ class Study(Checked):
     perception: tuple[str, ...] = ("oracle",)
     seeds: tuple[Seed, ...] = (0,)
     sampling: Literal["grid", "latin_hypercube", "sobol", "monte_carlo"] = "grid"
-    samples: Annotated[int, Interval(ge=0, le=MOST_DRIVES), "samples"] = 0
+    samples: Annotated[int, Interval(ge=0, le=MAX_DRIVES), "samples"] = 0
     seed: Seed = 0
 
     def __post_init__(self) -> None:
@@ -53,7 +53,7 @@ class Study(Checked):
         if self.sampling == "grid" and self.samples:
             raise InputError(f"samples must be left out for a grid, got {self.samples}")
         if self.sampling != "grid" and not self.samples:
-            raise InputError(f"samples must lie in 1 ... {MOST_DRIVES} for {self.sampling}, got 0")
+            raise InputError(f"samples must lie in 1 ... {MAX_DRIVES} for {self.sampling}, got 0")
         if self.sampling == "sobol" and self.samples & (self.samples - 1):
             raise InputError(f"samples must be a power of two for sobol, got {self.samples}")
 
@@ -94,7 +94,7 @@ def read(path: Path) -> list[Sample]:
         _check_size(study, axes)
         samples = list(_samples(study, points(study, axes), fixed, path.parent))
         for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
-            _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIED])
+            _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIAL_SAMPLES])
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     return samples
@@ -105,7 +105,7 @@ def _try(samples: Sequence[Sample]) -> None:
     errors = []
     for sample in samples:
         try:
-            try_files(sample.case())
+            check_case_files(sample.case())
             return
         except InputError as error:
             errors.append(error)
@@ -113,8 +113,8 @@ def _try(samples: Sequence[Sample]) -> None:
 
 
 def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:
-    """Reject a study of more than `MOST_DRIVES` by count, before any of its drives is listed."""
-    sight = sum(len(study.perception) if sees_ahead(name) else 1 for name in study.controllers)
+    """Reject a study of more than `MAX_DRIVES` by count, before any of its drives is listed."""
+    sight = sum(len(study.perception) if uses_preview(name) else 1 for name in study.controllers)
     grid = prod(max(len(axis.values), 1) for axis in axes.values())
     drives = (
         (grid if study.sampling == "grid" else study.samples)
@@ -122,10 +122,10 @@ def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:
         * len(study.seeds)
         * sight
     )
-    if drives > MOST_DRIVES:
-        raise InputError(f"a study must have at most {MOST_DRIVES} drives, got {shown(drives)}")
-    if study.sampling != "grid" and study.samples * len(axes) > MOST_NUMBERS:
-        raise InputError(f"samples times the fields of vary must be <= {MOST_NUMBERS}")
+    if drives > MAX_DRIVES:
+        raise InputError(f"a study must have at most {MAX_DRIVES} drives, got {shown(drives)}")
+    if study.sampling != "grid" and study.samples * len(axes) > MAX_SAMPLED_VALUES:
+        raise InputError(f"samples times the fields of vary must be <= {MAX_SAMPLED_VALUES}")
 
 
 def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
@@ -161,7 +161,7 @@ def _samples(
     if len({Path(name).name for name in study.scenarios}) < len(set(study.scenarios)):
         raise InputError("scenarios must differ in their files' names, got two of one name")
     places = [str(folder / name) if (folder / name).is_file() else name for name in study.scenarios]
-    sight = {name: study.perception if sees_ahead(name) else ("none",) for name in study.controllers}
+    sight = {name: study.perception if uses_preview(name) else ("none",) for name in study.controllers}
     for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):
         for perception in sight[controller]:
             yield Sample(scenario, tuple((dict(fixed) | dict(point)).items()), controller, perception, seed)

@@ -23,7 +23,7 @@ from scenarios.study import Sample
 if TYPE_CHECKING:  # the extra `sweep`
     from distributed import Client, Future
 
-AHEAD = 4
+QUEUED_PER_WORKER = 4
 """Drives submitted per worker thread: enough to keep it busy, few enough to stop quickly."""
 REACH_S = 10
 PATIENCE_S = 120
@@ -31,21 +31,23 @@ PATIENCE_S = 120
 LOOPBACK = "127.0.0.1:0"
 _CANCELLED = (futures.CancelledError, asyncio.CancelledError)
 
-_ALONE = threading.Lock()
+_SIMULATION_LOCK = threading.Lock()
 """Prediction models are shared within a process, so worker threads must take turns."""
 
 
-def work(sample: Sample) -> dict[str, Any]:
+def simulate_sample(sample: Sample) -> dict[str, Any]:
     """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
     try:
-        with _ALONE:
+        with _SIMULATION_LOCK:
             found = json.loads(to_json(flat(row(simulate(sample.case())))))
-        return described(sample, None) | found
+        return sample_columns(sample, None) | found
     except Exception as error:  # any failure of a case is its result
-        return described(sample, without_folders(f"{type(error).__name__}: {' '.join(str(error).split())}"))
+        return sample_columns(
+            sample, without_folders(f"{type(error).__name__}: {' '.join(str(error).split())}")
+        )
 
 
-def described(sample: Sample, error: str | None) -> dict[str, Any]:
+def sample_columns(sample: Sample, error: str | None) -> dict[str, Any]:
     """Common columns of every row: key, error and inputs."""
     asked = {f"set.{path}": value for path, value in sample.point}
     names = {"scenario": shared_name(sample.scenario), "controller": shared_target(sample.controller)}
@@ -68,17 +70,17 @@ def run(
     def hand_out(count: int) -> list[Future]:
         given = []
         for sample in islice(waiting, count):
-            future = client.submit(work, sample, key=f"foreride-{sample.key}", pure=False)
+            future = client.submit(simulate_sample, sample, key=f"foreride-{sample.key}", pure=False)
             asked[str(future.key)] = sample
             given.append(future)
         return given
 
-    running = set(hand_out(AHEAD * max(1, sum(client.nthreads().values()))))
+    running = set(hand_out(QUEUED_PER_WORKER * max(1, sum(client.nthreads().values()))))
     while running:
         finished, running = _wait(client, running)
         for future in finished:
             sample, problem = asked.pop(str(future.key)), future.exception()
-            lost = described(sample, f"{type(problem).__name__}: {problem}")
+            lost = sample_columns(sample, f"{type(problem).__name__}: {problem}")
             results.add(future.result() if problem is None else lost)
             advance()
         running |= set(hand_out(len(finished)))

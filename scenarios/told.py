@@ -3,20 +3,25 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from preview.elevation import Elevation
+from preview.elevation import HeightSamples
 from preview.fit import HEIGHT, LENGTH, X
-from preview.shape import BUMP, HUMP, POTHOLE, TABLE, Kind
+from preview.shape import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
 from preview.track import Track
 from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
 
 _NEAR_M = 2.0
-_KINDS: dict[type, Kind] = {HalfSineBump: BUMP, WattsHump: HUMP, FlatTopHump: TABLE, Pothole: POTHOLE}
+_KINDS: dict[type, ObstacleTemplate] = {
+    HalfSineBump: BUMP,
+    WattsHump: HUMP,
+    FlatTopHump: TABLE,
+    Pothole: POTHOLE,
+}
 
-Correct = Callable[[Track, float], Track]
+TrackCorrection = Callable[[Track, float], Track]
 """Maps a track and the odometer error (odometer minus truth, m) to the corrected track."""
 
 
-def corrector(features: Sequence[Feature], told: Sequence[str]) -> Correct | None:
+def track_corrector(features: Sequence[Feature], told: Sequence[str]) -> TrackCorrection | None:
     """Build the correction that makes `distance` (near edge) or `shape` exact; None for an empty list.
 
     A track far from any feature of its class is left unchanged, as is the shape of kinds without a template.
@@ -43,5 +48,5 @@ def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[st
         kind = _KINDS[type(feature)]
         state[LENGTH] = feature.end_m - feature.start_m
         state[HEIGHT] = feature.depth_m if isinstance(feature, Pothole) else feature.height_m  # type: ignore[union-attr]
-        elevation = elevation or Elevation(1.0)  # a pothole keeps its measured depth
+        elevation = elevation or HeightSamples(1.0)  # a pothole keeps its measured depth
     return replace(track, fits=[best._replace(kind=kind, state=state)], elevation=elevation)

@@ -15,7 +15,7 @@ from scenarios.closed_loop import simulate
 from scenarios.schema import Scenario
 
 
-class Span(NamedTuple):
+class SearchRange(NamedTuple):
     """Search range of a setting; `ratio` for a logarithmic one."""
 
     low: float
@@ -36,22 +36,22 @@ class Span(NamedTuple):
         return float(np.clip((value - low) / (high - low), 0.0, 1.0))
 
 
-_LEVELS = {"hard_ns_m": Span(1000.0, 4500.0), "soft_ns_m": Span(300.0, 1000.0)}
-_SHAPE = {"floor_ns_m": Span(300.0, 1200.0), "smoothing_m_s": Span(0.01, 0.4, ratio=True)}
-SPANS: dict[str, dict[str, Span]] = {
-    "fixed": {"front_ns_m": Span(300.0, 4500.0), "rear_ns_m": Span(300.0, 4500.0)},
-    "skyhook": {"sky_ns_m": Span(500.0, 8000.0), "ground_ns_m": Span(0.0, 2500.0), **_SHAPE},
+_LEVELS = {"hard_ns_m": SearchRange(1000.0, 4500.0), "soft_ns_m": SearchRange(300.0, 1000.0)}
+_SHAPE = {"floor_ns_m": SearchRange(300.0, 1200.0), "smoothing_m_s": SearchRange(0.01, 0.4, ratio=True)}
+SEARCH_RANGES: dict[str, dict[str, SearchRange]] = {
+    "fixed": {"front_ns_m": SearchRange(300.0, 4500.0), "rear_ns_m": SearchRange(300.0, 4500.0)},
+    "skyhook": {"sky_ns_m": SearchRange(500.0, 8000.0), "ground_ns_m": SearchRange(0.0, 2500.0), **_SHAPE},
     "skyhook2": _LEVELS,
     "groundhook": _LEVELS,
-    "hybrid": {"gain_ns_m": Span(500.0, 8000.0), "alpha": Span(0.0, 1.0), **_SHAPE},
+    "hybrid": {"gain_ns_m": SearchRange(500.0, 8000.0), "alpha": SearchRange(0.0, 1.0), **_SHAPE},
     "add": _LEVELS,
-    "sh_add": {**_LEVELS, "crossover_hz": Span(0.5, 10.0, ratio=True)},
+    "sh_add": {**_LEVELS, "crossover_hz": SearchRange(0.5, 10.0, ratio=True)},
     "pdd": _LEVELS,
     "lqr_clipped": {
-        "nominal_ns_m": Span(300.0, 4500.0),
-        "rho": Span(0.3, 10.0, ratio=True),
-        "force_weight": Span(1e-3, 1.0, ratio=True),
-        "smoothing_m_s": Span(0.01, 0.4, ratio=True),
+        "nominal_ns_m": SearchRange(300.0, 4500.0),
+        "rho": SearchRange(0.3, 10.0, ratio=True),
+        "force_weight": SearchRange(1e-3, 1.0, ratio=True),
+        "smoothing_m_s": SearchRange(0.01, 0.4, ratio=True),
     },
 }
 """Tuned settings of each controller and their search ranges."""
@@ -70,7 +70,7 @@ class Tuned:
     before: float
 
 
-class Judge:
+class TuningObjective:
     """Tuning objective: scores settings on events, each against the passive car with the same noise."""
 
     def __init__(self, scenarios: Sequence[Scenario], advance: Callable[[], None] = lambda: None):
@@ -87,17 +87,19 @@ class Judge:
         return fmean(ratios)
 
 
-def spans_of(controller: str, wheels: int) -> dict[str, Span]:
+def search_ranges(controller: str, wheels: int) -> dict[str, SearchRange]:
     """Search ranges of a controller on a car with `wheels` wheels; InputError if it has none."""
-    if controller not in SPANS:
-        raise InputError(f"controllers must be among {', '.join(SPANS)}, got {controller!r}")
-    return {name: span for name, span in SPANS[controller].items() if wheels > 1 or name != "rear_ns_m"}
+    if controller not in SEARCH_RANGES:
+        raise InputError(f"controllers must be among {', '.join(SEARCH_RANGES)}, got {controller!r}")
+    return {
+        name: span for name, span in SEARCH_RANGES[controller].items() if wheels > 1 or name != "rear_ns_m"
+    }
 
 
 def tune(
-    judge: Judge,
+    judge: TuningObjective,
     controller: str,
-    spans: dict[str, Span],
+    spans: dict[str, SearchRange],
     there: dict[str, float],
     evaluations: int,
     seed: int,

@@ -14,15 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from files.errors import InputError
 from vehicle.clock import RATE_HZ
 from vehicle.damper import IdealDamper
-from vehicle.engine import Native, build_model
+from vehicle.engine import RolloutEngine, build_model
 from vehicle.equations import input_size
 from vehicle.parameters import Car
-from vehicle.plant import standing
+from vehicle.plant import standstill_state
 from vehicle.speed import ConstantSpeed
-from vehicle.state import Profile, VehicleState, observe, road_forces, road_under
+from vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 Array = NDArray[np.float64]
-_PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 class Fleet:
@@ -41,10 +41,15 @@ class Fleet:
         self._models = [build_model(car) for car in cars]
         self._batch = Batch(self._models[0], len(cars), nthread=threads, persistent=True)
         self._batch.set_models(self._models)
-        self._engine = Native(cars[0])
+        self._engine = RolloutEngine(cars[0])
 
     def drive(
-        self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, command: ArrayLike, ticks: int
+        self,
+        profiles: Sequence[EffectiveProfile],
+        x_m: float,
+        speed_m_s: float,
+        command: ArrayLike,
+        ticks: int,
     ) -> Array:
         """Return the states (cars, ticks + 1, states) in the order of `vehicle.equations`, standstill first.
 
@@ -56,7 +61,7 @@ class Fleet:
             wanted = (cars, input_size(self.cars[0]))
             raise InputError(f"command must have shape {wanted}, got {asked.shape}")
         row = np.zeros((cars, self._engine.size))
-        stands = (standing(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
+        stands = (standstill_state(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
         row[:, self._engine.order] = list(stands)
         control = np.zeros((cars, ticks, self._models[0].nu))
         control[:, :, :wheels] = asked[:, None, :wheels]
@@ -64,7 +69,7 @@ class Fleet:
         control[:, :, 2 * wheels : wheels + asked.shape[1]] = asked[:, None, wheels:]
         self._batch.reset()
         self._batch.state[:, : row.shape[1]] = row
-        rows = self._batch.rollout(ticks, control, record=[_PHYSICS])[_PHYSICS]
+        rows = self._batch.rollout(ticks, control, record=[_FULL_STATE])[_FULL_STATE]
         states = np.concatenate([row[:, None], rows], axis=1)
         return states[:, :, self._engine.order]
 
@@ -72,7 +77,7 @@ class Fleet:
         self,
         car: int,
         states: Array,
-        profiles: Sequence[Profile],
+        profiles: Sequence[EffectiveProfile],
         x_m: float,
         speed_m_s: float,
         command: ArrayLike,
@@ -86,7 +91,9 @@ class Fleet:
             self.cars[car], time, travel, np.full(len(time), speed_m_s), states[car].T, asked, road
         )
 
-    def _road_force(self, profiles: Sequence[Profile], x_m: float, speed_m_s: float, ticks: int) -> Array:
+    def _road_force(
+        self, profiles: Sequence[EffectiveProfile], x_m: float, speed_m_s: float, ticks: int
+    ) -> Array:
         """Tyre forces due to the road's motion, (cars, ticks, wheels)."""
         stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
         return np.stack([np.stack(road_forces(car, profiles, stretch), axis=1) for car in self.cars])

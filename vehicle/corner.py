@@ -14,15 +14,15 @@ GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 class Corner:
     """Wheel with its suspension, and its attachment to the sprung mass.
 
-    `lever` maps body motion to the vertical motion of the body above the wheel: z = lever · (heave[, pitch[,
-    roll]]). `body_load_n` is the part of the sprung weight that this corner carries at standstill. At travel
-    t from there the spring force is -(spring_n_m·t + spring_n_m3·t³) in addition to its static load; beyond
-    -stop_gap_m (jounce) and rebound_gap_m a bump stop pushes with stop_n_m2 · (overlap)².
+    `kinematic_row` maps body motion to the vertical motion of the body above the wheel: z = kinematic_row ·
+    (heave[, pitch[, roll]]). `body_load_n` is the part of the sprung weight that this corner carries at
+    standstill. At travel t from there the spring force is -(spring_n_m·t + spring_n_m3·t³) in addition to its
+    static load; beyond -stop_gap_m (jounce) and rebound_gap_m a bump stop pushes with stop_n_m2 · (overlap)².
     """
 
     x_m: float
     y_m: float
-    lever: tuple[float, ...]
+    kinematic_row: tuple[float, ...]
     body_load_n: float
     unsprung_mass_kg: float
     spring_n_m: float
@@ -39,7 +39,7 @@ class Corner:
     damper: Damper
     actuator: Actuator | None
 
-    def share(self, setting: Any) -> Any:
+    def normalised_setting(self, setting: Any) -> Any:
         """Normalised setting, 0 ... 1, of a setting in N·s/m within the damper's range."""
         return (setting - self.damping_min_ns_m) / (self.damping_max_ns_m - self.damping_min_ns_m)
 
@@ -60,7 +60,7 @@ class Corner:
 
 
 def axle_corners(
-    car: Any, x_m: tuple[float, ...], y_m: tuple[float, ...], levers: tuple[tuple[float, ...], ...]
+    car: Any, x_m: tuple[float, ...], y_m: tuple[float, ...], kinematic_rows: tuple[tuple[float, ...], ...]
 ) -> tuple[Corner, ...]:
     """Corners of a two-axle car with parameters in pairs (front, rear), for wheels at x_m, front first."""
     wheelbase = car.front_axle_m + car.rear_axle_m
@@ -71,7 +71,7 @@ def axle_corners(
         Corner(
             x_m=x,
             y_m=y,
-            lever=lever,
+            kinematic_row=kinematic_row,
             body_load_n=car.body_mass_kg * GRAVITY_M_S2 * shares[i // abreast],
             damper_lag_s=car.damper_lag_s,
             rebound_gap_m=rebound[i // abreast],
@@ -79,7 +79,7 @@ def axle_corners(
             actuator=car.actuator,
             **{name: getattr(car, name)[i // abreast] for name in CORNER_FIELDS},
         )
-        for i, (x, y, lever) in enumerate(zip(x_m, y_m, levers, strict=True))
+        for i, (x, y, kinematic_row) in enumerate(zip(x_m, y_m, kinematic_rows, strict=True))
     )
 
 
@@ -97,7 +97,7 @@ CORNER_FIELDS = (
 )
 
 
-def require_order(least: float, passive: float, most: float, suffix: str = "") -> None:
+def require_damping_order(least: float, passive: float, most: float, suffix: str = "") -> None:
     """Raise InputError unless the passive damping lies within the damper's range."""
     if not least <= passive <= most:
         allowed = f"between damping_min_ns_m ({least:g}) and damping_max_ns_m ({most:g})"
@@ -108,7 +108,7 @@ def require_axles(car: Any) -> None:
     """Check the order of a two-axle car's damping, and where its seats are."""
     for i in range(2):
         limits = (car.damping_min_ns_m[i], car.damping_passive_ns_m[i], car.damping_max_ns_m[i])
-        require_order(*limits, suffix=f"[{i}]")
+        require_damping_order(*limits, suffix=f"[{i}]")
     for i, x in enumerate(car.seat_x_m):
         if not -car.rear_axle_m <= x <= car.front_axle_m:
             raise InputError(f"seat_x_m[{i}] must lie between the axles, got {x:g}")

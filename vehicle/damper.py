@@ -2,16 +2,17 @@
 
 Every damper receives a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it with
 a first-order lag, which represents current and valve. For `IdealDamper` the setting is the damping
-coefficient; for the others `share`, 0 ... 1, is the position of the setting in its range and in the current
-range.
+coefficient; for the others `normalised_setting`, 0 ... 1, is the position of the setting in its range and in
+the current range.
 
-A damper is a frozen dataclass with `inner`, its number of internal states, and
+A damper is a frozen dataclass with `internal_states`, its number of internal states, and
 
-    force(setting, share, travel, rate, inner, xp)   N on the body, up
-    inner_rates(share, travel, rate, inner, xp)      list of d(inner)/dt
+    force(setting, normalised_setting, travel, rate, internal_states, xp)   N on the body, up
+    internal_state_rates(normalised_setting, travel, rate, internal_states, xp)      list of
+    d(internal_states)/dt
 
 for travel and rate of the suspension (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
-`substeps` is the number of integration steps per tick that the plant needs; `coarse(steepest_ns_m)` is the
+`substeps` is the number of integration steps per tick that the plant needs; `reduced(steepest_ns_m)` is the
 reduced model for steps of milliseconds: without internal states, and not steeper than that at zero rate. A
 gas spring inside a damper belongs to the car's spring.
 """
@@ -33,18 +34,22 @@ class IdealDamper:
     """Ideal linear damper of variable coefficient: force = -setting · rate."""
 
     kind: ClassVar[str] = "ideal"
-    inner: ClassVar[int] = 0
+    internal_states: ClassVar[int] = 0
     substeps: ClassVar[int] = 1
 
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+    def force(
+        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> Any:
         """Force on the body, up, N."""
         return -setting * rate
 
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+    def internal_state_rates(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> list:
         """Return no rates: there are no internal states."""
         return []
 
-    def coarse(self, steepest_ns_m: float) -> "Damper":
+    def reduced(self, steepest_ns_m: float) -> "Damper":
         """Return the damper unchanged."""
         return self
 
@@ -61,7 +66,7 @@ class ValveDamper(Checked):
     """
 
     kind: ClassVar[str] = "valve"
-    inner: ClassVar[int] = 0
+    internal_states: ClassVar[int] = 0
     substeps: ClassVar[int] = 1
 
     currents_a: tuple[Current, ...] = (0.3, 0.8, 1.6)
@@ -91,10 +96,12 @@ class ValveDamper(Checked):
             if any(a > b for row in rows for a, b in pairwise((0.0, *row))):
                 raise InputError(f"{name} must not fall towards higher speed, nor be negative")
 
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+    def force(
+        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> Any:
         """Force on the body, up, N."""
         first, last = self.currents_a[0], self.currents_a[-1]
-        current = first + (last - first) * xp.fmin(xp.fmax(share, 0.0), 1.0)
+        current = first + (last - first) * xp.fmin(xp.fmax(normalised_setting, 0.0), 1.0)
         total = 0.0
         for i, weight in enumerate(self._weights(current, xp)):
             rebound = _interpolated(xp.fmax(rate, 0.0), self.speeds_m_s, self.rebound_n[i], xp)
@@ -102,11 +109,13 @@ class ValveDamper(Checked):
             total = total + weight * (compression - rebound)
         return total
 
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+    def internal_state_rates(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> list:
         """Return no rates: there are no internal states."""
         return []
 
-    def coarse(self, steepest_ns_m: float) -> "Damper":
+    def reduced(self, steepest_ns_m: float) -> "Damper":
         """Return the damper with the forces at the lowest speed limited to the slope."""
         most = steepest_ns_m * self.speeds_m_s[0]
         maps = (self.rebound_n, self.compression_n)

@@ -4,9 +4,10 @@ An engine holds the car's state as a row of numbers; `row[order]` is the state o
 control has a column for each damper's setting, each tyre's road force, each actuator's force and, for a car
 that pitches, the pitching moment of the longitudinal acceleration.
 
-`Native` has MuJoCo integrate many ticks in one call; all forces are elements of the model, so each of the
-four Runge-Kutta stages evaluates them. `Stepped` serves dampers that are no MuJoCo elements: it proceeds in
-substeps, over each of which the damper force is linearised about the rate expected at its midpoint.
+`RolloutEngine` has MuJoCo integrate many ticks in one call; all forces are elements of the model, so each of
+the four Runge-Kutta stages evaluates them. `SubsteppedEngine` serves dampers that are no MuJoCo elements: it
+proceeds in substeps, over each of which the damper force is linearised about the rate expected at its
+midpoint.
 """
 
 from math import exp
@@ -23,8 +24,8 @@ from vehicle.mjcf import car_xml
 from vehicle.parameters import Car
 
 Array = NDArray[np.float64]
-_NUDGE_M_S = 1e-4
-_PHYSICS = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_RATE_INCREMENT_M_S = 1e-4
+_FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 def build_model(parameters: Car) -> mujoco.MjModel:
@@ -35,7 +36,7 @@ def build_model(parameters: Car) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(car_xml(parameters, STEP_S / parameters.corners[0].damper.substeps))
 
 
-class Native:
+class RolloutEngine:
     """Engine for ideal dampers, on MuJoCo's own rollout."""
 
     def __init__(self, parameters: Car) -> None:
@@ -44,7 +45,7 @@ class Native:
         self._models, self._data = [self._model], [self._only]
         self._control = self._only.ctrl
         self._rollout = Rollout(nthread=0)  # on the calling thread
-        self.size = mujoco.mj_stateSize(model, _PHYSICS)
+        self.size = mujoco.mj_stateSize(model, _FULL_STATE)
         self.order = _state_order(parameters)
         self._reached: Array | None = None  # the row that MuJoCo's data holds
 
@@ -57,7 +58,7 @@ class Native:
         if rows.ndim == 1 and row is self._reached:
             self._control[:] = control
             mujoco.mj_step(self._model, self._only)
-            mujoco.mj_getState(self._model, self._only, rows, _PHYSICS)
+            mujoco.mj_getState(self._model, self._only, rows, _FULL_STATE)
             self._reached = rows
             return rows
         control, rows = np.atleast_2d(control, rows)
@@ -74,7 +75,7 @@ class Native:
         return self._reached
 
 
-class Stepped:
+class SubsteppedEngine:
     """Engine for any damper, in substeps.
 
     A row holds MuJoCo's state, the dampers' settings and internal states, and the previous suspension rates.
@@ -84,19 +85,19 @@ class Stepped:
         self._model = build_model(parameters)
         self._data = mujoco.MjData(self._model)
         self._corners, self._wheels = parameters.corners, parameters.wheels
-        self._bodies = len(parameters.body_inertia)
-        self._physics = mujoco.mj_stateSize(self._model, _PHYSICS)
+        self._bodies = len(parameters.generalised_mass)
+        self._physics = mujoco.mj_stateSize(self._model, _FULL_STATE)
         self._substeps = self._corners[0].damper.substeps
         self._step_s = STEP_S / self._substeps
-        depth = self._corners[0].damper.inner
+        depth = self._corners[0].damper.internal_states
         self._forces = self._wheels if self._corners[0].actuator else 0
         self.size = self._physics + self._wheels * (2 + depth)
         native = _state_order(parameters)
         moving = 2 * (self._bodies + self._wheels)
         settings = self._physics + np.arange(self._wheels)
         forces = native[moving + self._wheels :] - self._wheels  # MuJoCo has no damper activations here
-        inner = self._physics + self._wheels + np.arange(self._wheels * depth)
-        self.order = np.concatenate([native[:moving], settings, forces, inner])
+        internal_states = self._physics + self._wheels + np.arange(self._wheels * depth)
+        self.order = np.concatenate([native[:moving], settings, forces, internal_states])
 
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
@@ -104,26 +105,30 @@ class Stepped:
         Returns the last one. For a single tick, rows may be (size,) and control (columns,).
         """
         control, rows = np.atleast_2d(control, rows)
-        mujoco.mj_setState(self._model, self._data, row[: self._physics], _PHYSICS)
+        mujoco.mj_setState(self._model, self._data, row[: self._physics], _FULL_STATE)
         settings = row[self._physics : self._physics + self._wheels].tolist()
         flat, before = (
             row[self._physics + self._wheels : -self._wheels].tolist(),
             row[-self._wheels :].tolist(),
         )
         depth = len(flat) // self._wheels
-        inner = [flat[i * depth : (i + 1) * depth] for i in range(self._wheels)]
+        internal_states = [flat[i * depth : (i + 1) * depth] for i in range(self._wheels)]
         wheels, force = self._wheels, self._forces
         for tick, inputs in enumerate(control):
             asked = inputs[:wheels].tolist()
             self._data.ctrl[wheels : 2 * wheels + force] = inputs[wheels : 2 * wheels + force]
             self._data.ctrl[3 * wheels + force :] = inputs[2 * wheels + force :]
             for _ in range(self._substeps):
-                before = self._substep(asked, settings, inner, before)
-            mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], _PHYSICS)
-            rows[tick, self._physics :] = [*settings, *(value for part in inner for value in part), *before]
+                before = self._substep(asked, settings, internal_states, before)
+            mujoco.mj_getState(self._model, self._data, rows[tick, : self._physics], _FULL_STATE)
+            rows[tick, self._physics :] = [
+                *settings,
+                *(value for part in internal_states for value in part),
+                *before,
+            ]
         return rows[-1]
 
-    def _substep(self, asked: list, settings: list, inner: list, before: list) -> list:
+    def _substep(self, asked: list, settings: list, internal_states: list, before: list) -> list:
         """Advance by one substep, settings and internal states in place; return the rates at its start."""
         step, wheels, control = self._step_s, self._wheels, self._data.ctrl
         travel, rate = self._strut_motion()
@@ -132,15 +137,19 @@ class Stepped:
             middle = settings[i] + (target - settings[i]) * (1.0 - exp(-0.5 * step / corner.damper_lag_s))
             expected = 1.5 * rate[i] - 0.5 * before[i]
             halfway = travel[i] + 0.5 * step * rate[i]
-            share, damper, states = corner.share(middle), corner.damper, inner[i]
-            if isinstance(damper, MrBoucWenDamper):
-                inner[i] = damper.advance(share, halfway, expected, states, step)
-                states = damper.advance(share, halfway, expected, states, 0.5 * step)
-            low, high = (
-                damper.force(middle, share, halfway, expected + nudge, states, FLOATS)
-                for nudge in (-_NUDGE_M_S, _NUDGE_M_S)
+            normalised_setting, damper, states = (
+                corner.normalised_setting(middle),
+                corner.damper,
+                internal_states[i],
             )
-            slope = (low - high) / (2.0 * _NUDGE_M_S)
+            if isinstance(damper, MrBoucWenDamper):
+                internal_states[i] = damper.advance(normalised_setting, halfway, expected, states, step)
+                states = damper.advance(normalised_setting, halfway, expected, states, 0.5 * step)
+            low, high = (
+                damper.force(middle, normalised_setting, halfway, expected + nudge, states, FLOATS)
+                for nudge in (-_RATE_INCREMENT_M_S, _RATE_INCREMENT_M_S)
+            )
+            slope = (low - high) / (2.0 * _RATE_INCREMENT_M_S)
             control[i] = slope
             control[2 * wheels + self._forces + i] = 0.5 * (low + high) + slope * expected
             settings[i] += (target - settings[i]) * (1.0 - exp(-step / corner.damper_lag_s))
@@ -152,25 +161,28 @@ class Stepped:
         motions = []
         for values in (self._data.qpos.tolist(), self._data.qvel.tolist()):
             body, wheel = values[: self._bodies], values[self._bodies :]
-            levers = (corner.lever for corner in self._corners)
+            kinematic_rows = (corner.kinematic_row for corner in self._corners)
             motions.append(
-                [sum(map(float.__mul__, lever, body)) - w for lever, w in zip(levers, wheel, strict=True)]
+                [
+                    sum(map(float.__mul__, kinematic_row, body)) - w
+                    for kinematic_row, w in zip(kinematic_rows, wheel, strict=True)
+                ]
             )
         return motions[0], motions[1]
 
 
-Engine = Native | Stepped
+Engine = RolloutEngine | SubsteppedEngine
 
 
 def build_engine(parameters: Car) -> Engine:
     """Build the engine that suits a car's dampers."""
     ideal = isinstance(parameters.corners[0].damper, IdealDamper)
-    return Native(parameters) if ideal else Stepped(parameters)
+    return RolloutEngine(parameters) if ideal else SubsteppedEngine(parameters)
 
 
 def _state_order(parameters: Car) -> NDArray[np.int64]:
     """Indices into MuJoCo's state [time, positions, velocities, activations] of the equations' x."""
-    freedoms = len(parameters.body_inertia) + parameters.wheels
+    freedoms = len(parameters.generalised_mass) + parameters.wheels
     motion = [index for i in range(freedoms) for index in (1 + i, 1 + freedoms + i)]
     activations = parameters.wheels * (1 if parameters.corners[0].actuator is None else 2)
     return np.array(motion + [1 + 2 * freedoms + i for i in range(activations)])

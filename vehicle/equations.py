@@ -50,7 +50,7 @@ class Forces(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """State vector by name; each entry is a list of rows, `inner` a list of lists, by wheels."""
+    """State vector by name; each entry is a list of rows, `internal_states` a list of lists, by wheels."""
 
     body: list
     body_velocity: list
@@ -58,14 +58,14 @@ class Motion(NamedTuple):
     wheel_velocity: list
     damping: list
     force: list
-    inner: list
+    internal_states: list
 
 
 def state_size(parameters: Car) -> int:
     """Length of the state vector."""
     corner = parameters.corners[0]
-    each = 3 + (corner.actuator is not None) + corner.damper.inner
-    return 2 * len(parameters.body_inertia) + each * parameters.wheels
+    each = 3 + (corner.actuator is not None) + corner.damper.internal_states
+    return 2 * len(parameters.generalised_mass) + each * parameters.wheels
 
 
 def input_size(parameters: Car) -> int:
@@ -75,7 +75,7 @@ def input_size(parameters: Car) -> int:
 
 def damping_rows(parameters: Car) -> slice:
     """Slice of the dampers' settings in the state vector."""
-    first = 2 * (len(parameters.body_inertia) + parameters.wheels)
+    first = 2 * (len(parameters.generalised_mass) + parameters.wheels)
     return slice(first, first + parameters.wheels)
 
 
@@ -88,10 +88,10 @@ def rest_state(parameters: Car) -> np.ndarray:
 
 def motion(parameters: Car, x: Any) -> Motion:
     """Split the state vector (states, ...) into named rows."""
-    body, wheels = len(parameters.body_inertia), parameters.wheels
+    body, wheels = len(parameters.generalised_mass), parameters.wheels
     first = 2 * body
     forces = wheels if parameters.corners[0].actuator else 0
-    depth = parameters.corners[0].damper.inner
+    depth = parameters.corners[0].damper.internal_states
     last = first + 3 * wheels + forces
     return Motion(
         [x[2 * i] for i in range(body)],
@@ -113,11 +113,11 @@ def rattle(parameters: Car, x: Any, xp: Arithmetic = np) -> tuple[Any, Any]:
 
 def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np) -> Forces:
     """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
-    acting = act(parameters, motion(parameters, x), road_height, road_velocity, xp)[2]
+    acting = evaluate_forces(parameters, motion(parameters, x), road_height, road_velocity, xp)[2]
     return Forces(*(_rows(xp, rows) for rows in acting))
 
 
-def act(
+def evaluate_forces(
     parameters: Car, state: Motion, road_height: Any, road_velocity: Any, xp: Arithmetic
 ) -> tuple[list, list, Forces]:
     """Travel and rate of each suspension and the forces at each wheel, lists of rows."""
@@ -129,7 +129,9 @@ def act(
             spring[i] = spring[i] - corner.spring_n_m3 * travel[i] ** 3
         setting = state.damping[i]
         damper.append(
-            corner.damper.force(setting, corner.share(setting), travel[i], rate[i], state.inner[i], xp)
+            corner.damper.force(
+                setting, corner.normalised_setting(setting), travel[i], rate[i], state.internal_states[i], xp
+            )
         )
         actuator.append(state.force[i] if state.force else 0.0 * travel[i])
         jounce = xp.fmax(-travel[i] - corner.stop_gap_m, 0.0)
@@ -155,12 +157,12 @@ def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> t
         for i in range(parameters.wheels)
     ]
     body = [
-        sum(corner.lever[j] * suspension[i] for i, corner in enumerate(parameters.corners)) / inertia
-        for j, inertia in enumerate(parameters.body_inertia)
+        sum(corner.kinematic_row[j] * suspension[i] for i, corner in enumerate(parameters.corners)) / inertia
+        for j, inertia in enumerate(parameters.generalised_mass)
     ]
     if forward_acc is not None:
-        mass = parameters.body_inertia[0]
-        turning = zip(parameters.inertial_arm_m, parameters.body_inertia, strict=True)
+        mass = parameters.generalised_mass[0]
+        turning = zip(parameters.inertial_lever_arm_m, parameters.generalised_mass, strict=True)
         body = [
             part - mass * arm / inertia * forward_acc
             for part, (arm, inertia) in zip(body, turning, strict=True)
@@ -183,7 +185,7 @@ def derivative(
 ) -> Any:
     """State derivative dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
     state = motion(parameters, x)
-    travel, rate, acting = act(parameters, state, road_height, road_velocity, xp)
+    travel, rate, acting = evaluate_forces(parameters, state, road_height, road_velocity, xp)
     body, wheel = accelerations(parameters, acting, forward_acc)
     rows = []
     for velocity, acceleration in zip(state.body_velocity, body, strict=True):
@@ -195,8 +197,10 @@ def derivative(
         rows.append((asked - state.damping[i]) / corner.damper_lag_s)
     rows += _actuator_rates(parameters, state, command, xp)
     for i, corner in enumerate(parameters.corners):
-        share = corner.share(state.damping[i])
-        rows += corner.damper.inner_rates(share, travel[i], rate[i], state.inner[i], xp)
+        normalised_setting = corner.normalised_setting(state.damping[i])
+        rows += corner.damper.internal_state_rates(
+            normalised_setting, travel[i], rate[i], state.internal_states[i], xp
+        )
     return _rows(xp, rows)
 
 
@@ -218,31 +222,34 @@ def body_acceleration(
     x: Any,
     road_height: Any,
     road_velocity: Any,
-    levers: Sequence[Sequence[float]] | None = None,
+    kinematic_rows: Sequence[Sequence[float]] | None = None,
     xp: Arithmetic = np,
 ) -> Any:
     """Vertical acceleration of points on the body, rows, m/s².
 
-    `levers` map body motion to the vertical motion of each point; the default is the points above the wheels.
-    `parameters.seat_levers` gives the seats.
+    `kinematic_rows` map body motion to the vertical motion of each point; the default is the points above the
+    wheels. `parameters.seat_kinematic_rows` gives the seats.
     """
     body, _ = accelerations(parameters, forces(parameters, x, road_height, road_velocity, xp))
-    if levers is None:
-        levers = [corner.lever for corner in parameters.corners]
-    return _rows(xp, [carried(lever, body) for lever in levers])
+    if kinematic_rows is None:
+        kinematic_rows = [corner.kinematic_row for corner in parameters.corners]
+    return _rows(xp, [point_motion(kinematic_row, body) for kinematic_row in kinematic_rows])
 
 
-def carried(lever: Sequence[float], body: Sequence[Any]) -> Any:
+def point_motion(kinematic_row: Sequence[float], body: Sequence[Any]) -> Any:
     """Vertical motion of a point on the body, from its row of coefficients and the body motions."""
-    return sum(arm * part for arm, part in zip(lever[1:], body[1:], strict=True)) + lever[0] * body[0]
+    return (
+        sum(arm * part for arm, part in zip(kinematic_row[1:], body[1:], strict=True))
+        + kinematic_row[0] * body[0]
+    )
 
 
 def _rattle(parameters: Car, state: Motion) -> tuple[list, list]:
     travel, rate = [], []
     for i, corner in enumerate(parameters.corners):
-        lever = list(enumerate(corner.lever))
-        travel.append(sum(arm * state.body[j] for j, arm in lever) - state.wheel[i])
-        rate.append(sum(arm * state.body_velocity[j] for j, arm in lever) - state.wheel_velocity[i])
+        kinematic_row = list(enumerate(corner.kinematic_row))
+        travel.append(sum(arm * state.body[j] for j, arm in kinematic_row) - state.wheel[i])
+        rate.append(sum(arm * state.body_velocity[j] for j, arm in kinematic_row) - state.wheel_velocity[i])
     return travel, rate
 
 

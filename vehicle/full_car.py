@@ -103,22 +103,22 @@ class FullCar(Checked):
         return (self.track_m / 2, -self.track_m / 2) * 2
 
     @property
-    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+    def seat_kinematic_rows(self) -> tuple[tuple[float, ...], ...]:
         """Map from body motion to the vertical motion of each seat."""
         return tuple((1.0, -x, y) for x, y in zip(self.seat_x_m, self.seat_y_m, strict=True))
 
     @property
-    def body_inertia(self) -> tuple[float, ...]:
+    def generalised_mass(self) -> tuple[float, ...]:
         """Generalised mass of each body motion: heave (kg), pitch, roll (kg·m²)."""
         return (self.body_mass_kg, self.pitch_inertia_kg_m2, self.roll_inertia_kg_m2)
 
     @property
-    def inertial_arm_m(self) -> tuple[float, ...]:
+    def inertial_lever_arm_m(self) -> tuple[float, ...]:
         """Lever arm of the longitudinal inertial force about each body motion, m."""
         return (0.0, self.cg_height_m, 0.0)
 
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """Corners: front left, front right, rear left, rear right."""
-        levers = tuple((1.0, -x, y) for x, y in zip(self.axle_x_m, self.wheel_y_m, strict=True))
-        return axle_corners(self, self.axle_x_m, self.wheel_y_m, levers)
+        kinematic_rows = tuple((1.0, -x, y) for x, y in zip(self.axle_x_m, self.wheel_y_m, strict=True))
+        return axle_corners(self, self.axle_x_m, self.wheel_y_m, kinematic_rows)

@@ -62,10 +62,10 @@ def natural_frequencies_hz(parameters: Car) -> Array:
 def _geometry(parameters: Car) -> tuple[Array, Array, Array]:
     """Masses (q,), and the maps from q = (body motions, wheels) to travel and wheel height, (w, q)."""
     corners, wheels = parameters.corners, parameters.wheels
-    mass = np.array([*parameters.body_inertia, *(corner.unsprung_mass_kg for corner in corners)])
-    lever = np.array([corner.lever for corner in corners])
-    wheel = np.hstack([np.zeros_like(lever), np.eye(wheels)])
-    return mass, np.hstack([lever, -np.eye(wheels)]), wheel
+    mass = np.array([*parameters.generalised_mass, *(corner.unsprung_mass_kg for corner in corners)])
+    kinematic_row = np.array([corner.kinematic_row for corner in corners])
+    wheel = np.hstack([np.zeros_like(kinematic_row), np.eye(wheels)])
+    return mass, np.hstack([kinematic_row, -np.eye(wheels)]), wheel
 
 
 def _stiffness(parameters: Car) -> Array:

@@ -87,16 +87,16 @@ def car_xml(parameters: Car, step_s: float) -> str:
         actuators="\n".join(
             [
                 *(part.format(name=n, corner=c) for part in parts for n, c in named),
-                *[_SURGE][: len(parameters.body_inertia) - 1],
+                *[_SURGE][: len(parameters.generalised_mass) - 1],
             ]
         ),
     )
 
 
 def _body(parameters: Car) -> str:
-    mass, *angular = parameters.body_inertia
+    mass, *angular = parameters.generalised_mass
     pitch, roll = (*angular, *angular, 1.0, 1.0)[:2]
-    joints = "\n      ".join(_BODY_JOINTS[: len(parameters.body_inertia)])
+    joints = "\n      ".join(_BODY_JOINTS[: len(parameters.generalised_mass)])
     return _BODY.format(joints=joints, mass=mass, inertia=f"{roll} {pitch} {pitch}")
 
 
@@ -109,7 +109,7 @@ def _tendon(name: str, stiffness: str, springlength: str, length: dict[str, floa
 
 def _rattle(name: str, corner: Corner, sign: float = 1.0) -> dict[str, float]:
     """Suspension travel as a combination of joints: body minus wheel, positive when extended."""
-    motions = zip(("heave", "pitch", "roll"), corner.lever, strict=False)
+    motions = zip(("heave", "pitch", "roll"), corner.kinematic_row, strict=False)
     return {joint: sign * arm for joint, arm in motions} | {name: -sign}
 
 

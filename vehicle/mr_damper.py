@@ -27,7 +27,7 @@ class MrTanhDamper(Checked):
     """
 
     kind: ClassVar[str] = "mr_tanh"
-    inner: ClassVar[int] = 0
+    internal_states: ClassVar[int] = 0
     substeps: ClassVar[int] = 2
 
     current_max_a: Annotated[float, Interval(ge=0.01, le=100.0), "A"] = 2.0
@@ -45,19 +45,23 @@ class MrTanhDamper(Checked):
                 f"got {list(self.yield_n)}"
             )
 
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+    def force(
+        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> Any:
         """Force on the body, up, N."""
-        amps = self.current_max_a * share
+        amps = self.current_max_a * normalised_setting
         viscous = self.viscous_ns_m[0] + self.viscous_ns_m[1] * amps
         strength = self._strength(amps)
         bent = (self.hysteresis[0] + self.hysteresis[1] * amps) * xp.tanh(travel / self.switch_m)
         return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
 
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+    def internal_state_rates(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> list:
         """Return no rates: there are no internal states."""
         return []
 
-    def coarse(self, steepest_ns_m: float) -> "MrTanhDamper":
+    def reduced(self, steepest_ns_m: float) -> "MrTanhDamper":
         """Return the damper with a less steep transition through zero and without hysteresis."""
         amps = self.current_max_a
         strongest = self._strength(amps)
@@ -81,7 +85,7 @@ class MrBoucWenDamper(Checked):
     """
 
     kind: ClassVar[str] = "mr_bouc_wen"
-    inner: ClassVar[int] = 2
+    internal_states: ClassVar[int] = 2
     substeps: ClassVar[int] = 4
 
     voltage_max_v: Annotated[float, Interval(ge=0.01, le=100.0), "V"] = 2.0
@@ -98,26 +102,32 @@ class MrBoucWenDamper(Checked):
         if self.gamma_m2 >= self.beta_m2:
             raise InputError(f"gamma_m2 must be < beta_m2 ({self.beta_m2:g}), got {self.gamma_m2:g}")
 
-    def _creep(self, share: Any, travel: Any, rate: Any, inner: list) -> tuple[Any, Any]:
+    def _node_velocity(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list
+    ) -> tuple[Any, Any]:
         """Velocity of the internal node y, and c₁."""
-        y, z = inner
-        volts = self.voltage_max_v * share
+        y, z = internal_states
+        volts = self.voltage_max_v * normalised_setting
         c0, c1, alpha = (pair[0] + pair[1] * volts for pair in (self.c0_ns_m, self.c1_ns_m, self.alpha_n_m))
         return (alpha * z + c0 * rate + self.k0_n_m * (travel - y)) / (c0 + c1), c1
 
-    def force(self, setting: Any, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> Any:
+    def force(
+        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> Any:
         """Force on the body, up, N."""
-        velocity, c1 = self._creep(share, travel, rate, inner)
+        velocity, c1 = self._node_velocity(normalised_setting, travel, rate, internal_states)
         return -c1 * velocity
 
-    def inner_rates(self, share: Any, travel: Any, rate: Any, inner: list, xp: Any) -> list:
+    def internal_state_rates(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> list:
         """Time derivatives of y and z."""
-        velocity, _ = self._creep(share, travel, rate, inner)
-        slip, z = rate - velocity, inner[1]
+        velocity, _ = self._node_velocity(normalised_setting, travel, rate, internal_states)
+        slip, z = rate - velocity, internal_states[1]
         evolved = self.gain * slip - self.gamma_m2 * xp.fabs(slip) * z * xp.fabs(z)
         return [velocity, evolved - self.beta_m2 * slip * z**2]
 
-    def coarse(self, steepest_ns_m: float) -> "MrTanhDamper":
+    def reduced(self, steepest_ns_m: float) -> "MrTanhDamper":
         """Return the static force curve at yield: z at its bound, the internal node at rest."""
         bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
         curve = MrTanhDamper(
@@ -125,16 +135,18 @@ class MrBoucWenDamper(Checked):
             viscous_ns_m=self.c0_ns_m,
             yield_n=(self.alpha_n_m[0] * bound, self.alpha_n_m[1] * bound, 0.0),
         )
-        return curve.coarse(steepest_ns_m)
+        return curve.reduced(steepest_ns_m)
 
-    def advance(self, share: float, travel: float, rate: float, inner: list, step_s: float) -> list:
+    def advance(
+        self, normalised_setting: float, travel: float, rate: float, internal_states: list, step_s: float
+    ) -> list:
         """Internal states after a step at constant slip rate, for which z has a closed-form solution.
 
         With s = |slip|·t and w = z·sign(slip) its equation reads dw/ds = A - (beta ± gamma)·w², + for w > 0:
         a hyperbolic tangent. As z may reverse within 0.1 mm of slip, explicit steps would be unstable.
         """
-        velocity, _ = self._creep(share, travel, rate, inner)
-        slip, z = rate - velocity, inner[1]
+        velocity, _ = self._node_velocity(normalised_setting, travel, rate, internal_states)
+        slip, z = rate - velocity, internal_states[1]
         path, sign = abs(slip) * step_s, (1.0 if slip >= 0.0 else -1.0)
         w = z * sign
         if w < 0.0:
@@ -142,10 +154,10 @@ class MrBoucWenDamper(Checked):
             needed = bound / self.gain * atanh(min(-w / bound, 1.0 - 1e-12))
             if path <= needed:
                 return [
-                    inner[0] + velocity * step_s,
+                    internal_states[0] + velocity * step_s,
                     sign * bound * tanh(self.gain / bound * (path - needed)),
                 ]
             path, w = path - needed, 0.0
         bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
         start = atanh(min(w / bound, 1.0 - 1e-12))
-        return [inner[0] + velocity * step_s, sign * bound * tanh(start + self.gain / bound * path)]
+        return [internal_states[0] + velocity * step_s, sign * bound * tanh(start + self.gain / bound * path)]

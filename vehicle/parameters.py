@@ -23,22 +23,22 @@ __all__ = [
     "FullCar",
     "HalfCar",
     "QuarterCar",
+    "control_model",
     "load_vehicle",
-    "prediction_car",
 ]
 _SHIPPED = Path(__file__).parent / "parameters"
 
 Car = QuarterCar | HalfCar | FullCar
 
 
-def prediction_car(parameters: Car) -> Car:
-    """Return the control model of a car: the same car with reduced (`coarse`) dampers.
+def control_model(parameters: Car) -> Car:
+    """Return the control model of a car: the same car with reduced (`reduced`) dampers.
 
     At the slope chosen, explicit Runge-Kutta steps of 5 ms are stable for the lightest wheel. The states are
     those of the car without the dampers' internal ones, which come last.
     """
     lightest = min(corner.unsprung_mass_kg for corner in parameters.corners)
-    return replace(parameters, damper=parameters.damper.coarse(1.6 * lightest / 0.005))
+    return replace(parameters, damper=parameters.damper.reduced(1.6 * lightest / 0.005))
 
 
 @overload

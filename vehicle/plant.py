@@ -13,14 +13,14 @@ from vehicle.engine import build_engine, build_model
 from vehicle.equations import input_size, rest_state
 from vehicle.parameters import Car
 from vehicle.speed import ConstantSpeed, Motion, SpeedProfile
-from vehicle.state import Array, Profile, VehicleState, observe, road_forces, road_under
+from vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 
 _CHUNK = 1000  # ticks of road prepared at once: lookup tick by tick would cost more than the dynamics
 
 
-class _Leg(NamedTuple):
+class _Segment(NamedTuple):
     """Segment of a drive: position, speed and, if any, acceleration at the ends of its ticks, (n,)."""
 
     x_m: Array
@@ -42,12 +42,12 @@ class Plant:
         self._engine = build_engine(parameters)
         self._order = self._engine.order
         self._inputs, self._wheels = input_size(parameters), parameters.wheels
-        self._columns = self._inputs + self._wheels + (len(parameters.body_inertia) > 1)
+        self._columns = self._inputs + self._wheels + (len(parameters.generalised_mass) > 1)
         self._shape = (self._inputs,)
         self._dampers = np.s_[..., : self._wheels]
         self._forces = np.s_[..., 2 * self._wheels : self._wheels + self._inputs]
 
-    def reset(self, profiles: Sequence[Profile], x_m: float, speed: float | SpeedProfile) -> None:
+    def reset(self, profiles: Sequence[EffectiveProfile], x_m: float, speed: float | SpeedProfile) -> None:
         """Place the car with its centre of gravity at x_m on the road of `profiles`, one per wheel.
 
         The wheels stand on the road with the body in equilibrium above them; vertical velocities are zero,
@@ -62,12 +62,12 @@ class Plant:
         self._prepare(replace(speed, start_m=x_m) if isinstance(speed, SpeedProfile) else speed, float(x_m))
         height, _ = road_under(self.parameters, self._profiles, float(x_m), 0.0)
         self._row = np.zeros(self._engine.size)
-        self._row[self._order] = standing(self.parameters, height)
+        self._row[self._order] = standstill_state(self.parameters, height)
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
-        self._legs, self._driven = [self._ends(slice(0, 1))], [self._row[None]]
+        self._segments, self._driven = [self._segment_between(slice(0, 1))], [self._row[None]]
         self._commands, self._counts = [passive], [1]
-        self._seen: VehicleState | None = None  # cache of the last observed state
+        self._observed: VehicleState | None = None  # cache of the last observed state
 
     @property
     def speed_m_s(self) -> float:
@@ -76,7 +76,7 @@ class Plant:
 
     @speed_m_s.setter
     def speed_m_s(self, value: float) -> None:
-        self._finish_leg()
+        self._finish_segment()
         self._prepare(value, self._x_m)
 
     @property
@@ -91,12 +91,12 @@ class Plant:
         """
         first, last = self._used, self._used + ticks
         if last > self._prepared:
-            self._finish_leg()
+            self._finish_segment()
             self._prepare(self._motion, self._x_m, ticks)
             first, last = 0, ticks
         asked = np.array(command, float)
         if asked.shape != self._shape:
-            asked = self._without_force(asked)
+            asked = self._pad_command(asked)
         which = first if ticks == 1 else slice(first, last)
         control, wheels = self._control[which], self._wheels
         if self._inputs == wheels:
@@ -105,7 +105,7 @@ class Plant:
             control[self._dampers] = asked[:wheels]
             control[self._forces] = asked[wheels:]
         self._row = self._engine.advance(self._row, control, self._rows[which])
-        self._used, self._tick, self._seen = last, self._tick + ticks, None
+        self._used, self._tick, self._observed = last, self._tick + ticks, None
         self._commands.append(asked)
         self._counts.append(ticks)
         reached = self._row.item(0)
@@ -115,38 +115,40 @@ class Plant:
     @property
     def state(self) -> VehicleState:
         """Present state of the car."""
-        if self._seen is None:
+        if self._observed is None:
             x_m, speed_m_s, acc = (
-                self._ends(slice(self._used, self._used + 1)) if self._used else self._legs[-1]
+                self._segment_between(slice(self._used, self._used + 1)) if self._used else self._segments[-1]
             )
             forward = None if acc is None else float(acc[-1])
             moment = self._tick / RATE_HZ, float(x_m[-1]), float(speed_m_s[-1])
-            self._seen = self._observe(*moment, self._row[self._order].tolist(), self._commands[-1], forward)
-        return self._seen
+            self._observed = self._observe(
+                *moment, self._row[self._order].tolist(), self._commands[-1], forward
+            )
+        return self._observed
 
     @property
     def signals(self) -> VehicleState:
         """Signals of the car at every tick since `reset`, including the standstill; n = ticks + 1."""
         here = slice(1, self._used + 1)
-        legs = [*self._legs, self._ends(here)]
+        segments = [*self._segments, self._segment_between(here)]
         forward = None
-        if any(leg.forward_acc is not None for leg in legs):
-            parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in legs]
+        if any(segment.forward_acc is not None for segment in segments):
+            parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in segments]
             forward = np.concatenate(parts)
         rows = np.concatenate([*self._driven, self._rows[: self._used]])
         return self._observe(
             np.arange(self._tick + 1) / RATE_HZ,
-            np.concatenate([leg.x_m for leg in legs]),
-            np.concatenate([leg.speed_m_s for leg in legs]),
+            np.concatenate([segment.x_m for segment in segments]),
+            np.concatenate([segment.speed_m_s for segment in segments]),
             rows[:, self._order].T,
             np.repeat(self._commands, self._counts, axis=0).T,
             forward,
         )
 
-    def _ends(self, edges: slice) -> _Leg:
+    def _segment_between(self, edges: slice) -> _Segment:
         """Longitudinal motion at these tick boundaries of the current stretch."""
         x_m, _, speed_m_s, acc = self._stretch
-        return _Leg(x_m[edges], speed_m_s[edges], None if acc is None else acc[edges])
+        return _Segment(x_m[edges], speed_m_s[edges], None if acc is None else acc[edges])
 
     def _observe(
         self, time_s: Any, x_m: Any, speed_m_s: Any, x: Any, command: Array, acc: Any
@@ -154,17 +156,17 @@ class Plant:
         road = road_under(self.parameters, self._profiles, x_m, speed_m_s)
         return observe(self.parameters, time_s, x_m, speed_m_s, x, command, road, acc)
 
-    def _without_force(self, given: Array) -> Array:
+    def _pad_command(self, given: Array) -> Array:
         """Extend a command of damper settings alone by zero actuator forces."""
         if given.shape != (self._wheels,):
             wanted = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
             raise InputError(f"command must hold {wanted} values, got shape {given.shape}")
         return np.concatenate([given, np.zeros(self._inputs - self._wheels)])
 
-    def _finish_leg(self) -> None:
+    def _finish_segment(self) -> None:
         """Record the part of the prepared road that has been driven."""
         if self._used:
-            self._legs.append(self._ends(slice(1, self._used + 1)))
+            self._segments.append(self._segment_between(slice(1, self._used + 1)))
             self._driven.append(self._rows[: self._used])
 
     def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
@@ -175,17 +177,17 @@ class Plant:
         self._control: Array = np.zeros((self._prepared, self._columns))
         roads = road_forces(self.parameters, self._profiles, stretch)
         self._control[:, self._wheels : 2 * self._wheels] = np.transpose(roads)
-        if stretch.forward_acc is not None and len(self.parameters.inertial_arm_m) > 1:
-            arm = self.parameters.body_inertia[0] * self.parameters.inertial_arm_m[1]
+        if stretch.forward_acc is not None and len(self.parameters.inertial_lever_arm_m) > 1:
+            arm = self.parameters.generalised_mass[0] * self.parameters.inertial_lever_arm_m[1]
             self._control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
         self._rows: Array = np.empty((self._prepared, self._engine.size))
 
 
-def standing(parameters: Car, road_height: list[float]) -> Array:
+def standstill_state(parameters: Car, road_height: list[float]) -> Array:
     """Rest state on wheels at `road_height` (w,), the body level with them (least squares)."""
     x = rest_state(parameters)
-    body = len(parameters.body_inertia)
-    levers = np.array([corner.lever for corner in parameters.corners])
-    x[0 : 2 * body : 2] = np.linalg.lstsq(levers, road_height, rcond=None)[0]
+    body = len(parameters.generalised_mass)
+    kinematic_rows = np.array([corner.kinematic_row for corner in parameters.corners])
+    x[0 : 2 * body : 2] = np.linalg.lstsq(kinematic_rows, road_height, rcond=None)[0]
     x[2 * body : 2 * (body + parameters.wheels) : 2] = road_height
     return x

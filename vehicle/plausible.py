@@ -9,10 +9,10 @@ from files.errors import InputError
 from vehicle.corner import GRAVITY_M_S2
 
 Array = NDArray[np.float64]
-FASTEST_1_S = 500.0
+MAX_EIGENVALUE_1_S = 500.0
 """Largest eigenvalue that the prediction models' Runge–Kutta steps of up to 5 ms can integrate, 1/s."""
-SLOWEST_HZ, QUICKEST_HZ = 0.05, 20.0
-SHORTEST_SPRING_M, LONGEST_SPRING_M = 1e-3, 3.0
+MIN_BODY_FREQUENCY_HZ, MAX_BODY_FREQUENCY_HZ = 0.05, 20.0
+SHORTEST_SPRING_M, MAX_SPRING_DEFLECTION_M = 1e-3, 3.0
 
 
 def require_plausible(car: Any) -> None:
@@ -28,12 +28,16 @@ def require_plausible(car: Any) -> None:
             "unsprung_mass_kg", f"give wheel {i} a share of the body of", share, 1.0, 1000.0, "times its own"
         )
         _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.005 * radius_m, radius_m, "m")
-        _limit("spring_n_m", f"let spring {i} sink by", sunk[1], SHORTEST_SPRING_M, LONGEST_SPRING_M, "m")
+        _limit(
+            "spring_n_m", f"let spring {i} sink by", sunk[1], SHORTEST_SPRING_M, MAX_SPRING_DEFLECTION_M, "m"
+        )
     stiffness, damping, mass = _matrices(car)
     root = np.sqrt(mass)
     squares = np.linalg.eigvalsh(stiffness / np.outer(root, root))
     slowest = float(np.sqrt(max(squares[0], 0.0))) / (2 * np.pi)
-    _limit("spring_n_m", "let the body bounce with", slowest, SLOWEST_HZ, QUICKEST_HZ, "Hz")
+    _limit(
+        "spring_n_m", "let the body bounce with", slowest, MIN_BODY_FREQUENCY_HZ, MAX_BODY_FREQUENCY_HZ, "Hz"
+    )
     size = len(mass)
     system = np.block(
         [
@@ -43,7 +47,7 @@ def require_plausible(car: Any) -> None:
     )
     fastest = max(float(np.abs(np.linalg.eigvals(system)).max()), float(np.sqrt(squares[-1])))
     names = "unsprung_mass_kg, tyre_n_m and damping_max_ns_m"
-    _limit(names, "give motions of", fastest, 0.0, FASTEST_1_S, "1/s")
+    _limit(names, "give motions of", fastest, 0.0, MAX_EIGENVALUE_1_S, "1/s")
 
 
 def _limit(name: str, told: str, value: float, low: float, high: float, unit: str) -> None:
@@ -53,13 +57,13 @@ def _limit(name: str, told: str, value: float, low: float, high: float, unit: st
 
 def _matrices(car: Any) -> tuple[Array, Array, Array]:
     """Stiffness and damping matrices at maximum damping, and the diagonal of the mass matrix."""
-    bodies, corners = len(car.body_inertia), car.corners
-    mass = np.array([*car.body_inertia, *(corner.unsprung_mass_kg for corner in corners)], float)
+    bodies, corners = len(car.generalised_mass), car.corners
+    mass = np.array([*car.generalised_mass, *(corner.unsprung_mass_kg for corner in corners)], float)
     stiffness, damping = np.zeros((len(mass), len(mass))), np.zeros((len(mass), len(mass)))
     struts = []
     for i, corner in enumerate(corners):
         strut = np.zeros(len(mass))
-        strut[:bodies], strut[bodies + i] = corner.lever, -1.0
+        strut[:bodies], strut[bodies + i] = corner.kinematic_row, -1.0
         stiffness += corner.spring_n_m * np.outer(strut, strut)
         damping += corner.damping_max_ns_m * np.outer(strut, strut)
         stiffness[bodies + i, bodies + i] += corner.tyre_n_m

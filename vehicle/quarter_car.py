@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from files.ranges import Checked
 from vehicle.actuator import Actuator
-from vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_order
+from vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_damping_order
 from vehicle.damper import Damper, IdealDamper
 from vehicle.plausible import require_plausible
 from vehicle.quantities import (
@@ -58,7 +58,7 @@ class QuarterCar(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
+        require_damping_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
         require_plausible(self)
 
     @property
@@ -87,17 +87,17 @@ class QuarterCar(Checked):
         return (0.0,)
 
     @property
-    def seat_levers(self) -> tuple[tuple[float, ...], ...]:
+    def seat_kinematic_rows(self) -> tuple[tuple[float, ...], ...]:
         """Map from body motion to the vertical motion of each seat."""
         return ((1.0,),)
 
     @property
-    def body_inertia(self) -> tuple[float, ...]:
+    def generalised_mass(self) -> tuple[float, ...]:
         """Generalised mass of each body motion: heave (kg)."""
         return (self.sprung_mass_kg,)
 
     @property
-    def inertial_arm_m(self) -> tuple[float, ...]:
+    def inertial_lever_arm_m(self) -> tuple[float, ...]:
         """Lever arm of the longitudinal inertial force about each body motion, m."""
         return (0.0,)
 
@@ -109,7 +109,7 @@ class QuarterCar(Checked):
             Corner(
                 x_m=0.0,
                 y_m=self.wheel_y_m[0],
-                lever=(1.0,),
+                kinematic_row=(1.0,),
                 body_load_n=self.sprung_mass_kg * GRAVITY_M_S2,
                 damper_lag_s=self.damper_lag_s,
                 rebound_gap_m=self.stop_gap_m if self.rebound_gap_m is None else self.rebound_gap_m,

@@ -8,9 +8,9 @@ Default values, each typical of a class of parts:
 * rattle: Hall-effect level sensor on a linkage, ±100 mm; 0.2 mm noise, 1 mm zero error
 * speed: toothed-ring wheel-speed sensor; 0.02 m/s noise, 0.3 % error of the rolling radius
 
-`CATALOGUE_STEPS` holds the resolution of digital outputs of such parts: 16-bit inertial modules like Bosch's
-SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375 (49 mg),
-a 12-bit level sensor over 200 mm.
+`CATALOGUE_RESOLUTION` holds the resolution of digital outputs of such parts: 16-bit inertial modules like
+Bosch's SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerometers like Analog Devices' ADXL375
+(49 mg), a 12-bit level sensor over 200 mm.
 """
 
 from collections import deque
@@ -54,7 +54,7 @@ class SensorInterface(Checked):
     dropout: Annotated[float, Interval(ge=0.0, lt=1.0), "1"] = 0.0
 
 
-CATALOGUE_STEPS = SensorInterface(
+CATALOGUE_RESOLUTION = SensorInterface(
     body_acc_step_m_s2=0.244e-3 * GRAVITY_M_S2,
     wheel_acc_step_m_s2=49e-3 * GRAVITY_M_S2,
     rattle_step_m=0.2 / 4096,
@@ -84,8 +84,8 @@ class SensorNoise(Checked):
     interface: SensorInterface = field(default_factory=SensorInterface)
 
 
-_SILENT: dict[str, Any] = {item.name: 0.0 for item in fields(SensorNoise) if item.name != "interface"}
-NO_NOISE = SensorNoise(**_SILENT)
+_ZERO_NOISE: dict[str, Any] = {item.name: 0.0 for item in fields(SensorNoise) if item.name != "interface"}
+NO_NOISE = SensorNoise(**_ZERO_NOISE)
 
 
 @dataclass(frozen=True, eq=False)

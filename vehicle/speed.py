@@ -15,10 +15,10 @@ from files.errors import InputError
 from vehicle.clock import STEP_S
 
 Array = NDArray[np.float64]
-HIGHEST_M_S = 100.0
+MAX_SPEED_M_S = 100.0
 
 
-class Stretch(NamedTuple):
+class MotionSamples(NamedTuple):
     """Motion over the next ticks: positions at their edges and middles, speed, acceleration at the edges."""
 
     edges_m: Array
@@ -36,11 +36,11 @@ class ConstantSpeed:
     def __post_init__(self) -> None:
         _check_speed(self.speed_m_s)
 
-    def ahead(self, x_m: float, tick: int, ticks: int) -> Stretch:
+    def ahead(self, x_m: float, tick: int, ticks: int) -> MotionSamples:
         """Return the motion over the next `ticks` of a car at x_m."""
         advance = self.speed_m_s * STEP_S
         edges = x_m + advance * np.arange(ticks + 1.0)
-        return Stretch(edges, edges[:-1] + advance / 2, np.full(ticks + 1, self.speed_m_s), None)
+        return MotionSamples(edges, edges[:-1] + advance / 2, np.full(ticks + 1, self.speed_m_s), None)
 
 
 @dataclass(frozen=True)
@@ -90,16 +90,16 @@ class SpeedProfile:
         mean = 0.5 * (speed + final)
         return float(times[piece] + left / mean) if mean > 0.0 else float("inf")
 
-    def ahead(self, x_m: float, tick: int, ticks: int) -> Stretch:
+    def ahead(self, x_m: float, tick: int, ticks: int) -> MotionSamples:
         """Return the motion over the next `ticks` from `tick` on."""
         edges = np.arange(tick, tick + ticks + 1, dtype=np.float64)
         position, speed, acceleration = self.at(edges * STEP_S)
-        return Stretch(position, self.at((edges[:-1] + 0.5) * STEP_S)[0], speed, acceleration)
+        return MotionSamples(position, self.at((edges[:-1] + 0.5) * STEP_S)[0], speed, acceleration)
 
 
 Motion = ConstantSpeed | SpeedProfile
 
 
 def _check_speed(value: float) -> None:
-    if not 0.0 <= value <= HIGHEST_M_S:
+    if not 0.0 <= value <= MAX_SPEED_M_S:
         raise InputError(f"speed_m_s must be >= 0 and <= 100, got {value}")

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from vehicle import equations
 from vehicle.clock import STEP_S
 from vehicle.parameters import Car
-from vehicle.speed import Stretch
+from vehicle.speed import MotionSamples
 
 Array = NDArray[np.float64]
 
 
-class Profile(Protocol):
+class EffectiveProfile(Protocol):
     """Protocol of the effective road profile under one wheel, such as `road.envelope.WheelProfile`."""
 
     def height(self, x: Any, /) -> Any:
@@ -67,7 +67,9 @@ class VehicleState:
     road_velocity: Array  # (w,) its rate of change
 
 
-def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s: Any) -> tuple[list, list]:
+def road_under(
+    parameters: Car, profiles: Sequence[EffectiveProfile], x_m: Any, speed_m_s: Any
+) -> tuple[list, list]:
     """Road height and its rate under each wheel, lists of rows, for the car at x_m (a float or (n,))."""
     height, velocity = [], []
     for profile, axle in zip(profiles, parameters.axle_x_m, strict=True):
@@ -76,7 +78,7 @@ def road_under(parameters: Car, profiles: Sequence[Profile], x_m: Any, speed_m_s
     return height, velocity
 
 
-def road_forces(parameters: Car, profiles: Sequence[Profile], stretch: Stretch) -> list[Array]:
+def road_forces(parameters: Car, profiles: Sequence[EffectiveProfile], stretch: MotionSamples) -> list[Array]:
     """Tyre force due to the road's motion during each tick of a stretch, N, (ticks,) for each wheel."""
     edge, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
     middle, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
@@ -104,7 +106,7 @@ def observe(
     xp = equations.FLOATS if isinstance(x, list) else np
     height, velocity = road
     state = equations.motion(parameters, x)
-    travel, rate, acting = equations.act(parameters, state, height, velocity, xp)
+    travel, rate, acting = equations.evaluate_forces(parameters, state, height, velocity, xp)
     body, wheel = equations.accelerations(parameters, acting, forward_acc)
     zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]
@@ -128,8 +130,12 @@ def observe(
         force_command=command[wheels:] if len(command) > wheels else np.zeros(command.shape),
         rattle_m=np.array(travel),
         rattle_velocity=np.array(rate),
-        body_acc=np.array([equations.carried(corner.lever, body) for corner in parameters.corners]),
-        seat_acc=np.array([equations.carried(lever, body) for lever in parameters.seat_levers]),
+        body_acc=np.array(
+            [equations.point_motion(corner.kinematic_row, body) for corner in parameters.corners]
+        ),
+        seat_acc=np.array(
+            [equations.point_motion(kinematic_row, body) for kinematic_row in parameters.seat_kinematic_rows]
+        ),
         cg_acc=body[0],
         pitch_acc=pitch[2],
         roll_acc=roll[2],

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 
 from files.errors import InputError
-from files.numbers import is_whole
+from files.numbers import is_integer
 
 
 def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:
@@ -23,7 +23,7 @@ def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]
     return main
 
 
-def words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
+def parse_words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
     """Split a comma-separated option. Raises InputError for an entry that is not allowed."""
     asked = text.split(",")
     for word in asked:
@@ -36,6 +36,6 @@ def whole_numbers(option: str, text: str) -> list[int]:
     """Split a comma-separated option into integers >= 0. Raises InputError."""
     asked = text.split(",")
     for word in asked:
-        if not is_whole(word):
+        if not is_integer(word):
             raise InputError(f"{option}: must be whole numbers >= 0, separated by commas, got {word!r}")
     return [int(word) for word in asked]

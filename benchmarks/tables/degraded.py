@@ -7,7 +7,7 @@ error.
 
 from collections.abc import Mapping, Sequence
 
-from benchmarks.tables.command import command, whole_numbers, words
+from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from scenarios.sets import load_all
 
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
     variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]
     lines = errors()
-    wanted = words("--lines", asked.lines, list(lines)) if asked.lines else list(lines)
+    wanted = parse_words("--lines", asked.lines, list(lines)) if asked.lines else list(lines)
     for name, line in lines.items():
         if name in wanted:
             told = [f"oracle.{field}={value}" for field, value in line.items()]

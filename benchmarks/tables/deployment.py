@@ -19,8 +19,8 @@ from benchmarks.tables.command import command
 from detector.backends import BACKENDS, installed, require
 from detector.bench import Case, measure, prepare
 from detector.dataset import image_paths, read_samples
-from detector.metrics import judge, summarise
-from detector.nms import LEAST_CONFIDENCE
+from detector.metrics import match_detections, summarise
+from detector.nms import MIN_CONFIDENCE
 from detector.progress import Progress
 from detector.runtime import WEIGHTS, Detector
 from files.atomic import write_text
@@ -31,14 +31,14 @@ PRECISIONS = ("fp32", "fp16", "int8")
 
 def accuracy(files: dict[Case, Path], data: Path, every: int) -> dict[Case, dict]:
     """Metrics of each row on every `every`-th image of a folder."""
-    detectors = {c: Detector(f, c.threads, LEAST_CONFIDENCE, backend=c.backend) for c, f in files.items()}
+    detectors = {c: Detector(f, c.threads, MIN_CONFIDENCE, backend=c.backend) for c, f in files.items()}
     results: dict[Case, list] = {case: [] for case in files}
     with Progress(len(image_paths(data))) as progress:
         for number, sample in enumerate(read_samples(data), 1):
             if number % every == 0:
                 boxes = sample.boxes * np.tile(sample.image.shape[1::-1], 2)
                 for case, detect in detectors.items():
-                    results[case].append(judge(detect(sample.image), boxes, sample.classes))
+                    results[case].append(match_detections(detect(sample.image), boxes, sample.classes))
             progress.show(number, "judging")
     return {case: summarise(found, 0.25) for case, found in results.items()}
 

@@ -19,17 +19,17 @@ import torch
 from numpy.typing import NDArray
 
 from benchmarks.tables import dfine, with_ultralytics
-from benchmarks.tables.command import command, words
-from benchmarks.tables.training import begin, check_begun, settings_of, train_ours
+from benchmarks.tables.command import command, parse_words
+from benchmarks.tables.training import check_same_settings, record_settings, settings_of, train_ours
 from detector.checkpoint import load_network
 from detector.complexity import parameters
 from detector.crops import whole_view
 from detector.dataset import Sample, read_samples
 from detector.deploy import Deployed
 from detector.detection import Detections
-from detector.metrics import judge, summarise
+from detector.metrics import match_detections, summarise
 from detector.models import Network
-from detector.nms import LEAST_CONFIDENCE, OVERLAP, select
+from detector.nms import MIN_CONFIDENCE, NMS_IOU, select
 from detector.progress import Progress
 from detector.schedule import Stage, parse_stages
 from files.atomic import write_text
@@ -53,7 +53,7 @@ def trained(name: str, stage: Stage, args: argparse.Namespace) -> Trained:
         train_ours(out, stage, args, "--model", name)
         model, made = load_network(out / "weights.pt")
         return Trained(parameters(model), int(made["passes"]), detector(model))
-    begin(out, settings_of(stage, args))
+    record_settings(out, settings_of(stage, args))
     if name == "d-fine-n":
         rival, passes = dfine.train(args.data / "train", stage, out, args.batch, args.seed)
         return Trained(sum(p.numel() for p in rival.parameters()), passes, dfine.detector(rival))
@@ -68,7 +68,7 @@ def check(names: Sequence[str], stage: Stage, args: argparse.Namespace) -> None:
             with_ultralytics.package(name)
         elif name == "d-fine-n":
             dfine.check(stage)
-        check_begun(args.out / name, settings_of(stage, args))
+        check_same_settings(args.out / name, settings_of(stage, args))
 
 
 def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
@@ -78,7 +78,7 @@ def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
     def detect(image: NDArray[np.uint8]) -> Detections:
         with torch.inference_mode():
             boxes, scores = deployed(torch.from_numpy(image)[None])
-        return select(boxes[0].numpy(), scores[0].numpy(), LEAST_CONFIDENCE, OVERLAP)
+        return select(boxes[0].numpy(), scores[0].numpy(), MIN_CONFIDENCE, NMS_IOU)
 
     return detect
 
@@ -92,14 +92,16 @@ def judged(
         for sample in samples:
             image, classes, boxes = whole_view(sample, stage.width, stage.height)
             asked = classes >= 0
-            results.append(judge(detect(np.ascontiguousarray(image)), boxes[asked], classes[asked]))
+            results.append(
+                match_detections(detect(np.ascontiguousarray(image)), boxes[asked], classes[asked])
+            )
             progress.show(len(results), "judging")
     return summarise(results, 0.25)
 
 
 def table(args: argparse.Namespace) -> list[dict]:
     """Train, evaluate and print every row requested. Raises InputError."""
-    names = words("--rows", args.rows, ROWS)
+    names = parse_words("--rows", args.rows, ROWS)
     (stage,) = parse_stages(f"{args.size}:{args.passes}")
     check(names, stage, args)
     torch.set_num_threads(args.threads)

@@ -14,7 +14,7 @@ from unittest.mock import patch
 import daqp
 import numpy as np
 
-from benchmarks.tables.command import command, whole_numbers, words
+from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from controller.base import Estimate
 from controller.mpc import PredictiveController
@@ -98,7 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     known = [*faults(0.0), *SOLVER]
-    names = words("--lines", asked.lines, known) if asked.lines else known
+    names = parse_words("--lines", asked.lines, known) if asked.lines else known
     wanted = [variant for name in ("no fault", *names) for variant in variants(name, scenarios)]
     done = run_all(wanted, whole_numbers("--seeds", asked.seeds), asked.read)
     sound = metric(done["no fault, mpc_reactive"], "objective")

@@ -12,8 +12,8 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.tables.command import command, words
-from benchmarks.tables.training import check_begun, settings_of, train_ours
+from benchmarks.tables.command import command, parse_words
+from benchmarks.tables.training import check_same_settings, settings_of, train_ours
 from detector.complexity import parameters
 from detector.curves import read_history
 from detector.models import build
@@ -73,10 +73,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     p.add_argument("--json", type=Path)
     args = p.parse_args(arguments)
     table = TABLES[args.table]
-    names = words("--rows", args.rows, list(table)) if args.rows else list(table)
+    names = parse_words("--rows", args.rows, list(table)) if args.rows else list(table)
     (stage,) = parse_stages(f"{args.size}:{args.passes}")
     for name in names:
-        check_begun(args.out / name, settings_of(stage, args))
+        check_same_settings(args.out / name, settings_of(stage, args))
     rows = []
     for name in names:
         rows.append(row(name, table[name], stage, args))

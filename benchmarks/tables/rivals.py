@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.tables.command import command, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
-from controller.tuned import TUNED
+from controller.tuned import TUNED_CONTROLLERS
 from scenarios.sets import load_all
 
 MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
@@ -20,7 +20,7 @@ MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
 @command
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = shared_options("controllers on the reporting set", seeds="0,1,2")
-    parser.add_argument("--controllers", default=",".join([*TUNED, *MPCS]))
+    parser.add_argument("--controllers", default=",".join([*TUNED_CONTROLLERS, *MPCS]))
     asked = parser.parse_args(arguments)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     names = [

@@ -20,7 +20,7 @@ def settings_of(stage: Stage, args: argparse.Namespace) -> dict:
     return {"size": size, "passes": stage.passes, "batch": args.batch, "seed": args.seed}
 
 
-def check_begun(out: Path, asked: dict) -> None:
+def check_same_settings(out: Path, asked: dict) -> None:
     """Raise InputError if a row's folder holds a training with other settings."""
     if not out.exists() or {path.name for path in out.iterdir()} <= {MARKER}:
         return
@@ -50,9 +50,9 @@ def _begun(out: Path) -> dict:
         ) from None
 
 
-def begin(out: Path, asked: dict) -> None:
+def record_settings(out: Path, asked: dict) -> None:
     """Record the settings of a row, unless recorded. Raises InputError if they differ."""
-    check_begun(out, asked)
+    check_same_settings(out, asked)
     claim(out, KIND)
     write_text(out / "row.json", json.dumps(asked) + "\n")
 
@@ -62,7 +62,7 @@ def train_ours(out: Path, stage: Stage, args: argparse.Namespace, *options: obje
 
     An interrupted training is resumed. Raises InputError.
     """
-    check_begun(out, settings_of(stage, args))
+    check_same_settings(out, settings_of(stage, args))
     if (out / "weights.pt").exists():
         return
     words = ["--data", args.data, "--out", out, "--stages", stage, "--seed", args.seed, *options]

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from detector.dataset import image_paths
 from detector.detection import CLASS_NAMES, Detections
-from detector.nms import LEAST_CONFIDENCE, OVERLAP
+from detector.nms import MIN_CONFIDENCE, NMS_IOU
 from detector.schedule import Stage
 from files.atomic import write_text
 from files.errors import InputError
-from files.numbers import is_whole
+from files.numbers import is_integer
 from files.reading import read_text
 
 YOLOS = {
@@ -85,7 +85,7 @@ def train(row: str, data: Path, stage: Stage, out: Path, batch: int, seed: int) 
 def _passes(done: Path) -> int:
     """Number of training images of a finished row."""
     text = read_text(done).strip()
-    if not is_whole(text):
+    if not is_integer(text):
         raise InputError(f"{done}: must be a number of image passes, got {text!r}")
     return int(text)
 
@@ -96,7 +96,7 @@ def detector(model: Any) -> Callable[[NDArray[np.uint8]], Detections]:
     def detect(image: NDArray[np.uint8]) -> Detections:
         size = image.shape[:2]
         bgr = np.ascontiguousarray(image[..., ::-1])
-        least = {"conf": LEAST_CONFIDENCE, "iou": OVERLAP, "max_det": 300}
+        least = {"conf": MIN_CONFIDENCE, "iou": NMS_IOU, "max_det": 300}
         found = model.predict(bgr, imgsz=size, verbose=False, **least)[0].boxes
         boxes, scores, classes = (np.asarray(part.cpu()) for part in (found.xyxy, found.conf, found.cls))
         return Detections(boxes, scores.clip(0, 1), classes)

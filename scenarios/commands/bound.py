@@ -34,7 +34,7 @@ def execute(arguments: argparse.Namespace) -> int:
     """Compute the scenario's optimum, or take it from the cache, and replay it on the plant."""
     scenario = load(arguments.scenario, overrides_of(arguments))
     if arguments.actuator:
-        scenario = equipped(scenario, arguments.actuator)
+        scenario = with_actuator(scenario, arguments.actuator)
     with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
         optimum = bound(scenario, commands)
         metrics = simulate(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
@@ -61,7 +61,7 @@ def execute(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def equipped(scenario: Scenario, actuator: str) -> Scenario:
+def with_actuator(scenario: Scenario, actuator: str) -> Scenario:
     """Return the scenario with another actuator in its car: none, slow_active or fully_active."""
     parameters = replace(scenario.vehicle.parameters, actuator=ACTUATORS[actuator])
     return replace(scenario, vehicle=replace(scenario.vehicle, parameters=parameters))

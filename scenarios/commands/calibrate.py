@@ -13,8 +13,8 @@ from files import strict
 from files.atomic import write_text
 from files.errors import InputError, shown
 from files.images import read_pixels
-from files.numbers import is_whole
-from road.checkerboard import LEAST_VIEWS, Board, Calibration, Mounting, calibrate, find_corners, mounting
+from files.numbers import is_integer
+from road.checkerboard import MIN_VIEWS, Board, Calibration, Mounting, calibrate, find_corners, mounting
 from scenarios.commands.options import console
 from scenarios.runfolder import to_json
 
@@ -45,10 +45,10 @@ def execute(arguments: argparse.Namespace) -> int:
     board = _board(arguments.squares, arguments.square_m)
     seen, size = _views(arguments.photos, board)
     missed = [str(path) for path in arguments.photos if path not in seen]
-    if len(seen) < LEAST_VIEWS:
+    if len(seen) < MIN_VIEWS:
         raise InputError(
             f"the whole board of {arguments.squares} squares was found in {len(seen)} of "
-            f"{len(arguments.photos)} photographs, {LEAST_VIEWS} are needed; not in {', '.join(missed)}"
+            f"{len(arguments.photos)} photographs, {MIN_VIEWS} are needed; not in {', '.join(missed)}"
         )
     found = calibrate(list(seen.values()), board, *size)
     mount = None if arguments.ground is None else _mount(arguments.ground, found, board, size)
@@ -72,7 +72,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _board(squares: str, square_m: float) -> Board:
     columns, cross, rows = squares.partition("x")
-    counts = [int(text) for text in (columns, rows) if is_whole(text)]
+    counts = [int(text) for text in (columns, rows) if is_integer(text)]
     if not (cross and len(counts) == 2 and min(counts) >= 4 and max(counts) <= 100):
         raise InputError(f"--squares must be like 9x6, each 4 ... 100, got {shown(squares)}")
     if not 0.001 <= square_m <= 1.0:

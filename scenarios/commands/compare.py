@@ -45,7 +45,7 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.out:
         runs_folder(arguments.out, wanted)
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
-    rooms = rooms_of(wanted) if arguments.bound else {}
+    rooms = headroom_by_scenario(wanted) if arguments.bound else {}
     rows = []
     for done in simulated(wanted, arguments.frames, jobs):
         run = replace(done, bound=rooms.get(scenario_hash(done.case.scenario)))
@@ -61,7 +61,7 @@ def execute(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def rooms_of(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
+def headroom_by_scenario(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
     """Headroom of each scenario of the cases, by the hash of its fields."""
     scenarios = {scenario_hash(case.scenario): case.scenario for case in wanted}
     found = {}

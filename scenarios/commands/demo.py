@@ -11,7 +11,7 @@ from scenarios.commands.outputs import runs_folder
 from scenarios.commands.tables import add_table_options, publish
 from scenarios.loading import load
 from scenarios.report.figures import write_overview
-from scenarios.report.film import write_film
+from scenarios.report.film import write_video
 from scenarios.runfolder import folder_name, row, to_json, write
 
 SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
@@ -43,7 +43,7 @@ def execute(arguments: argparse.Namespace) -> int:
     written = ["overview.png", "metrics.json"]
     if not arguments.no_film:
         with console.status("writing the film"):
-            write_film(out / "film.mp4", _pairs(runs))
+            write_video(out / "film.mp4", _pairs(runs))
         written.append("film.mp4")
     console.print(f"{out}: {', '.join(written)} and {len(runs)} run folders")
     return 0

@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 
 from controller.base import Timing
-from controller.observer import truth_estimate
+from controller.observer import exact_estimate
 from controller.registry import build
 from detector.runtime import Detector
 from files.atomic import write_text
@@ -101,7 +101,7 @@ def _solver() -> str:
     plant.reset([_Flat()], 0.0, 10.0)
     controller = build("mpc_preview", car, None, Timing())
     for _ in range(5):
-        controller.step(truth_estimate(plant.state), flat_preview(1, plant.state.time_s))
+        controller.step(exact_estimate(plant.state), flat_preview(1, plant.state.time_s))
         plant.step(np.array([1500.0]), 10)
     stats = getattr(controller, "stats")  # noqa: B009 - not every controller keeps them
     assert stats["fallbacks"] == 0, f"fallbacks: {stats['reasons']}"

@@ -21,12 +21,12 @@ from rich.text import Text
 from controller.settings import ControllerSettings
 from files import strict, yaml12
 from files.errors import InputError, shown
-from files.numbers import is_whole, within
+from files.numbers import is_integer, within
 from files.reading import read_text
 from files.sharing import shared_target
 from scenarios.cases import PERCEPTIONS, Case, cases, distinct
 from scenarios.closed_loop import Run
-from scenarios.named_files import try_files
+from scenarios.named_files import check_case_files
 from scenarios.parallel import simulate_each
 from scenarios.report.table import short_name
 from scenarios.runfolder import vehicle_name
@@ -140,7 +140,7 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
     """Parse `--seeds`; None leaves each scenario its own."""
     if arguments.seeds is None:
         return None
-    seeds = [int(text) for text in arguments.seeds if is_whole(text)]
+    seeds = [int(text) for text in arguments.seeds if is_integer(text)]
     if not seeds or len(seeds) < len(arguments.seeds) or max(seeds) > MOST_SEED:
         got = shown(",".join(arguments.seeds))
         raise InputError(f"--seeds must be whole numbers >= 0 and <= {MOST_SEED}, got {got}")
@@ -153,7 +153,7 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     wanted = distinct(cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments)))
     _check_names(wanted)
     for case in wanted:
-        try_files(case)
+        check_case_files(case)
     return wanted
 
 

@@ -13,7 +13,7 @@ from scenarios.cases import Case
 from scenarios.runfolder import folder_name
 
 KIND = "runs"
-"""Kind, in their marker, of folders to which runs, comparisons and figures are added."""
+"""ObstacleTemplate, in their marker, of folders to which runs, comparisons and figures are added."""
 USUAL = Path("runs")
 _FILES = ("json", "parquet", "markdown", "latex", "film")
 

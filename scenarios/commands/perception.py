@@ -26,9 +26,9 @@ from scenarios.loading import load
 from scenarios.report.perception import write_error_figure
 from scenarios.runfolder import environment, to_json
 
-_OBSTACLES_A_ROAD = 10
+_OBSTACLES_PER_ROAD = 10
 _BASE = "mixed_40"
-_OF_COURSES: dict[str, Any] = {"looks": ["day"], "braking": 0.0, "grade": 0.0, "events": 100}
+_COURSE_OPTIONS: dict[str, Any] = {"looks": ["day"], "braking": 0.0, "grade": 0.0, "events": 100}
 """Options that apply to courses only, with their defaults."""
 
 
@@ -95,7 +95,7 @@ def _scenarios(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
     """Name and cases of each scenario."""
     if not arguments.scenarios:
         raise InputError(f"name a SCENARIO, or --courses of {', '.join(COURSES)}")
-    given = [f"--{name}" for name in _OF_COURSES if getattr(arguments, name) is not None]
+    given = [f"--{name}" for name in _COURSE_OPTIONS if getattr(arguments, name) is not None]
     if given:
         raise InputError(f"{', '.join(given)} must come with --courses, got SCENARIO alone")
     loaded = [load(name, overrides_of(arguments)) for name in arguments.scenarios]
@@ -113,7 +113,7 @@ def _courses(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
     """Name and cases, one per road, of each course in each lighting and weather."""
     looks, braking, grade, events = (
         usual if getattr(arguments, name) is None else getattr(arguments, name)
-        for name, usual in _OF_COURSES.items()
+        for name, usual in _COURSE_OPTIONS.items()
     )
     seeds = seeds_of(arguments) or [0]
     if len(arguments.scenarios) > 1:
@@ -124,8 +124,8 @@ def _courses(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
         raise InputError(f"--seeds must be one with --courses, the first road's, got {len(seeds)}")
     base = load((arguments.scenarios or [_BASE])[0], overrides_of(arguments))
     roads = [
-        (seed, min(_OBSTACLES_A_ROAD, events - done))
-        for seed, done in enumerate(range(0, events, _OBSTACLES_A_ROAD), seeds[0])
+        (seed, min(_OBSTACLES_PER_ROAD, events - done))
+        for seed, done in enumerate(range(0, events, _OBSTACLES_PER_ROAD), seeds[0])
     ]
 
     def case(kind: str, look: str, seed: int, obstacles: int) -> Case:

@@ -9,7 +9,7 @@ from pathlib import Path
 from files.atomic import write_text
 from files.errors import InputError
 from files.targets import check_files
-from scenarios.baseline import REFERENCE, Baseline, Held, read, seen_from, write
+from scenarios.baseline import REFERENCE, Baseline, BaselineEntry, read, relative_name, write
 from scenarios.commands.options import (
     add_case_options,
     cases_of,
@@ -51,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> int:
     driven = [one.case(path.parent) for one in held]
     now = [measured(run) for run in simulated(driven, jobs=jobs_of(arguments))]
     if arguments.accept:
-        write(path, baseline.renewed([replace(o, metrics=m) for o, m in zip(held, now, strict=True)]))
+        write(path, baseline.with_entries([replace(o, metrics=m) for o, m in zip(held, now, strict=True)]))
         console.print(f"baseline: {path} ({len(held)} cases written)")
         return 0
     tolerances = baseline.own_tolerances()
@@ -67,15 +67,15 @@ def execute(arguments: argparse.Namespace) -> int:
     return CHECK_FAILED if any(failed(moved) for moved in found) else 0
 
 
-def _named(arguments: argparse.Namespace) -> list[Held]:
+def _named(arguments: argparse.Namespace) -> list[BaselineEntry]:
     """Baseline entries for the cases on the command line, without metrics yet."""
     folder, overrides = arguments.baseline.parent, tuple(overrides_of(arguments))
     named = ((name, case) for name in arguments.scenarios for case in cases_of(arguments, [name]))
     return [
-        Held(
-            scenario=seen_from(folder, name),
+        BaselineEntry(
+            scenario=relative_name(folder, name),
             overrides=overrides,
-            controller=seen_from(folder, case.controller),
+            controller=relative_name(folder, case.controller),
             perception=case.perception,
             seed=case.seed,
             metrics={},

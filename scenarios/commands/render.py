@@ -58,7 +58,7 @@ def execute(arguments: argparse.Namespace) -> int:
     with atomic_folder(out, KIND) as draft:
         for index, x in enumerate(track(places, "rendering", console=console, transient=True)):
             name = f"{index:04d}-{x:06.1f}m.png"
-            image, detections = photograph(scenario, scene, float(x), index, detector)
+            image, detections = render_frame(scenario, scene, float(x), index, detector)
             draft.write(name, _png(mark(image, detections)))
             found[name] = {
                 "x_m": x,
@@ -79,7 +79,7 @@ def _png(image: np.ndarray) -> bytes:
     return data.tobytes()
 
 
-def photograph(
+def render_frame(
     scenario: Scenario, scene: Scene, x_m: float, index: int, detector: Detector | None
 ) -> tuple[np.ndarray, Detections]:
     """Image with the car at rest at `x_m`, and the detector's boxes or, without one, the true ones."""

@@ -13,7 +13,7 @@ from files.targets import check_files
 from scenarios.closed_loop import Run
 from scenarios.commands.options import console, progress_bar
 from scenarios.report.budget import error_budget_section
-from scenarios.report.film import write_film
+from scenarios.report.film import write_video
 from scenarios.report.frames import has_frames, with_frames
 from scenarios.report.gather import gather
 from scenarios.report.html import first_seeds, page
@@ -53,7 +53,7 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"foreride: partial report: {message}", file=sys.stderr)
     if arguments.film:
         with console.status("writing the film"):
-            write_film(arguments.film, _pairs(first_seeds(gathered.runs)))
+            write_video(arguments.film, _pairs(first_seeds(gathered.runs)))
         console.print(f"film: {arguments.film}")
     return 0
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.table import Table
 
 from files.atomic import write_text
-from road.facts import Track, feature_facts, track_facts
+from road.facts import TrackSummary, list_features, summarise_track
 from road.measured import FORMATS, read_surface
 from road.profile import Road
 from scenarios.commands.options import console
@@ -28,7 +28,7 @@ def add(commands: argparse._SubParsersAction) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Print a table of the wheel tracks and one of the features."""
     road, places = _road(arguments.road)
-    tracks, features = [track_facts(road, y) for y in places], feature_facts(road)
+    tracks, features = [summarise_track(road, y) for y in places], list_features(road)
     console.print(f"{arguments.road}: {road.length_m:g} m")
     console.print(_track_table(tracks))
     if features:
@@ -48,7 +48,7 @@ def _road(name: str) -> tuple[Road, list[float]]:
     return scenario.road, [half, -half]
 
 
-def _track_table(tracks: list[Track]) -> Table:
+def _track_table(tracks: list[TrackSummary]) -> Table:
     table = Table("wheel track", "range mm", "IRI m/km", "G_d(0.1) 1e-6 m³", "waviness", "ISO 8608 class")
     for track in tracks:
         side = "left" if track.y_m > 0 else "right"

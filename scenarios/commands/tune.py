@@ -2,7 +2,7 @@
 
 import argparse
 
-from controller.tuned import TUNED
+from controller.tuned import TUNED_CONTROLLERS
 from files import strict
 from files.atomic import write_text
 from files.errors import InputError
@@ -20,7 +20,7 @@ from scenarios.commands.outputs import runs_folder
 from scenarios.runfolder import environment, to_json
 from scenarios.schema import Scenario
 from scenarios.sets import load_all
-from scenarios.tuning import Judge, Tuned, spans_of, tune, with_settings
+from scenarios.tuning import Tuned, TuningObjective, search_ranges, tune, with_settings
 
 
 def add(commands: argparse._SubParsersAction) -> None:
@@ -29,9 +29,13 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument(
         "events", nargs="*", default=["tuning"], metavar="SCENARIO", help="scenarios or sets (default tuning)"
     )
-    names = ",".join(TUNED)
+    names = ",".join(TUNED_CONTROLLERS)
     command.add_argument(
-        "--controllers", type=comma_list, default=list(TUNED), metavar="A,B,...", help=f"default {names}"
+        "--controllers",
+        type=comma_list,
+        default=list(TUNED_CONTROLLERS),
+        metavar="A,B,...",
+        help=f"default {names}",
     )
     command.add_argument(
         "--evaluations",
@@ -54,13 +58,13 @@ def execute(arguments: argparse.Namespace) -> int:
     car = scenarios[0].vehicle.parameters
     if any(scenario.vehicle.parameters != car for scenario in scenarios):
         raise InputError("tuning scenarios must all have the same car; --vehicle sets it")
-    searches = {name: spans_of(name, car.wheels) for name in arguments.controllers}
+    searches = {name: search_ranges(name, car.wheels) for name in arguments.controllers}
     out = arguments.out or runs_folder(None) / "tuned" / f"{car.kind}.yaml"
     check_files(out)
     found = []
     with progress_bar() as progress:
         bar = progress.add_task("passive", total=len(searches) * arguments.evaluations)
-        judge = Judge(scenarios, lambda: progress.advance(bar))
+        judge = TuningObjective(scenarios, lambda: progress.advance(bar))
         for name, spans in searches.items():
             progress.update(bar, description=name)
             there = strict.to_mapping(getattr(scenarios[0].control.settings, name))
@@ -84,7 +88,7 @@ def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
     scores = {tuned.controller: tuned.score for tuned in found}
     lines = [f"# Made by: {command}", "# After each: mean over the events of J relative to passive."]
     for name, values in strict.to_mapping(scenario.control.settings).items():
-        if name in TUNED:
+        if name in TUNED_CONTROLLERS:
             pairs = ", ".join(f"{key}: {value:g}" for key, value in values.items())
             score = f"  # {scores[name]:.4f}" if name in scores else ""
             lines.append(f"{name}: {{{pairs}}}{score}")
@@ -94,7 +98,7 @@ def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
 def _command(arguments: argparse.Namespace) -> str:
     """Command line that reproduces the result."""
     parts = ["foreride tune", *arguments.events]
-    if arguments.controllers != list(TUNED):
+    if arguments.controllers != list(TUNED_CONTROLLERS):
         parts.append(f"--controllers {','.join(arguments.controllers)}")
     parts += [f"--set {override}" for override in overrides_of(arguments)]
     return " ".join([*parts, f"--evaluations {arguments.evaluations}", f"--seed {arguments.seed}"])

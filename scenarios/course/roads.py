@@ -22,7 +22,7 @@ LOOKS = {
     "rain": Appearance(light="overcast", weather="rain"),
 }
 MIXED = "mixed"  # all LOOKS in turn, road by road
-HARDEST_BRAKING_M_S2, STEEPEST_GRADE = 8.0, 0.05
+MAX_BRAKING_M_S2, MAX_GRADE = 8.0, 0.05
 _FIRST_M = 40.0
 _SPACING_M = (24.0, 34.0)
 _BRAKING_M, _SLOW_M = 8.0, 6.0  # before an obstacle, and from its near edge on
@@ -57,8 +57,8 @@ def course(
         raise InputError(f"look must be one of {', '.join(LOOKS)}, {MIXED}, got {look!r}")
     if obstacles < 1:
         raise InputError(f"obstacles must be >= 1, got {obstacles}")
-    _check("braking", braking_m_s2, HARDEST_BRAKING_M_S2)
-    _check("grade", grade, STEEPEST_GRADE)
+    _check("braking", braking_m_s2, MAX_BRAKING_M_S2)
+    _check("grade", grade, MAX_GRADE)
     rng = np.random.default_rng((seed, COURSES.index(kind)))
     speed_kmh = float(rng.uniform(30.0, 60.0))
     starts = [float(x) for x in _FIRST_M + np.cumsum(rng.uniform(*_SPACING_M, obstacles))]

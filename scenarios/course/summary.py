@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from scenarios.closed_loop import Run
-from scenarios.course.judge import Belief, Passage, false_tracks, passages
+from scenarios.course.judge import Encounter, TrackEstimate, encounters, false_tracks
 
 BINS_M = (2.5, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
 _IN_ORDER = ("bias_m", "sigma_m", "timing_ms_95")
@@ -23,12 +23,12 @@ def summarise(runs: Sequence[Run]) -> dict[str, Any]:
     sigma for bins of distance, `by_order` those and the timing for the first, second, ... obstacle of a
     drive, from which the estimator learns. None stands for undefined values.
     """
-    drives = [passages(run) for run in runs]
-    met = [passage for drive in drives for passage in drive]
+    drives = [encounters(run) for run in runs]
+    met = [encounter for drive in drives for encounter in drive]
     used = _used(met)
     false = sum(false_tracks(run) for run in runs)
     km = sum(float(run.signals["x_m"][-1] - run.signals["x_m"][0]) for run in runs) / 1000
-    first = [passage.first_confirmed_m for passage in met if passage.first_confirmed_m is not None]
+    first = [encounter.first_confirmed_m for encounter in met if encounter.first_confirmed_m is not None]
     return {
         "events": len(met),
         "missed": len(met) - len(used),
@@ -45,16 +45,18 @@ def summarise(runs: Sequence[Run]) -> dict[str, Any]:
     }
 
 
-def _used(met: Sequence[Passage]) -> list[tuple[Passage, Belief]]:
-    return [(passage, belief) for passage in met if (belief := passage.used) is not None]
+def _used(met: Sequence[Encounter]) -> list[tuple[Encounter, TrackEstimate]]:
+    return [
+        (encounter, track_estimate) for encounter in met if (track_estimate := encounter.used) is not None
+    ]
 
 
-def _at_use(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
+def _at_use(used: Sequence[tuple[Encounter, TrackEstimate]]) -> dict[str, Any]:
     if len(used) < 2:
         return dict.fromkeys(("bias_m", "sigma_m", "timing_ms_95", "nees", "nees_band"))
-    error = np.array([belief.error_m for _, belief in used])
-    claimed = np.array([belief.sigma_m for _, belief in used])
-    timing = np.abs(error) / [passage.speed_m_s for passage, _ in used]
+    error = np.array([track_estimate.error_m for _, track_estimate in used])
+    claimed = np.array([track_estimate.sigma_m for _, track_estimate in used])
+    timing = np.abs(error) / [encounter.speed_m_s for encounter, _ in used]
     band = chi2.ppf([0.025, 0.975], len(used)) / len(used)
     return {
         "bias_m": float(error.mean()),
@@ -65,29 +67,40 @@ def _at_use(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
     }
 
 
-def _shape(used: Sequence[tuple[Passage, Belief]]) -> dict[str, Any]:
+def _shape(used: Sequence[tuple[Encounter, TrackEstimate]]) -> dict[str, Any]:
     if not used:
         return {"height_error_rms": None, "right_kind": None}
-    relative = [belief.height_m / passage.true_height_m - 1 for passage, belief in used]
-    right = [belief.kind == passage.true_kind for passage, belief in used]
+    relative = [track_estimate.height_m / encounter.true_height_m - 1 for encounter, track_estimate in used]
+    right = [track_estimate.kind == encounter.true_kind for encounter, track_estimate in used]
     return {
         "height_error_rms": float(np.sqrt(np.mean(np.square(relative)))),
         "right_kind": float(np.mean(right)),
     }
 
 
-def _by_distance(met: Sequence[Passage]) -> list[dict[str, Any]]:
-    beliefs = [belief for passage in met for belief in passage.beliefs if belief.confirmed]
+def _by_distance(met: Sequence[Encounter]) -> list[dict[str, Any]]:
+    track_estimates = [
+        track_estimate
+        for encounter in met
+        for track_estimate in encounter.track_estimates
+        if track_estimate.confirmed
+    ]
     rows = []
     for near, far in pairwise(BINS_M):
-        error = np.array([belief.error_m for belief in beliefs if near <= belief.distance_m < far])
+        error = np.array(
+            [
+                track_estimate.error_m
+                for track_estimate in track_estimates
+                if near <= track_estimate.distance_m < far
+            ]
+        )
         if len(error) > 1:
             bias, sigma = float(error.mean()), float(error.std(ddof=1))
             rows.append({"from_m": near, "to_m": far, "bias_m": bias, "sigma_m": sigma, "count": len(error)})
     return rows
 
 
-def _by_order(drives: Sequence[Sequence[Passage]]) -> list[dict[str, Any]]:
+def _by_order(drives: Sequence[Sequence[Encounter]]) -> list[dict[str, Any]]:
     rows = []
     for order in range(max(map(len, drives), default=0)):
         used = _used([drive[order] for drive in drives if len(drive) > order])

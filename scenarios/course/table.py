@@ -7,7 +7,7 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from scenarios.course.judge import USE_M
+from scenarios.course.judge import EVALUATION_DISTANCE_M
 from scenarios.course.summary import BINS_M
 
 Row = dict[str, Any]
@@ -31,7 +31,7 @@ _FINE_M = 8.0  # distance up to which millimetres are shown
 
 def use_table(rows: Sequence[Row]) -> Table:
     """Statistics of `scenarios.course.summary` at the distance of use, one line per row."""
-    title = f"near edge {USE_M:g} m before the front wheel"
+    title = f"near edge {EVALUATION_DISTANCE_M:g} m before the front wheel"
     lines = [[_cell(row[key], style, factor) for _, key, style, factor in _COLUMNS] for row in rows]
     return _table(title, [title for title, _, _, _ in _COLUMNS], rows, lines)
 

@@ -36,7 +36,7 @@ def mark(image: np.ndarray, detections: Detections) -> np.ndarray:
     return marked
 
 
-def pictures(passive: Run, preview: Run, fps: int, slow_motion: float) -> Iterator[np.ndarray]:
+def video_frames(passive: Run, preview: Run, fps: int, slow_motion: float) -> Iterator[np.ndarray]:
     """Yield the video frames (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera frames."""
     if not preview.looks or preview.looks[0].image is None:
         raise InputError(f"film: the run of {preview.case.controller} kept no camera frames")
@@ -56,7 +56,7 @@ def pictures(passive: Run, preview: Run, fps: int, slow_motion: float) -> Iterat
         yield canvas
 
 
-def write_film(
+def write_video(
     path: Path,
     pairs: Sequence[tuple[Run, Run]],
     fps: int = 25,
@@ -77,7 +77,7 @@ def write_film(
             if not writer.isOpened():
                 raise InputError(f"{path}: cannot be written as a film")
             for passive, preview in pairs:
-                for picture in pictures(passive, preview, fps, slow_motion):
+                for picture in video_frames(passive, preview, fps, slow_motion):
                     writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
                 advance()
         finally:

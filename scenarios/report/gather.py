@@ -19,7 +19,7 @@ COMPARISON = "comparison.json"
 
 
 @dataclass(frozen=True)
-class Gathered:
+class ReportInput:
     """Report input. runs: with signals. rows: of all runs, for tables. missing: gaps of a partial result."""
 
     runs: tuple[Run, ...]
@@ -27,13 +27,13 @@ class Gathered:
     missing: tuple[str, ...] = ()
 
 
-def gather(path: Path) -> Gathered:
+def gather(path: Path) -> ReportInput:
     """Collect the runs at `path`: the folder of a run or of a comparison, or a comparison's JSON file.
 
     A single run is accompanied by the passive car: the run in the same place if there is one, else simulated.
     """
     if path.is_file():
-        return Gathered((), tuple(_rows(_document(path), path)))
+        return ReportInput((), tuple(_rows(_document(path), path)))
     if is_run(path):
         return _single(path)
     folders = sorted(inner for inner in path.iterdir() if is_run(inner)) if path.is_dir() else []
@@ -44,14 +44,14 @@ def gather(path: Path) -> Gathered:
     return _folder(path, folders)
 
 
-def _single(path: Path) -> Gathered:
+def _single(path: Path) -> ReportInput:
     run = read(path)
     if run.case.controller == "passive":
-        return Gathered((run,), (row(run),))
+        return ReportInput((run,), (row(run),))
     beside = _passive_beside(path, run) or simulate(
         replace(run.case, controller="passive", perception="none")
     )
-    return Gathered((beside, run), (row(beside), row(run)))
+    return ReportInput((beside, run), (row(beside), row(run)))
 
 
 def _passive_beside(path: Path, run: Run) -> Run | None:
@@ -69,7 +69,7 @@ def _same_drive(one: Case, other: Case) -> bool:
     return one.seed == other.seed and scenario_hash(one.scenario) == scenario_hash(other.scenario)
 
 
-def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
+def _folder(path: Path, folders: Sequence[Path]) -> ReportInput:
     """All runs in the order in which the comparison planned them; without a plan by name, passive first."""
     listed = path / COMPARISON
     planned = _planned(_document(listed), listed) if listed.is_file() else []
@@ -92,7 +92,7 @@ def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
         ),
     )
     found = tuple(run for _, run in ordered)
-    return Gathered(found, tuple(row(run) for run in found), tuple(missing))
+    return ReportInput(found, tuple(row(run) for run in found), tuple(missing))
 
 
 def _drive(run: Run) -> tuple[str, str, int]:

@@ -9,7 +9,7 @@ from scenarios.cases import PERCEPTIONS
 from scenarios.clock import TICKS_PER_SECOND
 from scenarios.closed_loop import Run
 from scenarios.report.figures import label_of
-from scenarios.report.gather import Gathered
+from scenarios.report.gather import ReportInput
 from scenarios.report.markup import embedded, text
 from scenarios.report.replay import scene
 from scenarios.report.sections import budget_section, manifest_section, metrics_section, solver_section
@@ -18,11 +18,11 @@ from scenarios.statistics import summarise, variants_of
 
 _PAGE = Path(__file__).parent / "page"
 _SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")
-MOST_FRAMES = 300
+MAX_FRAMES = 300
 """Maximum number of frames in one file; with more exposures every second, third, ... is shown."""
 
 
-def page(gathered: Gathered, frames_from: str = "", budget: str = "") -> str:
+def page(gathered: ReportInput, frames_from: str = "", budget: str = "") -> str:
     """Text of the report: `frames_from` notes the origin of the camera images, `budget` is a section."""
     runs = first_seeds(gathered.runs)
     baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
@@ -56,7 +56,7 @@ def _drive(run: Run) -> tuple[str, str]:
 
 def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
     images = sum(look.image is not None for run in runs for look in run.looks)
-    every = max(1, -(-images // MOST_FRAMES))
+    every = max(1, -(-images // MAX_FRAMES))
     shown = []
     for _, group in groupby(runs, key=_drive):
         members = list(group)
@@ -78,14 +78,14 @@ def _frames_note(run: Run, frames_from: str, every: int) -> str:
     )
 
 
-def _title(gathered: Gathered) -> str:
+def _title(gathered: ReportInput) -> str:
     names = list(dict.fromkeys(row["scenario"] for row in gathered.rows))
     if len(names) == 1:
         return gathered.runs[0].case.scenario.title if gathered.runs else str(names[0])
     return f"{len(names)} drives compared"
 
 
-def _subtitle(gathered: Gathered) -> str:
+def _subtitle(gathered: ReportInput) -> str:
     controllers = list(dict.fromkeys(str(row["controller"]).rpartition(":")[2] for row in gathered.rows))
     seeds = len({row["seed"] for row in gathered.rows})
     vehicles = ", ".join(dict.fromkeys(str(row["vehicle"]) for row in gathered.rows))

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from scenarios.course.judge import USE_M
+from scenarios.course.judge import EVALUATION_DISTANCE_M
 from scenarios.report.figures import plain, save
 
 
@@ -20,7 +20,7 @@ def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
         bins = row["by_distance"]
         middle = [0.5 * (b["from_m"] + b["to_m"]) for b in bins]
         axis.axhline(0.0, color="#999999", lw=0.8)
-        axis.axvline(USE_M, color="#b0413e", lw=0.8, ls="--")
+        axis.axvline(EVALUATION_DISTANCE_M, color="#b0413e", lw=0.8, ls="--")
         axis.errorbar(
             middle,
             [b["bias_m"] for b in bins],

@@ -38,7 +38,7 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
         "title": printable(first.title),
         "vehicle": printable(first.vehicle.model),
         "seed": runs[0].case.seed,
-        "road": {"step": ROAD_STEP_M, "z": packed(height)},
+        "road": {"step": ROAD_STEP_M, "z": encode_float32(height)},
         "axles": [car.axle_x_m[i] for i in (side[0], side[-1])][: len(side)],
         "radius": car.wheel_radius_m,
         "rate": TICKS_PER_SECOND / STRIDE,
@@ -49,7 +49,7 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
     }
 
 
-def packed(values: ArrayLike) -> str:
+def encode_float32(values: ArrayLike) -> str:
     """Encode numbers as base64 of little-endian float32."""
     return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
 
@@ -61,11 +61,11 @@ def spectra(runs: Sequence[Run]) -> dict[str, Any]:
     for run in runs:
         frequency, density = welch(run.signals["seat_acc_0"], TICKS_PER_SECOND, nperseg=length)
         band = (frequency >= PSD_BAND_HZ[0]) & (frequency <= PSD_BAND_HZ[1])
-        densities.append(packed(density[band]))
+        densities.append(encode_float32(density[band]))
     return {
-        "f": packed(frequency[band]),
+        "f": encode_float32(frequency[band]),
         "density": densities,
-        "wk": packed(frequency_weighting("Wk", frequency[band])),
+        "wk": encode_float32(frequency_weighting("Wk", frequency[band])),
     }
 
 
@@ -80,7 +80,7 @@ def _run(run: Run, side: Sequence[int], note: str, frame_every: int) -> dict[str
     return {
         "label": label_of(run),
         "perception": run.case.perception,
-        "signals": {key: packed(run.signals[name][::STRIDE]) for key, name in present.items()},
+        "signals": {key: encode_float32(run.signals[name][::STRIDE]) for key, name in present.items()},
         "fallbacks": [event["time_s"] for event in run.events if event["event"] == "fallback"],
         "looks": _looks(run, frame_every),
         "frames": note,
@@ -117,6 +117,6 @@ def _preview(run: Run) -> dict[str, Any] | None:
     if not len(log):
         return None
     names = {"height": log.height_m, "sigma": log.position_sigma_m, "existence": log.existence}
-    return {"t": packed(log.time_s), "distance": packed(log.distance_m)} | {
-        name: packed(values) for name, values in names.items()
+    return {"t": encode_float32(log.time_s), "distance": encode_float32(log.distance_m)} | {
+        name: encode_float32(values) for name, values in names.items()
     }

@@ -50,7 +50,7 @@ def _wheel_and_damper() -> Check:
         holding.load_rms(4000 + 400 * wave, 4000.0),
         holding.load_percentile(4000 + 400 * wave, 4000.0),
         holding.rattle_rms(0.03 * wave),
-        holding.damper_heat(power, RATE_HZ),
+        holding.dissipated_energy(power, RATE_HZ),
         holding.lift_time(4000 + 5000 * wave, RATE_HZ),
         holding.stop_time(0.1 * wave, 0.08, RATE_HZ),
     )

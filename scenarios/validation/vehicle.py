@@ -14,7 +14,7 @@ from vehicle import equations
 from vehicle.batch import Fleet
 from vehicle.clock import RATE_HZ, STEP_S
 from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.engine import Native
+from vehicle.engine import RolloutEngine
 from vehicle.linear import linear_twin
 from vehicle.parameters import Car, load_vehicle
 from vehicle.plant import Plant
@@ -87,8 +87,8 @@ def summary(signals: VehicleState) -> Array:
 
 def _one_tick(car: Car) -> tuple[Array, Array]:
     """State and input matrices of a tick at passive damping, by finite differences of the engine."""
-    engine, wheels = Native(car), car.wheels
-    moving = 2 * (len(car.body_inertia) + wheels)
+    engine, wheels = RolloutEngine(car), car.wheels
+    moving = 2 * (len(car.generalised_mass) + wheels)
     rest = np.zeros(engine.size)
     rest[engine.order] = equations.rest_state(car)
     held = np.zeros((1, 2 * wheels + (wheels > 1)))
@@ -157,7 +157,7 @@ def _energy(name: str) -> Check:
     signals = drive(car, GENTLE, 1500.0)
     state = equations.motion(car, signals.x)
     stored, heat, work = np.zeros(TICKS + 1), np.zeros(TICKS + 1), np.zeros(TICKS + 1)
-    for inertia, velocity in zip(car.body_inertia, state.body_velocity, strict=True):
+    for inertia, velocity in zip(car.generalised_mass, state.body_velocity, strict=True):
         stored += inertia * velocity**2 / 2
     for i, corner in enumerate(car.corners):
         stretch = signals.road_height[i] - state.wheel[i]
@@ -182,7 +182,7 @@ def _static_deflection() -> Check:
     series = [1 / (1 / corner.spring_n_m + 1 / corner.tyre_n_m) for corner in car.corners]
     k = np.array([[s * a * b for a in (1.0, -c.x_m) for b in (1.0, -c.x_m)]
                   for s, c in zip(series, car.corners, strict=True)]).sum(axis=0).reshape(2, 2)  # fmt: skip
-    heave, pitch = np.linalg.solve(k, [0.0, car.body_inertia[0] * 3.0 * car.inertial_arm_m[1]])
+    heave, pitch = np.linalg.solve(k, [0.0, car.generalised_mass[0] * 3.0 * car.inertial_lever_arm_m[1]])
     now = plant.state
     return Check("static heave and pitch at 3 m/s² of braking", "closed form",
                  relative([now.heave_m, now.pitch_rad], [heave, pitch]), 1e-4)  # fmt: skip

@@ -18,7 +18,7 @@ import torch
 
 from benchmarks.tables import dfine
 from benchmarks.tables.detectors import main
-from detector.assigner import Truths
+from detector.assigner import GroundTruth
 from detector.dataset import read_labels
 from detector.loader import Batch, batches
 from detector.schedule import Stage
@@ -150,7 +150,7 @@ def test_no_rival_is_imported_unasked() -> None:
 
 
 def test_d_fine_learns_from_fractions_of_the_image() -> None:
-    truths = Truths(
+    truths = GroundTruth(
         torch.tensor([0, 1, 1]),
         torch.tensor([1, 0, -1]),
         torch.tensor([[10.0, 20, 30, 60], [0, 0, 100, 80], [1, 1, 2, 2]]),

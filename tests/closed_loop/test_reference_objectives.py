@@ -11,7 +11,7 @@ import pytest
 
 from comfort.metrics import ride_metrics
 from controller.base import Controller, Timing
-from controller.observer import truth_estimate
+from controller.observer import exact_estimate
 from controller.registry import build
 from preview.horizon import distance_grid, oracle_preview
 from road.envelope import wheel_profile
@@ -55,7 +55,7 @@ def drive(
     for _ in range(int((length - start_m) / speed / timing.period_s)):
         state = plant.state
         seen = [state.x_m + axle + shift_m for axle in car.axle_x_m]
-        asked = controller.step(truth_estimate(state), oracle_preview(profiles, seen, state.time_s, GRID))
+        asked = controller.step(exact_estimate(state), oracle_preview(profiles, seen, state.time_s, GRID))
         for command, ticks in ((acting, delay), (asked, period - delay)):
             if ticks:
                 plant.step(command, ticks)

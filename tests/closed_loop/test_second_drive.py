@@ -8,7 +8,7 @@ from road.features import HalfSineBump
 from road.profile import Road
 from scenarios.cases import Case
 from scenarios.closed_loop import simulate
-from scenarios.course.judge import passages
+from scenarios.course.judge import encounters
 from scenarios.loading import load
 
 
@@ -25,7 +25,7 @@ def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tm
     second = simulate(Case(replace(base, memory=str(path)), "passive", "boxes", 3))
     assert first.files_sha256["memory_sha256"] is None
     assert second.files_sha256["memory_sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
-    (before,), (after,) = passages(first), passages(second)
+    (before,), (after,) = encounters(first), encounters(second)
     assert after.first_confirmed_m is not None
     assert before.first_confirmed_m is not None
     assert after.first_confirmed_m > before.first_confirmed_m + 10.0

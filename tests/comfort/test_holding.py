@@ -43,7 +43,7 @@ def test_linear_damper_heats_by_half_its_coefficient_times_velocity_squared():
     power = holding.damper_power(-1500 * velocity, velocity)
     assert power.min() >= 0
     assert power.max() == pytest.approx(1500 * 0.4**2, rel=1e-4)
-    assert holding.damper_heat(power, RATE) == pytest.approx(1500 * 0.4**2 / 2 * 10)
+    assert holding.dissipated_energy(power, RATE) == pytest.approx(1500 * 0.4**2 / 2 * 10)
 
 
 @pytest.mark.parametrize(

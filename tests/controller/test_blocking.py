@@ -3,36 +3,36 @@
 import numpy as np
 from scipy.optimize import LinearConstraint, minimize
 
-from controller.blocking import ALONE, SHARED, Blocks
-from controller.qp import Rows, solve_box
+from controller.blocking import BLOCK_LENGTH, FREE_INTERVALS, MoveBlocks
+from controller.qp import ConstraintRows, solve_box
 
-INTERVALS, DAMPERS, FORCES = ALONE + 2 * SHARED + 1, 2, 2
+INTERVALS, DAMPERS, FORCES = FREE_INTERVALS + 2 * BLOCK_LENGTH + 1, 2, 2
 N = INTERVALS * (DAMPERS + FORCES)
 
 
-def program(seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Rows]:
+def program(seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, ConstraintRows]:
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(N, N))
-    rows = Rows(rng.normal(size=(3, N)), -np.full(3, 2.0), np.full(3, 2.0))
+    rows = ConstraintRows(rng.normal(size=(3, N)), -np.full(3, 2.0), np.full(3, 2.0))
     return root.T @ root + np.eye(N), 20.0 * rng.normal(size=N), -np.full(N, 0.3), np.full(N, 0.2), rows
 
 
 def test_forces_of_a_group_are_equal_and_dampers_are_free() -> None:
-    solution = Blocks(INTERVALS, DAMPERS, FORCES).solve(*program())
+    solution = MoveBlocks(INTERVALS, DAMPERS, FORCES).solve(*program())
     assert solution.problem is None
     plan = solution.x.reshape(INTERVALS, -1)
-    late = plan[ALONE : ALONE + 2 * SHARED].reshape(2, SHARED, -1)
+    late = plan[FREE_INTERVALS : FREE_INTERVALS + 2 * BLOCK_LENGTH].reshape(2, BLOCK_LENGTH, -1)
     assert (np.ptp(late[..., DAMPERS:], axis=1) == 0.0).all()
     assert (np.ptp(late[..., :DAMPERS], axis=1) > 0.0).all()
-    assert (np.ptp(plan[:ALONE, DAMPERS:], axis=0) > 0.0).all()
+    assert (np.ptp(plan[:FREE_INTERVALS, DAMPERS:], axis=0) > 0.0).all()
 
 
 def test_no_other_equal_corrections_are_better() -> None:
     hessian, gradient, low, high, rows = program()
-    found = Blocks(INTERVALS, DAMPERS, FORCES).solve(hessian, gradient, low, high, rows).x
+    found = MoveBlocks(INTERVALS, DAMPERS, FORCES).solve(hessian, gradient, low, high, rows).x
     equal = np.zeros((0, N))
-    for k in range(ALONE, ALONE + 2 * SHARED):
-        if (k - ALONE) % SHARED:
+    for k in range(FREE_INTERVALS, FREE_INTERVALS + 2 * BLOCK_LENGTH):
+        if (k - FREE_INTERVALS) % BLOCK_LENGTH:
             for i in range(DAMPERS, DAMPERS + FORCES):
                 row = np.zeros(N)
                 row[4 * k + i], row[4 * (k - 1) + i] = 1.0, -1.0
@@ -53,8 +53,8 @@ def test_no_other_equal_corrections_are_better() -> None:
 def test_what_equal_corrections_cannot_do_is_done_by_free_ones() -> None:
     hessian, gradient, low, high, _ = program()
     matrix = np.zeros((2, N))
-    matrix[0, 4 * ALONE + DAMPERS] = matrix[1, 4 * (ALONE + 1) + DAMPERS] = 1.0
-    apart = Rows(matrix, np.array([0.1, -0.3]), np.array([0.2, -0.1]))
-    solution = Blocks(INTERVALS, DAMPERS, FORCES).solve(hessian, gradient, low, high, apart)
+    matrix[0, 4 * FREE_INTERVALS + DAMPERS] = matrix[1, 4 * (FREE_INTERVALS + 1) + DAMPERS] = 1.0
+    apart = ConstraintRows(matrix, np.array([0.1, -0.3]), np.array([0.2, -0.1]))
+    solution = MoveBlocks(INTERVALS, DAMPERS, FORCES).solve(hessian, gradient, low, high, apart)
     assert solution.problem is None
     np.testing.assert_array_equal(solution.x, solve_box(hessian, gradient, low, high, apart).x)

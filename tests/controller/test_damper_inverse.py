@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from controller.base import Controller, Estimate
-from controller.damper_inverse import Inverted, constant_settings
+from controller.damper_inverse import EquivalentDamping, equivalent_settings
 from controller.passive import passive
 from controller.registry import build
 from preview.horizon import RoadPreview
@@ -14,18 +14,18 @@ from tests.controller.cars import estimate
 from vehicle.corner import Corner
 from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from vehicle.equations import rest_state
-from vehicle.parameters import Car, load_vehicle, prediction_car
+from vehicle.parameters import Car, control_model, load_vehicle
 
 LINEAR = load_vehicle("quarter")
 DAMPERS = [ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
 
 
 def car(damper: Damper) -> Car:
-    return prediction_car(replace(LINEAR, damper=damper))
+    return control_model(replace(LINEAR, damper=damper))
 
 
 def force(corner: Corner, setting: float, rate: float) -> float:
-    return float(corner.damper.force(setting, corner.share(setting), 0.0, rate, [], np))
+    return float(corner.damper.force(setting, corner.normalised_setting(setting), 0.0, rate, [], np))
 
 
 class Asks:
@@ -59,13 +59,13 @@ def test_a_law_gets_its_force_or_the_nearest(damper: Damper, rate: float) -> Non
     x[1] = rate
     least, most = (abs(force(corner, end, rate)) for end in (300.0, 4500.0))
     for wanted in (400.0, 1500.0, 3000.0, 8000.0, 40000.0):
-        (setting,) = Inverted(Asks(wanted), vehicle).step(estimate(vehicle, x), None)
+        (setting,) = EquivalentDamping(Asks(wanted), vehicle).step(estimate(vehicle, x), None)
         got = abs(force(corner, setting, rate))
         assert got == pytest.approx(np.clip(wanted * abs(rate), least, most), rel=1e-3)
 
 
 def test_linear_dampers_take_coefficients_as_they_are() -> None:
-    assert constant_settings(LINEAR, np.array([1234.0])) == [1234.0]
+    assert equivalent_settings(LINEAR, np.array([1234.0])) == [1234.0]
     x = rest_state(LINEAR)
     x[[1, 3]] = 0.4, -0.3
     skyhook, inside = build("skyhook", LINEAR), build("skyhook", car(ValveDamper()))
@@ -75,6 +75,6 @@ def test_linear_dampers_take_coefficients_as_they_are() -> None:
 
 
 def test_at_rest_a_law_still_gets_a_setting() -> None:
-    inverted: Controller = Inverted(Asks(1500.0), car(MrTanhDamper()))
+    inverted: Controller = EquivalentDamping(Asks(1500.0), car(MrTanhDamper()))
     (setting,) = inverted.step(estimate(LINEAR), None)
     assert 300.0 <= setting <= 4500.0

@@ -7,7 +7,7 @@ from controller.hybrid import Hybrid
 from controller.passive import fixed, passive
 from controller.settings import FixedSettings, HybridSettings, PassiveSettings, ShAddSettings, SkyhookSettings
 from controller.skyhook import Skyhook
-from controller.two_state import Law, TwoState, add, groundhook, sh_add, skyhook2
+from controller.two_state import OpposedMotion, TwoState, add, groundhook, sh_add, skyhook2
 from files.errors import InputError
 from tests.controller.cars import estimate
 from vehicle.parameters import load_vehicle
@@ -90,7 +90,9 @@ def test_skyhook_settings_are_checked(field: str, value: float) -> None:
         (add, 0.1, 0.0, 0.05, False),
     ],
 )
-def test_two_state_laws_by_hand(law: Law, body: float, wheel: float, rattle: float, hard: bool) -> None:
+def test_two_state_laws_by_hand(
+    law: OpposedMotion, body: float, wheel: float, rattle: float, hard: bool
+) -> None:
     x = quarter(body, wheel)
     x[0] = rattle
     command = TwoState(QUARTER, law=law).step(estimate(QUARTER, x), None)

@@ -7,7 +7,7 @@ from scipy.signal import StateSpace, lsim
 
 from comfort.metrics import ride_metrics
 from comfort.weighting import wk_second_order
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.model import KILO, prediction_model
 from vehicle import equations
 from vehicle.parameters import Car, load_vehicle
@@ -16,7 +16,7 @@ from vehicle.parameters import Car, load_vehicle
 def strike(vehicle: Car) -> np.ndarray:
     """State just after an edge: wheels rising fast, body at rest."""
     x = equations.rest_state(vehicle)
-    body = len(vehicle.body_inertia)
+    body = len(vehicle.generalised_mass)
     x[2 * body + 1 : 2 * (body + vehicle.wheels) : 2] = 1.5
     return x
 
@@ -28,7 +28,7 @@ def test_step_agrees_with_an_adaptive_integrator(name: str, jounce_m: float) -> 
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle)
     x = strike(vehicle)
-    x[2 * len(vehicle.body_inertia)] += jounce_m
+    x[2 * len(vehicle.generalised_mass)] += jounce_m
     command = np.full(vehicle.wheels, 3.0)
     rate = np.full(vehicle.wheels, 2.0)
 
@@ -80,7 +80,7 @@ def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> Non
     rng = np.random.default_rng(1)
     n = 1200
     nodes = 0.02 * np.cumsum(rng.normal(0, 0.1, (vehicle.wheels, n + 1)), axis=1)
-    passive = Limits.of(vehicle).passive / KILO
+    passive = DampingLimits.of(vehicle).passive / KILO
     state = np.concatenate([equations.rest_state(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
     total, seats, tyres = 0.0, [], []
     for k in range(n):
@@ -89,7 +89,9 @@ def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> Non
         inner = state
         for i in range(5):
             x = inner[: len(equations.rest_state(vehicle))]
-            seats.append(equations.body_acceleration(vehicle, x, fine[:, i], rate, vehicle.seat_levers))
+            seats.append(
+                equations.body_acceleration(vehicle, x, fine[:, i], rate, vehicle.seat_kinematic_rows)
+            )
             tyres.append(equations.forces(vehicle, x, fine[:, i], rate).tyre)
             inner = np.array(model.step(inner, passive, fine[:, i], fine[:, i + 1], 0.001))[:, 0]
         residuals = np.array(model.slopes(state, passive, nodes[:, k], nodes[:, k + 1], 0.005)[0])

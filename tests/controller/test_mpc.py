@@ -60,7 +60,7 @@ def test_a_damper_without_choice_is_a_passive_one() -> None:
 
 def test_only_the_previewing_one_reacts_before_the_edge() -> None:
     """At rest 0.5 m before an 8 cm step at 10 m/s: the edge comes in 50 ms."""
-    seeing, blind = PredictiveController(QUARTER), PredictiveController(QUARTER, sight="none")
+    seeing, blind = PredictiveController(QUARTER), PredictiveController(QUARTER, preview_source="none")
     near, none = step_preview(0.3, 0.08), step_preview(0.3, 0.0)
     assert (
         abs(
@@ -70,7 +70,7 @@ def test_only_the_previewing_one_reacts_before_the_edge() -> None:
     )
     np.testing.assert_array_equal(
         blind.step(estimate(QUARTER), near),
-        PredictiveController(QUARTER, sight="none").step(estimate(QUARTER), None),
+        PredictiveController(QUARTER, preview_source="none").step(estimate(QUARTER), None),
     )
 
 
@@ -104,7 +104,7 @@ def test_a_failed_solve_is_told_and_the_last_plan_goes_on(monkeypatch: pytest.Mo
 def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
     """Given the state 20 ms early, it issues the command of the delay-free controller at the later state."""
     timing = Timing(0.01, 0.02)
-    late = PredictiveController(QUARTER, timing=timing, sight="none")
+    late = PredictiveController(QUARTER, timing=timing, preview_source="none")
     model = late._model
     start = np.concatenate([moving(), np.zeros(2)])
     later = start
@@ -121,7 +121,7 @@ def planned_from(controller: PredictiveController, x: np.ndarray) -> np.ndarray:
 def test_it_plans_on_with_the_command_that_took_the_place_of_its_own() -> None:
     """With one period of delay the substituted command determines the next plan's initial state."""
     timing = Timing(0.01, 0.01)
-    soft, hard = (PredictiveController(QUARTER, timing=timing, sight="none") for _ in range(2))
+    soft, hard = (PredictiveController(QUARTER, timing=timing, preview_source="none") for _ in range(2))
     for controller, acting in ((soft, 300.0), (hard, 4500.0)):
         controller.step(estimate(QUARTER, moving()), None)
         controller.acted(np.array([acting]))

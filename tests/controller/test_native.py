@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from controller.model import prediction_model
-from controller.native import Kernel
+from controller.native import CompiledFunction
 from vehicle.parameters import load_vehicle
 
 A, B = casadi.SX.sym("a"), casadi.SX.sym("b")
@@ -41,13 +41,13 @@ VALUES = np.array([[1.5, -2.0, 0.0, 3.0, -0.0, 7.0, 1.0, 1e-9], [0.5, 4.0, 1.0, 
 def test_every_operation_gives_what_casadi_gives(name: str, lanes: int) -> None:
     function = casadi.Function("f", [A, B], [EXPRESSIONS[name]])
     results = np.full((1, 8), np.nan)
-    Kernel(function, lanes)(VALUES, results, 8)
+    CompiledFunction(function, lanes)(VALUES, results, 8)
     np.testing.assert_allclose(results[0], np.array(function(*VALUES[:, None, :]))[0], rtol=1e-15)
 
 
 def test_an_unknown_operation_is_refused() -> None:
     with pytest.raises(NotImplementedError, match="f has no translation"):
-        Kernel(casadi.Function("f", [A], [casadi.erf(A)]))
+        CompiledFunction(casadi.Function("f", [A], [casadi.erf(A)]))
 
 
 @pytest.mark.parametrize("name", ["quarter", "half"])
@@ -68,7 +68,7 @@ def test_slopes_of_the_car_are_the_same_to_the_last_bit(name: str) -> None:
 
 def test_one_lane_steps_from_point_to_point() -> None:
     """A geometric series, each term made from the one before."""
-    double = Kernel(casadi.Function("f", [A], [2 * A]))
+    double = CompiledFunction(casadi.Function("f", [A], [2 * A]))
     series = np.array([[3.0, 0.0, 0.0, 0.0]])
     double(series, series[:, 1:], 3)
     np.testing.assert_array_equal(series, [[3.0, 6.0, 12.0, 24.0]])
@@ -85,6 +85,6 @@ def test_one_lane_steps_from_point_to_point() -> None:
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(points: np.ndarray, results: np.ndarray, count: int) -> None:
-    kernel = Kernel(casadi.Function("f", [A, B], [A + B]), 4)
+    kernel = CompiledFunction(casadi.Function("f", [A, B], [A + B]), 4)
     with pytest.raises(ValueError, match="must be"):
         kernel(points, results, count)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from controller.base import Estimate, Timing
-from controller.observer import Observer, truth_estimate
-from controller.sensor_watch import SensorWatch
+from controller.observer import Observer, exact_estimate
+from controller.sensor_watch import SensorMonitor
 from road.envelope import wheel_profile
 from road.features import HalfSineBump, Pothole
 from road.profile import Road
@@ -38,12 +38,12 @@ def drive(vehicle: Car, road: Road, noise: SensorNoise, rate_hz: int) -> list[tu
     plant.reset([profile] * vehicle.wheels, 2.0, 10.0)
     rng = np.random.default_rng(5)
     sensors = Sensors(vehicle.wheels, rng, noise)
-    observer, watch = Observer(vehicle, noise, Timing(1 / rate_hz)), SensorWatch(vehicle.wheels, noise)
+    observer, watch = Observer(vehicle, noise, Timing(1 / rate_hz)), SensorMonitor(vehicle.wheels, noise)
     pairs, command = [], np.full(vehicle.wheels, 1500.0)
     for k in range(int(8.4 * rate_hz)):
         state = plant.state
         checked = watch.check(sensors.measure(state))
-        pairs.append((observer.update(checked, command), truth_estimate(state)))
+        pairs.append((observer.update(checked, command), exact_estimate(state)))
         if k % (rate_hz // 100) == 0:
             command = rng.uniform(500.0, 2500.0, vehicle.wheels)
         plant.step(command, 1000 // rate_hz)

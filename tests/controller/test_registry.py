@@ -7,13 +7,13 @@ import pytest
 
 from controller.base import Timing
 from controller.own import load_user_controller
-from controller.registry import CONTROLLERS, build, sees_ahead
+from controller.registry import CONTROLLERS, build, uses_preview
 from controller.settings import ControllerSettings
 from files.errors import InputError
 from files.strict import structure
 from tests.controller.cars import estimate, step_preview
 from vehicle.damper import MrBoucWenDamper
-from vehicle.parameters import load_vehicle, prediction_car
+from vehicle.parameters import control_model, load_vehicle
 
 OWN = """
 import numpy as np
@@ -66,19 +66,19 @@ def test_every_name_builds_a_working_controller(name: str, car: str) -> None:
 def test_a_damper_with_inner_states_is_known_without_them() -> None:
     """As in the closed loop, where controllers get the control model of the car."""
     vehicle = replace(load_vehicle("quarter"), damper=MrBoucWenDamper())
-    known = prediction_car(vehicle)
+    known = control_model(vehicle)
     for name in ("passive", "skyhook", "mpc_reactive"):
         commands = [build(name, car).step(estimate(known), None) for car in (vehicle, known)]
         np.testing.assert_array_equal(*commands)
 
 
 def test_only_preview_controllers_see_ahead() -> None:
-    assert sees_ahead("mpc_preview")
-    assert sees_ahead("own.py:Steady")
-    assert not any(sees_ahead(name) for name in ("passive", "skyhook", "mpc_reactive"))
+    assert uses_preview("mpc_preview")
+    assert uses_preview("own.py:Steady")
+    assert not any(uses_preview(name) for name in ("passive", "skyhook", "mpc_reactive"))
 
 
-@pytest.mark.parametrize("ask", [lambda name: build(name, load_vehicle("quarter")), sees_ahead])
+@pytest.mark.parametrize("ask", [lambda name: build(name, load_vehicle("quarter")), uses_preview])
 def test_an_unknown_name_is_answered_with_the_known_ones(ask: Callable[[str], object]) -> None:
     with pytest.raises(
         InputError, match=r"^controller must be one of passive, fixed, skyhook, .*got 'skyhok'$"

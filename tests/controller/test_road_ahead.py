@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.road_ahead import RoadAhead, moved
+from controller.road_ahead import RoadReference, moved
 from controller.settings import RoadSettings
 from preview.horizon import RoadPreview
 from tests.controller.cars import estimate, step_preview
@@ -13,8 +13,8 @@ CAR = load_vehicle("quarter")
 TIMES = np.linspace(0.0, 0.3, 31)
 
 
-def ahead(settings: RoadSettings | None = None) -> RoadAhead:
-    return RoadAhead(1, settings or RoadSettings())
+def ahead(settings: RoadSettings | None = None) -> RoadReference:
+    return RoadReference(1, settings or RoadSettings())
 
 
 def test_without_preview_the_road_stays_where_it_is() -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.sensor_watch import EVERYTHING, STUCK_READINGS, SensorWatch
+from controller.sensor_watch import ALL_SILENT, STUCK_READINGS, SensorMonitor
 from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
 
 
@@ -18,7 +18,7 @@ def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:
 
 
 def test_sound_readings_pass_unchanged() -> None:
-    watch = SensorWatch(2, SensorNoise())
+    watch = SensorMonitor(2, SensorNoise())
     for k in range(20):
         sound = reading(k)
         checked = watch.check(sound)
@@ -39,7 +39,7 @@ def test_sound_readings_pass_unchanged() -> None:
 def test_a_bad_reading_is_named_and_held_at_the_last_good_one_until_the_sensor_is_back(
     name: str, value: object, fault: str, channel: int
 ) -> None:
-    watch = SensorWatch(2, SensorNoise())
+    watch = SensorMonitor(2, SensorNoise())
     good = reading(0)
     watch.check(good)
     checked = watch.check(reading(1, **{name: value}))
@@ -52,7 +52,7 @@ def test_a_bad_reading_is_named_and_held_at_the_last_good_one_until_the_sensor_i
 
 
 def test_a_sensor_is_stuck_after_some_equal_readings_and_back_with_the_first_other_one() -> None:
-    watch = SensorWatch(2, SensorNoise())
+    watch = SensorMonitor(2, SensorNoise())
     faults = []
     for k in range(10):
         rattle = np.array([0.01, 0.001 * k]) if k < 8 else np.array([0.001 * k, 0.02])
@@ -65,7 +65,7 @@ def test_a_sensor_is_stuck_after_some_equal_readings_and_back_with_the_first_oth
 @pytest.mark.parametrize("wheels", [1, 2, 4])
 @pytest.mark.parametrize("value", [float("nan"), 0.3, 99.0])
 def test_a_lost_roll_gyro_is_no_fault_of_what_control_needs_and_reads_zero(wheels: int, value: float) -> None:
-    watch = SensorWatch(wheels, SensorNoise())
+    watch = SensorMonitor(wheels, SensorNoise())
     for k in range(10):
         checked = watch.check(reading(k, wheels, roll_rate=value))
         assert checked.faults == ()
@@ -77,21 +77,21 @@ def test_a_lost_roll_gyro_is_no_fault_of_what_control_needs_and_reads_zero(wheel
 
 @pytest.mark.parametrize("wheels", [1, 2, 4])
 def test_sensors_that_are_all_stuck_have_a_name_of_their_own(wheels: int) -> None:
-    watch, still = SensorWatch(wheels, SensorNoise()), reading(0, wheels)
+    watch, still = SensorMonitor(wheels, SensorNoise()), reading(0, wheels)
     faults = [watch.check(still).faults for _ in range(STUCK_READINGS + 1)]
-    assert faults == [()] * (STUCK_READINGS - 1) + [(EVERYTHING,)] * 2
+    assert faults == [()] * (STUCK_READINGS - 1) + [(ALL_SILENT,)] * 2
     assert watch.check(reading(1, wheels)).faults == ()
 
 
 def test_sensors_without_noise_may_repeat_themselves() -> None:
-    watch, still = SensorWatch(2, NO_NOISE), reading(0)
+    watch, still = SensorMonitor(2, NO_NOISE), reading(0)
     assert all(watch.check(still).faults == () for _ in range(10))
 
 
 @pytest.mark.parametrize("wheels", [1, 2, 4])
 def test_a_silent_bus_has_a_name_of_its_own(wheels: int) -> None:
-    watch = SensorWatch(wheels, SensorNoise())
+    watch = SensorMonitor(wheels, SensorNoise())
     nothing = np.full(wheels, np.nan)
     checked = watch.check(Measurement(0.0, nothing, nothing, nothing, *[float("nan")] * 3))
-    assert checked.faults == (EVERYTHING,)
+    assert checked.faults == (ALL_SILENT,)
     assert np.isfinite(checked.measurement.rattle_m).all()

@@ -10,9 +10,9 @@ from controller.base import Controller, Estimate, Timing
 from controller.preview_gate import INCONSISTENT
 from controller.qp import Solution
 from controller.registry import build
-from controller.sensor_watch import EVERYTHING
+from controller.sensor_watch import ALL_SILENT
 from controller.settings import ControllerSettings, SupervisorSettings
-from controller.supervisor import Supervised
+from controller.supervisor import FallbackSupervisor
 from controller.tuned import tuned_settings
 from files.errors import InputError
 from preview.horizon import RoadPreview
@@ -43,9 +43,9 @@ class Told:
         self.took_over.append(float(command[0]))
 
 
-def watched(inner: Controller, settings: ControllerSettings = AT_ONCE) -> Supervised:
+def watched(inner: Controller, settings: ControllerSettings = AT_ONCE) -> FallbackSupervisor:
     reactive, safe = build("skyhook", CAR, settings)._controller, build("fixed", CAR, settings)  # type: ignore[attr-defined]
-    return Supervised(inner, reactive, safe, CAR, settings.supervisor, Timing(0.005))
+    return FallbackSupervisor(inner, reactive, safe, CAR, settings.supervisor, Timing(0.005))
 
 
 def reactive() -> np.ndarray:
@@ -78,7 +78,7 @@ def test_a_solver_that_fails_and_an_answer_that_is_no_number_do_so_too() -> None
     assert supervised.stats["reasons"] == {"command not finite": 1, "infeasible": 1}
 
 
-@pytest.mark.parametrize("broken", [replace(MOVING, faults=(EVERYTHING,)), estimate(CAR, np.full(5, np.nan))])
+@pytest.mark.parametrize("broken", [replace(MOVING, faults=(ALL_SILENT,)), estimate(CAR, np.full(5, np.nan))])
 def test_who_knows_nothing_of_the_car_leaves_the_dampers_fixed(broken: Estimate) -> None:
     supervised = watched(Told(777.0))
     fixed = AT_ONCE.fixed.front_ns_m
@@ -164,6 +164,6 @@ def test_run_times_are_told_but_there_are_none_before_the_first_step() -> None:
 
 def test_a_command_for_another_number_of_wheels_is_refused() -> None:
     half, inner = load_vehicle("half"), Told(777.0)
-    supervised = Supervised(inner, inner, inner, half, SupervisorSettings(), Timing())
+    supervised = FallbackSupervisor(inner, inner, inner, half, SupervisorSettings(), Timing())
     with pytest.raises(InputError, match=r"command must have shape \(2,\), got \(1,\)"):
         supervised.step(estimate(half), None)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from controller.limits import Limits
+from controller.limits import DampingLimits
 from controller.model import KILO, prediction_model
 from controller.terminal import terminal_cost
 from vehicle.equations import rest_state
@@ -18,7 +18,7 @@ def test_it_is_the_cost_of_coming_to_rest(name: str) -> None:
     rest = np.concatenate([rest_state(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
     state = rest + np.where(rest > 0, 0.0, 1e-3) * rng.normal(size=model.n_x)
     promised = np.sum((cost.root @ state) ** 2)
-    passive = Limits.of(vehicle).passive / KILO
+    passive = DampingLimits.of(vehicle).passive / KILO
     total = 0.5 * float(np.sum(np.array(model.outputs(state)) ** 2))  # trapezoidal rule
     for _ in range(1200):
         state = np.array(model.step(state, passive, 0.0, 0.0, 0.005))[:, 0]
@@ -35,5 +35,5 @@ def test_rest_on_any_road_costs_nothing(name: str) -> None:
     state = cost.rest @ road
     state[: len(rest_state(vehicle))] += rest_state(vehicle)
     assert np.abs(cost.root @ (state - cost.rest @ road)).max() < 1e-9
-    still = model.step(state, Limits.of(vehicle).passive / KILO, road, road, 0.005)
+    still = model.step(state, DampingLimits.of(vehicle).passive / KILO, road, road, 0.005)
     np.testing.assert_allclose(np.array(still)[:, 0], state, atol=1e-9)

@@ -1,6 +1,6 @@
 import numpy as np
 
-from controller.time_grid import LONGEST_STEP_S, TimeGrid, growing
+from controller.time_grid import LONGEST_STEP_S, TimeGrid, graded_grid
 
 
 def test_intervals_are_cut_into_equal_short_steps() -> None:
@@ -12,9 +12,9 @@ def test_intervals_are_cut_into_equal_short_steps() -> None:
 
 
 def test_a_growing_grid_doubles_its_intervals_after_the_fine_part() -> None:
-    assert growing(0.2, 0.2, 0.01).intervals_s == (0.01,) * 20
-    assert growing(0.1, 0.04, 0.01).intervals_s == (0.01,) * 4 + (0.02,) * 3
-    assert growing(0.001, 0.1, 0.01).intervals_s == (0.01,) * 2
+    assert graded_grid(0.2, 0.2, 0.01).intervals_s == (0.01,) * 20
+    assert graded_grid(0.1, 0.04, 0.01).intervals_s == (0.01,) * 4 + (0.02,) * 3
+    assert graded_grid(0.001, 0.1, 0.01).intervals_s == (0.01,) * 2
 
 
 def test_shifting_by_an_interval_takes_the_next_entry() -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from comfort.metrics import ride_metrics
-from controller.clairvoyant import Replay, optimise
+from controller.clairvoyant import PlanReplay, optimise
 from controller.limits import plan_limits
 from controller.model import KILO
-from controller.whole_drive import Drive, WholeDrive
+from controller.whole_drive import DriveInputs, WholeDriveObjective
 from vehicle.actuator import SlowActive
 from vehicle.parameters import Car, load_vehicle
 from vehicle.plant import Plant
@@ -40,10 +40,10 @@ def plant(vehicle: Car) -> Plant:
     return car
 
 
-def drive(vehicle: Car) -> Drive:
+def drive(vehicle: Car) -> DriveInputs:
     x = 1.0 + SPEED_M_S * 1e-3 * np.arange(TICKS + 1)
     axles = np.array(vehicle.axle_x_m)[:, None]
-    return Drive(
+    return DriveInputs(
         rate_hz=1000,
         height=Bump().height(x + axles),
         velocity=SPEED_M_S * Bump().slope(x + axles),
@@ -56,7 +56,7 @@ def drive(vehicle: Car) -> Drive:
     )
 
 
-def random_plan(whole: WholeDrive, vehicle: Car, seed: int = 0) -> np.ndarray:
+def random_plan(whole: WholeDriveObjective, vehicle: Car, seed: int = 0) -> np.ndarray:
     low, high = plan_limits(vehicle)
     return np.random.default_rng(seed).uniform(low, high, (whole.intervals, whole.inputs))
 
@@ -64,7 +64,7 @@ def random_plan(whole: WholeDrive, vehicle: Car, seed: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("name", CARS)
 def test_it_is_the_objective_of_the_plant(name: str) -> None:
     vehicle = CARS[name]
-    whole = WholeDrive(vehicle, drive(vehicle))
+    whole = WholeDriveObjective(vehicle, drive(vehicle))
     plan = random_plan(whole, vehicle)
     car, passive = plant(vehicle), [corner.damping_passive_ns_m for corner in vehicle.corners]
     car.step(passive, HOLD)
@@ -87,7 +87,7 @@ def test_it_is_the_objective_of_the_plant(name: str) -> None:
 @pytest.mark.parametrize("name", CARS)
 def test_gradient_agrees_with_differences(name: str) -> None:
     vehicle = CARS[name]
-    whole = WholeDrive(vehicle, drive(vehicle))
+    whole = WholeDriveObjective(vehicle, drive(vehicle))
     plan = 0.5 * (random_plan(whole, vehicle) + random_plan(whole, vehicle, 1))
     gradient = whole.objective(plan)[1]
     assert gradient.shape == plan.shape
@@ -99,7 +99,7 @@ def test_gradient_agrees_with_differences(name: str) -> None:
 
 def test_the_optimum_beats_every_fixed_damper_and_does_not_depend_on_the_start() -> None:
     vehicle = CARS["quarter"]
-    whole = WholeDrive(vehicle, drive(vehicle))
+    whole = WholeDriveObjective(vehicle, drive(vehicle))
     fixed = {str(c): np.full((whole.intervals, 1), c) for c in (0.3, 1.5, 4.5)}
     optimum = optimise(vehicle, whole, fixed)
     low, high = plan_limits(vehicle)
@@ -111,15 +111,17 @@ def test_the_optimum_beats_every_fixed_damper_and_does_not_depend_on_the_start()
 
 def test_an_actuator_can_only_help() -> None:
     semi, hybrid = CARS["quarter"], CARS["slow active"]
-    alone = optimise(semi, WholeDrive(semi, drive(semi)), {"passive": np.full((TICKS // HOLD - 1, 1), 1.5)})
+    alone = optimise(
+        semi, WholeDriveObjective(semi, drive(semi)), {"passive": np.full((TICKS // HOLD - 1, 1), 1.5)}
+    )
     both = optimise(
-        hybrid, WholeDrive(hybrid, drive(hybrid)), {"alone": np.pad(alone.plan, ((0, 0), (0, 1)))}
+        hybrid, WholeDriveObjective(hybrid, drive(hybrid)), {"alone": np.pad(alone.plan, ((0, 0), (0, 1)))}
     )
     assert both.objective < alone.objective
 
 
 def test_a_replay_gives_the_plan_and_then_holds() -> None:
-    replay = Replay(np.array([[0.5], [2.0]]))
+    replay = PlanReplay(np.array([[0.5], [2.0]]))
     given = [replay.step(None, None) for _ in range(3)]  # type: ignore[arg-type]
     np.testing.assert_allclose(given, [[500.0], [2000.0], [2000.0]])
     replay.reset()

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("onnx")
 from onnx import TensorProto, helper, numpy_helper
 
-from detector.nms import MOST_CANDIDATES, MOST_KEPT, select
+from detector.nms import MAX_CANDIDATES, MAX_KEPT, select
 from detector.runtime import Detector
 from files.errors import InputError
 from tests.fuzz import networks
@@ -105,7 +105,7 @@ def test_candidates_without_number_give_the_best_of_them() -> None:
     boxes = np.concatenate((corner, corner + 4), 1).astype(np.float32)
     scores = rng.random((200_000, 2)).astype(np.float32)
     found = select(boxes, scores, 0.001, 0.45)
-    assert len(found) == 2 * MOST_KEPT
+    assert len(found) == 2 * MAX_KEPT
     assert found.scores[0] == scores.max()
-    best = np.sort(scores.max(1))[-MOST_CANDIDATES]
+    best = np.sort(scores.max(1))[-MAX_CANDIDATES]
     assert found.scores.min() >= min(best, 0.9)

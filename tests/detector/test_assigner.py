@@ -8,16 +8,16 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.assigner import Truths, assign, candidates, rank_within
+from detector.assigner import GroundTruth, assign, candidates, rank_in_group
 from detector.heads import Predictions, anchor_points
 
 STRIDES = (4, 8, 16, 32)
 POINTS, STRIDE = anchor_points(384, 640, STRIDES)
 
 
-def truths(*rows: tuple[int, int, list[float]]) -> Truths:
+def truths(*rows: tuple[int, int, list[float]]) -> GroundTruth:
     image, classes, boxes = zip(*rows, strict=True)
-    return Truths(torch.tensor(image), torch.tensor(classes), torch.tensor(boxes, dtype=torch.float32))
+    return GroundTruth(torch.tensor(image), torch.tensor(classes), torch.tensor(boxes, dtype=torch.float32))
 
 
 def blank() -> tuple[torch.Tensor, torch.Tensor]:
@@ -74,7 +74,7 @@ def test_the_best_point_gets_the_best_overlap_as_its_score() -> None:
 
 
 def test_no_object_no_assignment() -> None:
-    none = Truths(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
+    none = GroundTruth(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
     assert len(assign(everywhere(*blank()), POINTS, STRIDE, none).anchor) == 0
 
 
@@ -86,4 +86,4 @@ def test_rank_within_groups(pairs: list[tuple[int, float]]) -> None:
         sum(h == g and (w > v or (w == v and j < i)) for j, (h, w) in enumerate(pairs))
         for i, (g, v) in enumerate(pairs)
     ]
-    assert rank_within(group, value).tolist() == expected
+    assert rank_in_group(group, value).tolist() == expected

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from detector import augment
 from detector.augment import Augmentation, training_view
-from detector.crops import IGNORED, View
+from detector.crops import IGNORED, TrainingView
 from files.errors import InputError
 from tests.detector.roads import made
 
@@ -42,7 +42,7 @@ def test_views_repeat_with_their_seed() -> None:
 def test_what_lies_over_the_image_leaves_the_boxes(
     what: str, names: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def view() -> View:
+    def view() -> TrainingView:
         how = Augmentation(**{what: 1.0})
         return training_view([made(3)], 0, 128, 96, np.random.default_rng(1), how)
 

@@ -5,22 +5,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.breakdown import Judged, by_object, false_alarms, objects_seen
+from detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
 from detector.detection import Detections
-from detector.metrics import judge
+from detector.metrics import match_detections
 
 TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
 
 
-def scene() -> tuple[list[Judged], dict[str, dict]]:
+def scene() -> tuple[list[EvaluatedImage], dict[str, dict]]:
     """A bump at 5 m, its box 1 px too high and 2 px too low; a pothole at 20 m, cut; no object."""
     boxes = TRUTH + np.array([[0, -1, 0, 2], [0, 0, 0, 0]])
     found = Detections(boxes, np.array([0.9, 0.8]), np.array([0, 1]))
     plain = Detections(TRUTH[:1], np.array([0.6]), np.array([0]))
     nothing, none = np.zeros((0, 4), np.float32), np.zeros(0, int)
     judged = [
-        Judged("a.jpg", 100, TRUTH, judge(found, TRUTH, np.array([0, 1]))),
-        Judged("b.jpg", 100, nothing, judge(plain, nothing, none)),
+        EvaluatedImage("a.jpg", 100, TRUTH, match_detections(found, TRUTH, np.array([0, 1]))),
+        EvaluatedImage("b.jpg", 100, nothing, match_detections(plain, nothing, none)),
     ]
     objects = [{"class": c, "distance_m": d, "in_ego_lane": True} for c, d in ((0, 5.0), (1, 20.0))]
     records = {
@@ -32,7 +32,7 @@ def scene() -> tuple[list[Judged], dict[str, dict]]:
 
 def test_recall_and_edges_by_hand() -> None:
     judged, records = scene()
-    found = by_object(objects_seen(judged, records, 0.25, Path()))
+    found = by_object(evaluated_objects(judged, records, 0.25, Path()))
     assert found["ego_recall"]["all"] == {"objects": 1, "recall": 1.0}
     assert found["ego_far_recall"]["pothole"] == {"objects": 1, "recall": 1.0}
     edge = found["bottom_edge_4_10_m"]["all"]
@@ -52,8 +52,8 @@ def test_recall_and_edges_by_hand() -> None:
 
 def test_an_edge_that_the_image_cuts_or_an_unsure_box_gives_no_error() -> None:
     judged, records = scene()
-    sure = objects_seen(judged, records, 0.25, Path())
-    unsure = objects_seen(judged, records, 0.85, Path())
+    sure = evaluated_objects(judged, records, 0.25, Path())
+    unsure = evaluated_objects(judged, records, 0.85, Path())
     assert [o.bottom_error_px for o in sure] == [2, None]
     assert [o.top_error_px for o in sure] == [-1, 0]
     assert [o.top_error_px for o in unsure] == [-1, None]

@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
-from detector.breakdown import Judged
+from detector.breakdown import EvaluatedImage
 from detector.conditions import FIGURE_9, by_condition, figure_9
 from detector.detection import Detections, no_detections
-from detector.metrics import judge
+from detector.metrics import match_detections
 
 BOX = np.array([[10, 10, 110, 30]], np.float32)
 NOON = {"light": "noon", "weather": "dry", "low_sun": False, "motion_blur_px": 0.0}
 
 
-def judged(name: str, found: bool) -> Judged:
+def judged(name: str, found: bool) -> EvaluatedImage:
     """Evaluated image with one bump, detected or not."""
     answer = Detections(BOX, np.array([0.9]), np.array([0])) if found else no_detections()
-    return Judged(name, 100, BOX, judge(answer, BOX, np.array([0])))
+    return EvaluatedImage(name, 100, BOX, match_detections(answer, BOX, np.array([0])))
 
 
 @pytest.mark.parametrize(

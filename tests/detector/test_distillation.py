@@ -9,10 +9,10 @@ pytest.importorskip("torch")
 
 import torch
 
-from detector.assigner import Truths
+from detector.assigner import GroundTruth
 from detector.checkpoint import save_weights
 from detector.dataset import read_samples
-from detector.distillation import Aligned, bckd, cwd
+from detector.distillation import FeatureAdapter, bckd, cwd
 from detector.heads import Predictions, anchor_points
 from detector.loader import make_batch
 from detector.models import build
@@ -21,7 +21,7 @@ from detector.trainer import Settings, Trainer
 from tests.detector.roads import write
 
 POINTS, STRIDE = anchor_points(96, 128, (4, 8, 16, 32))
-NONE = Truths(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
+NONE = GroundTruth(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
 
 
 def saying(class_logits: torch.Tensor, box_logits: torch.Tensor) -> Predictions:
@@ -61,7 +61,7 @@ def test_class_term_of_the_logits_by_hand() -> None:
 
 def test_box_term_vanishes_where_the_boxes_agree_and_is_weighed_by_the_doubt() -> None:
     n = len(POINTS)
-    truth = Truths(torch.tensor([0]), torch.tensor([0]), torch.tensor([[20.0, 20.0, 60.0, 50.0]]))
+    truth = GroundTruth(torch.tensor([0]), torch.tensor([0]), torch.tensor([[20.0, 20.0, 60.0, 50.0]]))
     sides, far = torch.zeros(1, n, 64), torch.zeros(1, n, 64)
     far[..., 4::16] = 5.0
     class_logits, unsure = torch.zeros(1, n, 2), torch.full((1, n, 2), math.log(3.0))
@@ -75,7 +75,7 @@ def test_box_term_vanishes_where_the_boxes_agree_and_is_weighed_by_the_doubt() -
 
 def test_maps_of_other_widths_are_aligned() -> None:
     torch.manual_seed(0)
-    aligned = Aligned((4, 8), (6, 8))
+    aligned = FeatureAdapter((4, 8), (6, 8))
     maps = [torch.randn(2, c, 5, 7) for c in (4, 8)]
     others = [torch.randn(2, c, 5, 7) for c in (6, 8)]
     loss = aligned(maps, others)

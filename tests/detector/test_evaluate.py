@@ -11,7 +11,7 @@ import pytest
 from detector.dataset import read_samples
 from detector.degrade import degraded
 from detector.detection import Detections, no_detections
-from detector.evaluate import evaluate, judge_folder, main, report, summary_of, write_folder
+from detector.evaluate import evaluate, main, match_folder, report, summary_of, write_folder
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -116,7 +116,7 @@ def test_command_writes_the_numbers(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:
     folder = with_objects(write(tmp_path / "data", 3), [(5, 8), (10, 30), (3, 14)])
-    judged = judge_folder(folder, oracle(folder))
+    judged = match_folder(folder, oracle(folder))
     summary = summary_of(folder, judged, 0.25)
     write_folder(folder, judged, summary, tmp_path / "out")
     assert json.loads((tmp_path / "out" / "metrics.json").read_text()) == summary
@@ -130,7 +130,7 @@ def test_plain_road_alone_is_reported_too(tmp_path: Path) -> None:
     folder = write(tmp_path / "data", 2)
     for path in (folder / "labels").iterdir():
         path.write_text("")
-    judged = judge_folder(folder, lambda image: no_detections())
+    judged = match_folder(folder, lambda image: no_detections())
     summary = summary_of(folder, judged, 0.25)
     write_folder(folder, judged, summary, tmp_path / "out")
     assert summary["map50"] is None
@@ -141,7 +141,7 @@ def test_plain_road_alone_is_reported_too(tmp_path: Path) -> None:
 def test_bad_weather_is_what_the_detector_sees(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     folder, seen = write(tmp_path / "data", 2), []
     for _ in range(2):
-        judge_folder(
+        match_folder(
             folder,
             lambda image: (seen.append(image), no_detections())[1],
             change=partial(degraded, effect="snow", strength=0.7),

@@ -5,19 +5,21 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from detector.breakdown import Judged
+from detector.breakdown import EvaluatedImage
 from detector.detection import Detections
-from detector.gallery import COLUMNS, mistakes, write_sheets
-from detector.metrics import judge
-from detector.pictures import FALSE, MISSED, RIGHT, TRUE, misses, sheet, tile
+from detector.gallery import COLUMNS, error_score, write_sheets
+from detector.metrics import match_detections
+from detector.pictures import FALSE, MISSED, RIGHT, TRUE, missed_mask, sheet, tile
 
 TRUTH = np.array([[40, 40, 140, 60], [200, 40, 260, 80]], np.float32)
 CLASSES = np.array([0, 1])
 
 
-def judged(boxes: list[list[float]], scores: list[float], classes: list[int], name: str = "a.jpg") -> Judged:
+def judged(
+    boxes: list[list[float]], scores: list[float], classes: list[int], name: str = "a.jpg"
+) -> EvaluatedImage:
     found = Detections(np.array(boxes, np.float32).reshape(-1, 4), np.array(scores), np.array(classes))
-    return Judged(name, 200, TRUTH, judge(found, TRUTH, CLASSES))
+    return EvaluatedImage(name, 200, TRUTH, match_detections(found, TRUTH, CLASSES))
 
 
 def shades(image: np.ndarray) -> set[tuple[int, ...]]:
@@ -47,11 +49,11 @@ def test_boxes_follow_the_size_of_the_tile() -> None:
 
 
 def test_mistakes_count_what_is_missed_and_what_is_not_there() -> None:
-    assert mistakes(judged(TRUTH.tolist(), [0.9, 0.9], [0, 1]), 0.5) == 0
-    assert mistakes(judged([], [], []), 0.5) == 2
-    assert mistakes(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]), 0.5) == 1  # found, but below the threshold
-    assert mistakes(judged([[40, 40, 140, 60]], [0.75], [1]), 0.5) == 2.75  # the other class
-    assert misses(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]).result, 0.5).tolist() == [False, True]
+    assert error_score(judged(TRUTH.tolist(), [0.9, 0.9], [0, 1]), 0.5) == 0
+    assert error_score(judged([], [], []), 0.5) == 2
+    assert error_score(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]), 0.5) == 1  # found, but below the threshold
+    assert error_score(judged([[40, 40, 140, 60]], [0.75], [1]), 0.5) == 2.75  # the other class
+    assert missed_mask(judged(TRUTH.tolist(), [0.9, 0.4], [0, 1]).result, 0.5).tolist() == [False, True]
 
 
 def test_the_worst_image_comes_first(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from detector.dataset import read_samples
-from detector.journal import Journal
+from detector.journal import TrainingLog
 from detector.loader import make_batch
 from detector.schedule import parse_stages
 from detector.trainer import Settings, Trainer
@@ -29,7 +29,7 @@ def trainer() -> Trainer:
 
 def test_events_hold_losses_metrics_and_pictures(tmp_path: Path, trainer: Trainer) -> None:
     samples = list(read_samples(write(tmp_path / "data", 3)))
-    with Journal(tmp_path, 0) as record:
+    with TrainingLog(tmp_path, 0) as record:
         terms = trainer.step(make_batch(samples, STAGES[0], 2, 0, 0))
         record.step(trainer, terms)
         record.validation(trainer, samples, terms)
@@ -47,7 +47,7 @@ def test_events_hold_losses_metrics_and_pictures(tmp_path: Path, trainer: Traine
 
 def test_a_resumed_run_forgets_the_events_after_its_checkpoint(tmp_path: Path, trainer: Trainer) -> None:
     for start, passes in ((0, (2, 4, 6)), (4, (6, 8))):
-        with Journal(tmp_path, start) as record:
+        with TrainingLog(tmp_path, start) as record:
             for trainer.passes in passes:
                 record.steps = 0
                 record.step(trainer, torch.full((4,), float(start)))
@@ -59,7 +59,7 @@ def test_training_does_without_tensorboard_and_says_so(
     tmp_path: Path, trainer: Trainer, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     monkeypatch.setitem(sys.modules, "torch.utils.tensorboard", None)
-    with Journal(tmp_path, 0) as record:
+    with TrainingLog(tmp_path, 0) as record:
         record.step(trainer, torch.zeros(4))
     assert "needs the package tensorboard" in capsys.readouterr().out
     assert not (tmp_path / "tensorboard").exists()
@@ -68,7 +68,7 @@ def test_training_does_without_tensorboard_and_says_so(
 def test_a_fresh_run_forgets_the_history_of_one_without_a_checkpoint(tmp_path: Path) -> None:
     history = tmp_path / "history.jsonl"
     history.write_text(json.dumps({"passes": 2}) + "\n" + '{"pass')
-    Journal(tmp_path, 0)
+    TrainingLog(tmp_path, 0)
     assert history.read_text() == ""
 
 
@@ -78,6 +78,6 @@ def test_a_fresh_run_forgets_the_history_of_one_without_a_checkpoint(tmp_path: P
 )
 def test_patience_waits_for_the_best(tmp_path: Path, scores: list[float | None], stalled: bool) -> None:
     lines = [json.dumps({"map50_95": score}) for score in scores]
-    record = Journal(tmp_path, 0)
+    record = TrainingLog(tmp_path, 0)
     record.history.write_text("\n".join(lines) + "\n")
     assert record.stalled(2) == stalled

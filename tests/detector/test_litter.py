@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from detector.litter import FARTHEST_ROW, litter
+from detector.litter import TOP_ROW, litter
 
 ROAD = np.full((192, 320, 3), 110, np.uint8)
 
@@ -18,7 +18,7 @@ def test_pieces_lie_low_and_leave_most_of_the_road_alone(seed: int) -> None:
     where = changed(ROAD, 1.0, seed)
     assert where.any()
     assert where.mean() < 0.12
-    assert not where[: int(FARTHEST_ROW * 192) - 4].any()
+    assert not where[: int(TOP_ROW * 192) - 4].any()
 
 
 def test_near_pieces_are_larger() -> None:

@@ -11,7 +11,7 @@ pytest.importorskip("torch")
 import torch
 
 from detector.checkpoint import load
-from detector.journal import Journal
+from detector.journal import TrainingLog
 from detector.train import main
 from detector.trainer import Trainer
 from tests.detector.roads import write
@@ -82,14 +82,14 @@ def test_a_run_broken_off_and_resumed_ends_as_an_unbroken_one(
 def test_an_interrupt_while_the_last_validation_of_patience_runs_is_heeded(
     data: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    validation = Journal.validation
+    validation = TrainingLog.validation
 
-    def interrupted(self: Journal, trainer: Trainer, *rest) -> None:
+    def interrupted(self: TrainingLog, trainer: Trainer, *rest) -> None:
         validation(self, trainer, *rest)
         if trainer.passes == 4:
             os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr(Journal, "validation", interrupted)
+    monkeypatch.setattr(TrainingLog, "validation", interrupted)
     with pytest.raises(SystemExit, match="stopped after 4 passes; continue with --resume"):
         trained(data, tmp_path / "run", "--patience", "1", "--validate-every", "2", "--rate", "1e-9")
     assert not (tmp_path / "run" / "weights.pt").exists()

@@ -8,7 +8,7 @@ pytest.importorskip("torch")
 
 import torch
 
-from detector.assigner import Truths, assign
+from detector.assigner import GroundTruth, assign
 from detector.heads import BINS, ROW_BINS, Predictions, anchor_points, encode
 from detector.losses import LossWeights, detection_loss, distribution_focal_loss, edge_loss
 
@@ -26,12 +26,12 @@ def blank() -> Predictions:
     return everywhere(torch.zeros(1, len(POINTS), 64), torch.zeros(1, len(POINTS), 2))
 
 
-def one(cls: int, box: list[float]) -> Truths:
-    return Truths(torch.tensor([0]), torch.tensor([cls]), torch.tensor([box]))
+def one(cls: int, box: list[float]) -> GroundTruth:
+    return GroundTruth(torch.tensor([0]), torch.tensor([cls]), torch.tensor([box]))
 
 
-def nothing() -> Truths:
-    return Truths(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
+def nothing() -> GroundTruth:
+    return GroundTruth(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
 
 
 def test_distribution_loss_is_the_entropy_between_two_bins() -> None:

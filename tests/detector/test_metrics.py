@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from detector.detection import Detections, no_detections
-from detector.metrics import average_precision, judge, summarise
+from detector.metrics import average_precision, match_detections, summarise
 
 TRUTH = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
 
@@ -29,7 +29,7 @@ def test_average_precision_of_the_perfect_the_blind_and_the_empty() -> None:
 
 
 def test_an_object_is_found_once() -> None:
-    result = judge(found([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0]))
+    result = match_detections(found([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0]))
     # the higher score counts (IoU 81/119 = 0.68), the other is wrong although it fits better
     assert result.hits[0].tolist() == [False, True]
     assert result.hits[4].tolist() == [True, False]  # IoU 0.7
@@ -37,16 +37,16 @@ def test_an_object_is_found_once() -> None:
 
 
 def test_the_class_must_be_right() -> None:
-    result = judge(found([TRUTH[0]], [0.9], [1]), TRUTH[:1], np.array([0]))
+    result = match_detections(found([TRUTH[0]], [0.9], [1]), TRUTH[:1], np.array([0]))
     assert not result.hits.any()
     assert result.found.tolist() == [-1]
 
 
 def test_summary_over_images_and_classes() -> None:
     results = [
-        judge(found(TRUTH[:2].tolist(), [0.9, 0.2], [0, 0]), TRUTH, np.array([0, 0, 1])),
-        judge(found([[0, 0, 5, 5]], [0.5], [1]), TRUTH[:0], np.zeros(0, int)),
-        judge(no_detections(), TRUTH[:0], np.zeros(0, int)),
+        match_detections(found(TRUTH[:2].tolist(), [0.9, 0.2], [0, 0]), TRUTH, np.array([0, 0, 1])),
+        match_detections(found([[0, 0, 5, 5]], [0.5], [1]), TRUTH[:0], np.zeros(0, int)),
+        match_detections(no_detections(), TRUTH[:0], np.zeros(0, int)),
     ]
     summary = summarise(results, 0.25)
     bump, pothole = summary["per_class"]["speed_bump"], summary["per_class"]["pothole"]
@@ -57,7 +57,7 @@ def test_summary_over_images_and_classes() -> None:
 
 
 def test_a_class_that_does_not_occur_is_left_out_of_the_means() -> None:
-    summary = summarise([judge(found([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25)
+    summary = summarise([match_detections(found([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25)
     assert summary["map50"] == 1
     assert summary["per_class"]["pothole"]["ap50"] is None
 
@@ -74,7 +74,7 @@ def test_agrees_with_the_reference_implementation_of_coco() -> None:
         guess = np.concatenate((truth + rng.normal(0, 6, truth.shape), truth[:2] + 30)).astype(np.float32)
         kinds = np.concatenate((classes, classes[:2]))
         scores = rng.random(len(guess)).astype(np.float32)
-        results.append(judge(Detections(guess, scores, kinds), truth, classes))
+        results.append(match_detections(Detections(guess, scores, kinds), truth, classes))
         for box, kind in zip(truth.tolist(), classes.tolist(), strict=True):
             row = {"id": len(annotations) + 1, "image_id": image, "category_id": kind, "iscrowd": 0}
             size = [box[2] - box[0], box[3] - box[1]]

@@ -10,7 +10,7 @@ pytest.importorskip("torch")
 import torch
 
 from detector.blocks import C2PSA, SPPF, C3k2, GhostConv, GSConv, VoVGSCSPC
-from detector.complexity import PAPER, dead_parameters, gflops, main, parameters
+from detector.complexity import PAPER_COMPLEXITY, dead_parameters, gflops, main, parameters
 from detector.heads import anchor_points
 from detector.models import MODELS, Network, build
 from files.errors import InputError
@@ -21,7 +21,7 @@ STRIDES = (4, 8, 16, 32)
 @pytest.mark.parametrize("name", [name for name in MODELS if name != "sbp-yolo-s"])
 def test_has_the_parameters_and_operations_of_the_paper(name: str) -> None:
     model = build(name)
-    count, operations = PAPER[name]
+    count, operations = PAPER_COMPLEXITY[name]
     assert (parameters(model) + dead_parameters(model)) / 1e6 == pytest.approx(count, rel=0.01)
     # operations grow with the pixels but for the attention, which is 1 % of all
     assert 16 * gflops(model, 160) == pytest.approx(operations, rel=0.025)
@@ -33,7 +33,7 @@ def test_the_dead_convolution_of_the_released_code_is_left_out() -> None:
     assert parameters(small) == pytest.approx(1.678e6, rel=1e-3)
     assert parameters(small) + dead_parameters(small) == pytest.approx(2.048e6, rel=1e-3)
     assert parameters(teacher) + dead_parameters(teacher) == pytest.approx(7.789e6, rel=1e-3)
-    assert 16 * gflops(teacher, 160) == pytest.approx(PAPER["sbp-yolo-s"][1], rel=0.025)
+    assert 16 * gflops(teacher, 160) == pytest.approx(PAPER_COMPLEXITY["sbp-yolo-s"][1], rel=0.025)
 
 
 def test_an_unknown_name_is_refused_with_the_names_there_are() -> None:

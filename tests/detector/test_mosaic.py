@@ -5,7 +5,7 @@ import pytest
 
 from detector.crops import IGNORED
 from detector.dataset import Sample
-from detector.mosaic import NEAREST_EDGE, mosaic_view
+from detector.mosaic import MIN_EDGE_DISTANCE, mosaic_view
 
 SHADES = (11, 40, 81, 200)
 
@@ -38,6 +38,6 @@ def test_the_four_meet_away_from_the_edges() -> None:
         rng = np.random.default_rng(seed)
         view = mosaic_view([shaded(s) for s in SHADES], 100, 100, rng, 2.0)
         meetings.add(float(view.boxes[3, 0]))
-        assert view.boxes[3, 0] >= NEAREST_EDGE * 100 - 1
-        assert view.boxes[0, 2] <= (1 - NEAREST_EDGE) * 100
+        assert view.boxes[3, 0] >= MIN_EDGE_DISTANCE * 100 - 1
+        assert view.boxes[0, 2] <= (1 - MIN_EDGE_DISTANCE) * 100
     assert len(meetings) > 5

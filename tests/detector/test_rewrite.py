@@ -12,7 +12,7 @@ from detector.checkpoint import load_network
 from detector.export import to_onnx
 from detector.models import Network, build
 from detector.parity import difference, runner
-from detector.quantize import halved
+from detector.quantize import to_half_precision
 from detector.rewrite import rewrite
 from detector.runtime import WEIGHTS
 from tests.detector.roads import draw
@@ -73,7 +73,7 @@ def test_the_original_is_left_alone() -> None:
 
 def test_half_precision_halves_the_file_and_keeps_the_answer() -> None:
     model = rewrite(to_onnx(network("sbp-yolo"), {}))
-    small = halved(model)
+    small = to_half_precision(model)
     assert small.ByteSize() < 0.6 * model.ByteSize()
     image = images(1)[0]
     assert difference(runner(model)(image), runner(small)(image), 160) < 2e-2

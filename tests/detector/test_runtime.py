@@ -5,20 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.runtime import KEPT_SIZES, WEIGHTS, Detector, fit_for, lay_out
+from detector.runtime import KEPT_SIZES, WEIGHTS, Detector, letterbox, letterbox_for
 from files.errors import InputError
 
 
 def test_images_that_fit_go_in_unchanged() -> None:
     image = np.random.default_rng(0).integers(0, 256, (64, 96, 3), dtype=np.uint8)
-    assert np.array_equal(lay_out(image, fit_for(96, 64, 640)), image)
+    assert np.array_equal(letterbox(image, letterbox_for(96, 64, 640)), image)
 
 
 @pytest.mark.parametrize(("width", "height"), [(960, 600), (460, 460), (100, 400)])
 def test_other_images_are_scaled_to_the_training_width_and_padded(width: int, height: int) -> None:
-    fit = fit_for(width, height, 640)
+    fit = letterbox_for(width, height, 640)
     assert fit.scale == 640 / max(width, height)
-    canvas = lay_out(np.zeros((height, width, 3), np.uint8), fit)
+    canvas = letterbox(np.zeros((height, width, 3), np.uint8), fit)
     assert canvas.shape == (fit.height, fit.width, 3)
     assert not any(n % 32 for n in canvas.shape[:2])
     rows, columns = round(height * fit.scale), round(width * fit.scale)

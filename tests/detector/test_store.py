@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from detector.dataset import Sample, read_samples
-from detector.store import load_store
+from detector.store import load_cached_dataset
 from files.errors import InputError
 from tests.detector.roads import write
 
@@ -24,7 +24,7 @@ def test_memory_changes_nothing_but_where_images_lie(tmp_path: Path, longest: in
     samples = list(read_samples(folder, longest))
     for images in (0, 2, 9):
         memory = images * IMAGE_MIB * min(1, longest / 128) ** 2
-        store = load_store(folder, longest, memory)
+        store = load_cached_dataset(folder, longest, memory)
         assert sum(entry.image is not None for entry in store.entries) == min(images, 5)
         assert len(store) == 5
         assert all(same(a, b) for a, b in zip(store, samples, strict=True))
@@ -36,5 +36,5 @@ def test_a_bad_file_is_told_before_anything_is_trained(tmp_path: Path) -> None:
     folder = write(tmp_path / "data", 3)
     (folder / "images" / "001.png").write_bytes(b"junk")
     with pytest.raises(InputError, match=r"001\.png: cannot be decoded"):
-        load_store(folder, 640, 100)
-    assert [s.name for s in load_store(folder, 640, 100, skip_bad=True)] == ["000.png", "002.png"]
+        load_cached_dataset(folder, 640, 100)
+    assert [s.name for s in load_cached_dataset(folder, 640, 100, skip_bad=True)] == ["000.png", "002.png"]

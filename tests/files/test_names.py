@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from files.errors import InputError
-from files.names import LONGEST, check_name, component, joined
+from files.names import MAX_LENGTH, check_name, component, joined
 
 TEXTS = st.text(max_size=300) | st.text(alphabet="aA.-_/\\:cno1 ", max_size=12)
 RESERVED = (
@@ -20,7 +20,7 @@ RESERVED = (
 def is_safe(name: str) -> bool:
     plain = all(c in "abcdefghijklmnopqrstuvwxyz0123456789_.-" for c in name)
     ends = not name.startswith((".", "-")) and not name.endswith(".")
-    return plain and ends and 0 < len(name) <= LONGEST and name.split(".")[0] not in RESERVED
+    return plain and ends and 0 < len(name) <= MAX_LENGTH and name.split(".")[0] not in RESERVED
 
 
 @given(TEXTS)

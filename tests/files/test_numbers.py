@@ -1,12 +1,12 @@
 import pytest
 
 from files.errors import InputError
-from files.numbers import is_whole, whole, within
+from files.numbers import is_integer, whole, within
 
 
 @pytest.mark.parametrize("text", ["", "-1", "+1", "1.0", "1_0", " 1", "²", "٣", "1" * 11, "1" * 5000])
 def test_what_is_no_plain_whole_number(text: str) -> None:
-    assert not is_whole(text)
+    assert not is_integer(text)
     with pytest.raises(InputError, match=r"^--n must be a whole number in 0 \.\.\. 9, got "):
         whole(text, "--n", 0, 9)
 

@@ -63,10 +63,10 @@ def _without_work() -> None:
     import scenarios.bound
     import scenarios.commands.sweep
     from road.render import Scene
-    from scenarios.driver import Driver
+    from scenarios.driver import MultirateLoop
 
     for owner, name in (
-        (Driver, "drive"),
+        (MultirateLoop, "drive"),
         (Scene, "__init__"),
         (Pool, "__init__"),
         (ProcessPoolExecutor, "__init__"),

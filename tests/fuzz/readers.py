@@ -116,10 +116,12 @@ def _vehicle(path: Path) -> object:
 
 
 def _memory_file(folder: Path) -> Path:
-    from preview.memory import KIND_OF, Memory, Mounting, Remembered, RowBias, write
+    from preview.memory import TEMPLATE_BY_NAME, Memory, Mounting, RememberedObject, RowBias, write
 
     mounting = Mounting(0.01, 0.02, 1e-4, 0.0, 1e-4)
-    bump = Remembered(next(iter(KIND_OF)), 20.0, 0.1, 0.4, 0.1, 0.08, 0.02, -1.5, 1.5, 0.2, 0.9)
+    bump = RememberedObject(
+        next(iter(TEMPLATE_BY_NAME)), 20.0, 0.1, 0.4, 0.1, 0.08, 0.02, -1.5, 1.5, 0.2, 0.9
+    )
     rows = RowBias((1.0, -1.0), (0.5, 0.5), 0.0, (0.0, 0.0), (0.0, 0.0))
     write(folder / "memory.yaml", Memory(mounting, (bump,), rows))
     return folder / "memory.yaml"

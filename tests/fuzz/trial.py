@@ -74,9 +74,11 @@ class Bench:
             if told := _untold(str(error)):
                 return self._finding("message", told, str(error))
         except _Slow as error:
-            return self._finding("slow", place_of(error), f"more than {CPU_S:g} s")
+            return self._finding("slow", ground_position(error), f"more than {CPU_S:g} s")
         except BaseException as error:
-            return self._finding("exception", f"{type(error).__name__} at {place_of(error)}", str(error))
+            return self._finding(
+                "exception", f"{type(error).__name__} at {ground_position(error)}", str(error)
+            )
         if (grown := _peak_mib() - before) > GROWTH_MIB:
             return self._finding("memory", "peak", f"{grown:.0f} MiB")
         return None
@@ -108,7 +110,7 @@ def _untold(message: str) -> str:
     return "" if message.isprintable() else "not one printable line"
 
 
-def place_of(error: BaseException) -> str:
+def ground_position(error: BaseException) -> str:
     """The innermost line of this project's code that the error went through."""
     frames = traceback.extract_tb(error.__traceback__)
     own = [f for f in frames if Path(f.filename).is_relative_to(ROOT) and "tests/fuzz" not in f.filename]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from preview.calibration import Calibration
-from preview.correction import FrontWheel
+from preview.correction import WheelStrikeDetector
 from preview.settings import Settings
 from preview.shape import BUMP, POTHOLE, TABLE, tyre_profile
 from preview.track import Edge, Track, first_fits
@@ -24,7 +24,7 @@ def track(kind, x, sigma=0.06):
 def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
     """Wheel that has rolled over an object at `true_x` on a road `level` high."""
     rng = np.random.default_rng(4)
-    wheel = FrontWheel(0.75, SETTINGS)
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
     at, profile = tyre_profile(kind, kind.length_m, kind.height_m)
     for x in np.arange(true_x - 3.0, true_x + 3.0, step):
         height = max(float(np.interp(x - true_x, at, profile)), -hang)
@@ -48,7 +48,7 @@ def test_a_wheel_that_hangs_over_the_hole_still_tells():
 
 
 def test_no_strike_no_correction():
-    wheel = FrontWheel(0.75, SETTINGS)
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
     rng = np.random.default_rng(1)
     for x in np.arange(17.0, 23.0, 0.05):
         wheel.update(x, 0.003 * rng.normal())
@@ -60,7 +60,7 @@ def test_a_strike_too_far_away_is_another_object():
 
 
 def test_nothing_is_due_before_the_wheel_has_passed():
-    wheel = FrontWheel(0.75, SETTINGS)
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
     wheel.update(19.9, 0.0)
     assert not wheel.due(track(BUMP, 20.0))
     wheel.update(21.5, 0.0)

@@ -7,10 +7,10 @@ from detector.detection import Detections
 from preview.cross_ratio import Marks, distance, distance_sigma, marks_of
 from preview.distance import depression, distance_of
 from preview.estimator import Estimator
-from preview.fit import Direct, X
+from preview.fit import DirectMeasurement, X
 from preview.perception import true_boxes
 from preview.settings import Settings
-from preview.view import view_of
+from preview.view import rectify_frame
 from road.camera import Camera, CameraMount, pose_of, project
 from road.features import HalfSineBump
 from road.profile import Road
@@ -100,7 +100,7 @@ def test_nothing_but_the_next_box_moves_what_the_marks_have_placed(driven):
     """Neither a wheel strike nor a height measured in images nor a refit moves it."""
     (track,) = driven.tracker.tracks
     before = track.start_m, track.best.sigma_m
-    track.directs.append(Direct(X, 40.4, 0.03))
+    track.directs.append(DirectMeasurement(X, 40.4, 0.03))
     driven.tracker.refit(track)
     assert (track.start_m, track.best.sigma_m) == before
 
@@ -110,8 +110,8 @@ def test_a_box_without_a_near_edge_leaves_the_last_place(driven):
     before = track.start_m
     box = [[0.0, 200.0, 640.0, 384.0]]
     seen = Detections(np.array(box, np.float32), np.ones(1, np.float32), np.zeros(1, np.int64))
-    view = view_of(3.4, CAMERA, pose_of(MOUNT, 34.0, 0.0, 0.0), seen, driven.settings)
-    driven.tracker._hit(track, view, 0, seen)
+    view = rectify_frame(3.4, CAMERA, pose_of(MOUNT, 34.0, 0.0, 0.0), seen, driven.settings)
+    driven.tracker._associate(track, view, 0, seen)
     assert track.start_m == before
 
 

@@ -4,21 +4,23 @@ import numpy as np
 import pytest
 
 from preview.calibration import Calibration
-from preview.elevation import Elevation, NearEdge, Rows, equations, seen
+from preview.elevation import HeightRows, HeightSamples, NearEdge, equations, seen
 from preview.fit import Fit, fit, start_state
 from preview.settings import Settings
-from preview.shape import BUMP, HUMP, POTHOLE, RAMP, TABLE, Kind, relief
+from preview.shape import BUMP, HUMP, POTHOLE, RAMP, TABLE, ObstacleTemplate, unit_profile
 
 SETTINGS = Settings()
 
 
-def measured(kind: Kind, start: float, length: float, height: float, noise: float = 0.003) -> Elevation:
+def measured(
+    kind: ObstacleTemplate, start: float, length: float, height: float, noise: float = 0.003
+) -> HeightSamples:
     """Six frames, ever nearer, of an exact shape."""
     rng = np.random.default_rng(4)
-    found = Elevation(0.02)
+    found = HeightSamples(0.02)
     x = np.arange(start - 1.5, start + length + 1.5, 0.05)
     for slant in np.linspace(6.0, 3.0, 6):
-        rows = Rows(
+        rows = HeightRows(
             x, np.zeros(len(x)), np.full(len(x), 0.005), np.full(len(x), 0.02), np.full(len(x), slant)
         )
         z = seen(kind, rows, start, length, height) + noise * rng.standard_normal(len(x))
@@ -26,7 +28,7 @@ def measured(kind: Kind, start: float, length: float, height: float, noise: floa
     return found
 
 
-def fitted(kind: Kind, elevation: Elevation, near: float) -> Fit:
+def fitted(kind: ObstacleTemplate, elevation: HeightSamples, near: float) -> Fit:
     prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
     state = start_state(near, prior, kind.length_m, kind.height_m)
     return fit(kind, [], state, prior, [], SETTINGS, 12, elevation)
@@ -37,15 +39,15 @@ def fitted(kind: Kind, elevation: Elevation, near: float) -> Fit:
 )
 @pytest.mark.parametrize("slant", [2.5, 6.0])
 def test_lines_of_sight_end_where_they_meet_the_shape_first(
-    kind: Kind, length: float, height: float, slant: float
+    kind: ObstacleTemplate, length: float, height: float, slant: float
 ) -> None:
     """Against marching along each line in steps of a millimetre."""
     crossing = np.arange(9.5, 10.0 + length + 1.0, 0.037)
     nothing = np.zeros(len(crossing))
-    rows = Rows(crossing, nothing, nothing + 0.01, nothing, nothing + slant)
+    rows = HeightRows(crossing, nothing, nothing + 0.01, nothing, nothing + slant)
     found = seen(kind, rows, 10.0, length, height)
     x = np.arange(9.0, 12.0 + length, 0.001)
-    ground = height * relief(kind, np.clip((x - 10.0) / length, 0.0, 1.0), length)
+    ground = height * unit_profile(kind, np.clip((x - 10.0) / length, 0.0, 1.0), length)
     for meets, z in zip(crossing, found, strict=True):
         line = (meets - x) / slant
         met = int(np.argmax(line <= ground + 1e-12))
@@ -65,7 +67,9 @@ def test_old_frames_are_forgotten_and_variances_inflated() -> None:
     ("kind", "length", "height"),
     [(BUMP, 0.5, 0.06), (HUMP, 3.7, 0.11), (TABLE, 3.3, 0.075), (POTHOLE, 0.7, 0.05)],
 )
-def test_a_fit_finds_edge_length_and_height_of_a_profile(kind: Kind, length: float, height: float) -> None:
+def test_a_fit_finds_edge_length_and_height_of_a_profile(
+    kind: ObstacleTemplate, length: float, height: float
+) -> None:
     found = fitted(kind, measured(kind, 30.0, length, height), 30.12)
     start, _, _, fitted_length, fitted_height, _ = found.state
     assert start == pytest.approx(30.0, abs=0.04)
@@ -75,14 +79,14 @@ def test_a_fit_finds_edge_length_and_height_of_a_profile(kind: Kind, length: flo
 
 
 @pytest.mark.parametrize(("true", "other"), [(HUMP, TABLE), (TABLE, HUMP), (BUMP, HUMP), (HUMP, BUMP)])
-def test_the_kind_that_was_measured_costs_least(true: Kind, other: Kind) -> None:
+def test_the_kind_that_was_measured_costs_least(true: ObstacleTemplate, other: ObstacleTemplate) -> None:
     elevation = measured(true, 30.0, true.length_m, true.height_m)
     assert fitted(true, elevation, 30.0).cost < fitted(other, elevation, 30.0).cost - 3.0
 
 
-def shifted(elevation: Elevation, away) -> Elevation:  # type: ignore[no-untyped-def]
+def shifted(elevation: HeightSamples, away) -> HeightSamples:  # type: ignore[no-untyped-def]
     """The same samples with `away(frame number, x)` added to their heights."""
-    moved = Elevation(elevation.shift_sigma_m)
+    moved = HeightSamples(elevation.shift_sigma_m)
     for number, rows in enumerate(elevation.frames):
         moved.frames.append(rows._replace(z_m=rows.z_m + away(number, rows.x_m - 30.0)))
     return moved
@@ -114,7 +118,7 @@ def test_what_is_marginalised_is_what_the_joint_normal_equations_leave_out() -> 
     state = np.array([30.03, 0.0, 0.0, 3.4, 0.085, 0.001])
     information, gradient, cost = equations(TABLE, elevation, state)
     frames = len(elevation.frames)
-    rows = Rows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
+    rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
 
     def model(values: np.ndarray) -> np.ndarray:
         """Residuals, each over its sigma: samples, edge, priors; values: state, then nuisances."""
@@ -152,7 +156,7 @@ def test_what_is_marginalised_is_what_the_joint_normal_equations_leave_out() -> 
 def test_ramps_of_another_length_do_not_move_the_edge() -> None:
     """Ramps of 0.21 instead of 0.167 of the length begin 8 cm before ramps of the usual length would."""
     found = measured(TABLE, 30.0, 4.0, 0.1)
-    longer = Elevation(0.02)
+    longer = HeightSamples(0.02)
     for rows in found.frames:
         z = seen(TABLE, rows, 30.0, 4.0, 0.1, 0.21)
         longer.add(rows._replace(z_m=z), NearEdge(30.0, 0.05, 0.0))

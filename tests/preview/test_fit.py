@@ -3,20 +3,20 @@ import pytest
 
 from preview.calibration import Gaussian
 from preview.fit import (
+    EDGE_BIAS,
     GROUND,
     HEIGHT,
     LENGTH,
-    LOW,
     OFFSET,
-    Direct,
-    Sight,
+    DirectMeasurement,
+    EdgeBearings,
     X,
     _normal_equations,
     fit,
     silhouette,
 )
 from preview.settings import Settings
-from preview.shape import BUMP, HUMP, POTHOLE, TABLE, kinds_of, relief
+from preview.shape import BUMP, HUMP, POTHOLE, TABLE, templates_of, unit_profile
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0
@@ -30,12 +30,12 @@ def sights_of(kind, state, camera_x, noise=0.0, rng=None):
     """Exact edge bearings of an object in `state`, from a camera 1.3 m high."""
     camera_z = np.full(len(camera_x), 1.3)
     ahead, below, _ = silhouette(kind, state, camera_x, camera_z)
-    bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET] + state[LOW]
+    bottom = np.arctan2(camera_z - state[GROUND], state[X] - camera_x) - state[OFFSET] + state[EDGE_BIAS]
     top = np.arctan2(below, ahead) - state[OFFSET]
     if rng is not None:
         bottom, top = bottom + noise * rng.normal(size=len(top)), top + noise * rng.normal(size=len(top))
     return [
-        Sight(0.0, x, 1.3, float(b), float(t), SIGMA, SIGMA)
+        EdgeBearings(0.0, x, 1.3, float(b), float(t), SIGMA, SIGMA)
         for x, b, t in zip(camera_x, bottom, top, strict=True)
     ]
 
@@ -68,7 +68,7 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
 def test_boxes_overrule_the_prior_length_of_objects_that_rules_make_otherwise(kind, length, height):
     true = np.array([30.0, 0.0, 0.0, length, height, 0.0])
     sights = sights_of(kind, true, np.linspace(5.0, 26.0, 40))
-    fits = [fit(k, sights, start_of(k, 30.3), PRIOR, [], SETTINGS, iterations=12) for k in kinds_of(0)]
+    fits = [fit(k, sights, start_of(k, 30.3), PRIOR, [], SETTINGS, iterations=12) for k in templates_of(0)]
     best = min(fits, key=lambda found: found.cost)
     assert best.kind is kind
     assert best.state[LENGTH] == pytest.approx(length, rel=0.12)
@@ -92,7 +92,7 @@ def test_gradient_agrees_with_differences_of_the_cost(kind):
     data = np.array(sights_of(kind, true, np.linspace(10.0, 26.0, 9)))
     state = start_of(kind, 30.04)
     _, gradient, _ = _normal_equations(kind, data, state, settings)
-    for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT, LOW):
+    for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS):
         step = np.zeros(6)
         step[entry] = 1e-6
         rise = _normal_equations(kind, data, state + step, settings)[2]
@@ -128,7 +128,7 @@ def test_claimed_sigma_covers_the_scatter_and_is_not_vain():
         true[LENGTH] += BUMP.length_sigma_m * rng.normal()
         true[HEIGHT] += BUMP.height_sigma_m * rng.normal()
         true[GROUND] = GROUND_SIGMA * rng.normal()
-        true[LOW] = LOW_SIGMA * rng.normal()
+        true[EDGE_BIAS] = LOW_SIGMA * rng.normal()
         sights = sights_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
         found = fit(BUMP, sights, start_of(BUMP, 29.7), PRIOR, [], SETTINGS, 6)
         nees.append((found.state[X] - 30.0) ** 2 / found.covariance[X, X])
@@ -146,7 +146,7 @@ def test_cut_edges_are_left_out():
 
 def test_a_direct_measurement_pins_its_state():
     sights = sights_of(BUMP, start_of(BUMP, 30.0), np.linspace(8.0, 20.0, 10))
-    found = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [Direct(X, 30.2, 1e-4)], SETTINGS, 6)
+    found = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [DirectMeasurement(X, 30.2, 1e-4)], SETTINGS, 6)
     assert found.state[X] == pytest.approx(30.2, abs=1e-3)
 
 
@@ -158,7 +158,7 @@ def test_silhouette_is_the_brute_force_maximum():
         ahead, below, _ = silhouette(kind, state, camera_x, np.full(20, 1.3))
         share = np.linspace(0.0, 1.0, 4001)
         fine = np.arctan2(
-            1.3 - state[HEIGHT] * relief(kind, share, state[LENGTH]),
+            1.3 - state[HEIGHT] * unit_profile(kind, share, state[LENGTH]),
             state[X] + share * state[LENGTH] - camera_x[:, None],
         ).min(axis=1)
         np.testing.assert_allclose(np.arctan2(below, ahead), fine, atol=3e-4)  # a seventh of a pixel
@@ -167,7 +167,7 @@ def test_silhouette_is_the_brute_force_maximum():
 @pytest.mark.parametrize("bottom", [0.002, 0.0, -0.02])
 def test_lines_of_sight_at_the_horizon_or_above_say_far_away_and_no_more(bottom):
     """Such boxes occur on a climb ahead: they do not intersect the plane, and a fit must not diverge."""
-    sights = [Sight(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)]
+    sights = [EdgeBearings(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)]
     state = start_of(BUMP, 30.0)
     for _ in range(12):
         found = fit(BUMP, sights, state, PRIOR, [], SETTINGS, 2)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from detector.detection import Detections
-from preview.elevation import Rows
+from preview.elevation import HeightRows
 from preview.estimator import Estimator
-from preview.gauge import Gauge, _excess
+from preview.gauge import HeightGauge, _sigma_inflation
 from preview.settings import Settings
 from preview.stereo import second_pose
 from road.appearance import Appearance
@@ -69,7 +69,7 @@ def test_an_object_that_is_only_remembered_is_measured_without_a_box() -> None:
     pose = pose_of(MOUNT, 24.5, 0.0, 0.0)
     scene = Scene(Road(60.0, (BUMP,)), Appearance(light="noon", weather="dry", wear=0.3), 5)
     images = (scene.render(CAMERA, at, 0).image for at in (pose, second_pose(pose, BASE_M)))
-    assert Gauge(CAMERA, BASE_M, unbiased()).measure(pose, *images, [track]) == [track]
+    assert HeightGauge(CAMERA, BASE_M, unbiased()).measure(pose, *images, [track]) == [track]
     assert track.elevation is not None
     assert (len(track.elevation.frames), len(track.elevation.edges)) == (1, 0)
 
@@ -78,10 +78,10 @@ def test_heights_count_less_where_bare_road_does_not_look_flat() -> None:
     rng = np.random.default_rng(1)
     sigma, bare = np.full(4000, 0.01), np.arange(4000) < 3000
     flat = np.where(bare, rng.normal(0.0, 0.01, 4000), 0.08)
-    still, moving = (Rows(flat, scale * flat, sigma, sigma, flat) for scale in (0.01, 5.0))
-    assert _excess(still, bare) == 1.0
-    assert _excess(moving, bare) == pytest.approx(2.0 * 5.0, rel=0.1)
-    assert _excess(moving, np.zeros(4000, bool)) == 1.0
+    still, moving = (HeightRows(flat, scale * flat, sigma, sigma, flat) for scale in (0.01, 5.0))
+    assert _sigma_inflation(still, bare) == 1.0
+    assert _sigma_inflation(moving, bare) == pytest.approx(2.0 * 5.0, rel=0.1)
+    assert _sigma_inflation(moving, np.zeros(4000, bool)) == 1.0
 
 
 def test_without_images_nothing_is_measured() -> None:
@@ -101,7 +101,7 @@ def test_images_are_seen_as_through_an_ideal_lens() -> None:
     scene, pose = Scene(Road(60.0, (BUMP,)), Appearance(), 2), pose_of(MOUNT, 25.0, 0.0, 0.0)
     images = [scene.render(camera, pose, 0).image for camera in (CAMERA, bent)]
     ideal, crooked, straight = (
-        Gauge(camera, 0.2, unbiased()).grey(image)[200:380, 60:580].astype(float)
+        HeightGauge(camera, 0.2, unbiased()).grey(image)[200:380, 60:580].astype(float)
         for camera, image in ((CAMERA, images[0]), (CAMERA, images[1]), (bent, images[1]))
     )
     assert np.abs(straight - ideal).mean() < 0.5 * np.abs(crooked - ideal).mean()

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from preview.grade_watch import GradeWatch
+from preview.grade_watch import GradeChangeDetector
 from preview.settings import Settings
 
 STEP, SPAN = 0.005, 10  # readings a span
@@ -14,7 +14,7 @@ SETTINGS = Settings()
 
 def told(heights, roughness_m=0.003):
     """Result after each reading."""
-    watch = GradeWatch(SETTINGS)
+    watch = GradeChangeDetector(SETTINGS)
     return [watch.add(np.asarray(height), STEP, roughness_m) for height in heights]
 
 
@@ -37,7 +37,7 @@ def test_a_rough_road_rises_higher_before_its_grade_has_changed():
 
 
 def test_what_the_change_itself_adds_to_the_roughness_does_not_hide_it():
-    watch = GradeWatch(SETTINGS)
+    watch = GradeChangeDetector(SETTINGS)
     answers = [watch.add(np.zeros(2), STEP, 0.003) for _ in range(5 * SPAN)]
     answers += [watch.add(np.full(2, 0.03), STEP, 0.02) for _ in range(SPAN)]
     assert answers[-1] is not None
@@ -45,7 +45,7 @@ def test_what_the_change_itself_adds_to_the_roughness_does_not_hide_it():
 
 
 def test_the_plane_settles_for_a_second():
-    watch = GradeWatch(SETTINGS)
+    watch = GradeChangeDetector(SETTINGS)
     heights = [[0.03, 0.03]] * SPAN + [[0.0, 0.0]] * (30 * SPAN)
     asked, unsettled = [], []
     for height in heights:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from files.errors import InputError
 from preview.calibration import Calibration
 from preview.fit import HEIGHT, LENGTH, X
-from preview.memory import Memory, Mounting, Remembered, RowBias, read, write
+from preview.memory import Memory, Mounting, RememberedObject, RowBias, read, write
 from preview.perception import BoxErrors
 from preview.recall import expectations, recall, remember
 from preview.settings import Settings
@@ -20,8 +20,8 @@ from road.features import HalfSineBump, Pothole
 from road.profile import Road
 from tests.preview.kinematic_drive import Drive, drive
 
-BUMP = Remembered("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)
-HOLE = Remembered("pothole", 90.0, 0.05, 0.6, 0.1, 0.07, 0.02, -1.0, -0.4, 0.05, 0.9)
+BUMP = RememberedObject("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)
+HOLE = RememberedObject("pothole", 90.0, 0.05, 0.6, 0.1, 0.07, 0.02, -1.0, -0.4, 0.05, 0.9)
 ROWS = RowBias((-0.2, 0.9), (0.04, 0.09), 0.01, (1e-5, 2e-5), (1e-5, -3e-5))
 MEMORY = Memory(Mounting(0.003, -0.01, 1e-6, 1e-7, 1e-4), (BUMP, HOLE), ROWS)
 FOCAL_PX = 457.0
@@ -31,7 +31,7 @@ sizes = st.floats(0.01, 5.0)
 
 @given(st.floats(-1e3, 1e3), sizes, sizes, sizes, st.floats(0.01, 0.99))
 def test_a_file_gives_back_what_was_written(tmp_path_factory, x, sigma, length, height, existence):
-    place = Remembered("hump", x, sigma, length, sigma, height, sigma, -1.0, 1.0, sigma, existence)
+    place = RememberedObject("hump", x, sigma, length, sigma, height, sigma, -1.0, 1.0, sigma, existence)
     path = tmp_path_factory.mktemp("memory") / "memory.yaml"
     write(path, Memory(MEMORY.mounting, (place,), ROWS))
     assert read(path) == Memory(MEMORY.mounting, (place,), ROWS)
@@ -101,7 +101,7 @@ def test_a_file_from_before_the_rows_were_learned_still_tells_the_mounting(tmp_p
     assert calibration.covariance[0, 0] == 1e-6
 
 
-LOW = BoxErrors(bottom_bias_px=(0.0, 1.5), top_bias_px=(0.0, 0.0))
+EDGE_BIAS = BoxErrors(bottom_bias_px=(0.0, 1.5), top_bias_px=(0.0, 0.0))
 """Potholes drawn 1.5 px too low, which is 0.10 m at 6 m: found by the wheel."""
 
 
@@ -112,7 +112,7 @@ def holes_and_bumps(count):
 
 
 def test_rows_are_learned_in_a_drive_and_recalled():
-    shots, first = drive(holes_and_bumps(6), Drive(seed=2, errors=LOW))
+    shots, first = drive(holes_and_bumps(6), Drive(seed=2, errors=EDGE_BIAS))
     rows = first.memory().rows
     assert rows.bottom_px[1] - rows.bottom_px[0] == pytest.approx(1.5, abs=0.5)
     calibration = Calibration(Settings(bottom_bias_px=(0.0, 0.0)), FOCAL_PX)
@@ -127,7 +127,7 @@ def test_rows_learned_in_one_drive_serve_the_next():
     """The first hole of the next drive is located twice as well, on average over four cars."""
     errors = []
     for seed in range(4):
-        conditions = Drive(seed=seed, errors=LOW)
+        conditions = Drive(seed=seed, errors=EDGE_BIAS)
         (before, *_), first = drive(holes_and_bumps(3), conditions)
         memory = replace(first.memory(), objects=())
         (after,), _ = drive(holes_and_bumps(1), conditions, memory=memory)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from preview.parallax import Band, band, match, place
+from preview.parallax import ImageBand, band, match, place
 from preview.plane import fit_plane
 from preview.stereo import coarse, second_pose
 from road.appearance import Appearance
@@ -34,7 +34,7 @@ def photographs() -> tuple[CameraPose, CameraPose, Frame, Frame]:
     return here, right, scene.render(CAMERA, here, 0), scene.render(CAMERA, right, 1)
 
 
-def true_structure(view: Band, frame: Frame) -> np.ndarray:
+def true_structure(view: ImageBand, frame: Frame) -> np.ndarray:
     return view.ahead / frame.depth[slice(*ROWS), slice(*COLUMNS)]
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from preview.motion import EgoMotion
-from preview.roll import Roll
+from preview.roll import RollFilter
 from preview.settings import Settings
 from tests.preview.kinematic_drive import Reading
 
@@ -40,7 +40,7 @@ def test_claimed_sigma_is_that_of_many_drives():
     sigma = settings.level_ratio * settings.least_roughness_m
     nees = []
     for _ in range(300):
-        filter_ = Roll(AXLE_X_M, WHEEL_Y_M, settings)
+        filter_ = RollFilter(AXLE_X_M, WHEEL_Y_M, settings)
         roll = np.deg2rad(settings.body_pitch_sigma_deg) * rng.normal()
         offset = np.deg2rad(settings.gyro_offset_sigma_deg_s) * rng.normal()
         for _ in range(60):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from preview.shape import BUMP, HUMP, KINDS, POTHOLE, TABLE, chord, kinds_of, relief, tyre_profile
+from preview.shape import BUMP, HUMP, KINDS, POTHOLE, TABLE, chord, templates_of, tyre_profile, unit_profile
 from road.envelope import wheel_profile
 from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
 from road.profile import Road
@@ -9,7 +9,7 @@ from road.profile import Road
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_relief_is_zero_at_both_ends_and_one_at_most(kind):
-    values = kind.sign * relief(kind, np.linspace(0.0, 1.0, 201), kind.length_m)
+    values = kind.sign * unit_profile(kind, np.linspace(0.0, 1.0, 201), kind.length_m)
     assert values[[0, -1]] == pytest.approx(0.0, abs=1e-12)
     assert values.max() == pytest.approx(1.0, abs=1e-3)
     assert values.min() >= -1e-12
@@ -40,8 +40,8 @@ def test_the_tyre_meets_a_bump_before_its_edge_and_a_hole_after():
 
 
 def test_a_detector_class_names_its_kinds():
-    assert kinds_of(0) == (BUMP, HUMP, TABLE)
-    assert kinds_of(1) == (POTHOLE,)
+    assert templates_of(0) == (BUMP, HUMP, TABLE)
+    assert templates_of(1) == (POTHOLE,)
 
 
 def test_chord_of_an_ellipse():

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from preview.body import Turn
+from preview.body import PlaneUpdate
 from preview.calibration import Gaussian
-from preview.fit import Sight
+from preview.fit import EdgeBearings
 from preview.settings import Settings
 from preview.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
 
@@ -22,11 +22,11 @@ def track(right=-0.3, left=0.3, variance=0.01):
 
 def test_existence_follows_bayes_rule():
     t = track()
-    t.weigh(True, SETTINGS)
+    t.update_existence(True, SETTINGS)
     p = SETTINGS.detection_probability
     q = SETTINGS.false_repeat_probability
     assert t.existence == pytest.approx(0.5 * p / (0.5 * p + 0.5 * q))
-    t.weigh(False, SETTINGS)
+    t.update_existence(False, SETTINGS)
     expected = p * (1 - p) / (p * (1 - p) + q * (1 - q))
     assert t.existence == pytest.approx(expected)
 
@@ -34,9 +34,9 @@ def test_existence_follows_bayes_rule():
 def test_existence_can_always_be_lost_again():
     t = track()
     for _ in range(100):
-        t.weigh(True, SETTINGS)
+        t.update_existence(True, SETTINGS)
     for _ in range(10):
-        t.weigh(False, SETTINGS)
+        t.update_existence(False, SETTINGS)
     assert t.existence < SETTINGS.death_existence
 
 
@@ -61,7 +61,7 @@ def test_boxes_alone_never_make_an_object_certain():
     t = track()
     t.precision = SETTINGS.precision(1)
     for _ in range(200):
-        t.weigh(True, SETTINGS)
+        t.update_existence(True, SETTINGS)
     assert t.existence == pytest.approx(SETTINGS.pothole_real_probability, abs=1e-3)
     t.precision = 1.0
     assert t.existence > 0.999
@@ -102,21 +102,21 @@ def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, 
     camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
     seen = track()
     ray = np.arctan2(camera_z, away)
-    seen.sights = [Sight(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
+    seen.sights = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
     now = camera_x + driven
-    seen.turn(now, Turn(heave, pitch))
+    seen.turn(now, PlaneUpdate(heave, pitch))
     (sight,) = seen.sights
     ground = heave + (now - x) * pitch
     met = sight.camera_x + (sight.camera_z - ground) / np.tan(sight.bottom)
     assert abs(met - x) <= abs(pitch) * (camera_z + 2 * abs(pitch) * away**2 / camera_z) + 1e-9
     assert sight.top == sight.bottom
-    assert seen.of_one_plane == (abs(pitch) < 0.002)
+    assert seen.is_of_one_plane == (abs(pitch) < 0.002)
 
 
 def rated(scores, height_px, cls=1):
     thing = replace(track(), cls=cls, precision=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
     for score in scores:
-        thing.rate(score, height_px, SETTINGS)
+        thing.update_score(score, height_px, SETTINGS)
     return thing
 
 
@@ -135,5 +135,5 @@ def test_scores_alone_never_make_an_object_certain():
 def test_what_a_wheel_has_felt_needs_no_score():
     thing = rated([0.8], 20.0)
     thing.precision = 1.0
-    thing.rate(0.0, 20.0, SETTINGS)
+    thing.update_score(0.0, 20.0, SETTINGS)
     assert thing.precision == 1.0

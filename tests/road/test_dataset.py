@@ -11,9 +11,9 @@ from files.errors import InputError
 from road.appearance import random_appearance
 from road.dataset import main, write_dataset
 from road.features import Feature
-from road.labelled import SPLITS, VIEWS_PER_ROAD, crowded
+from road.labelled import SPLITS, VIEWS_PER_ROAD, with_distractors
 from road.render import MAX_HIDDEN
-from road.scenes import FARTHEST_M, NEAREST_M, random_road
+from road.scenes import MAX_APPROACH_M, MIN_APPROACH_M, random_road
 
 COUNTS = {"train": VIEWS_PER_ROAD + 2, "val": 3, "test": 3}
 
@@ -129,7 +129,7 @@ def features_of(seed: int, split: str, number: int) -> tuple[Feature, ...]:
 
 def lies_ahead(feature: Feature, places: list[float]) -> bool:
     """True if a feature is within the approach distances of all `places`."""
-    return all(NEAREST_M - 1e-9 <= feature.start_m - x <= FARTHEST_M + 1e-9 for x in places)
+    return all(MIN_APPROACH_M - 1e-9 <= feature.start_m - x <= MAX_APPROACH_M + 1e-9 for x in places)
 
 
 @pytest.mark.parametrize("approach", [True, False])
@@ -143,7 +143,7 @@ def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path, approach: bool)
         assert bool(found) == approach
     if approach:
         near = [min((o["distance_m"] for o in row["objects"]), default=np.inf) for row in rows]
-        assert np.median(near) < FARTHEST_M
+        assert np.median(near) < MAX_APPROACH_M
     usual = sum(row["camera"]["focal_px"] == 457.0 for row in rows)
     assert (usual > len(rows) / 2) == approach
 
@@ -157,7 +157,7 @@ def test_plain_roads_have_nothing_to_find_but_much_that_looks_like_it(tmp_path: 
     assert json.loads((tmp_path / "set/dataset.json").read_text())["plain"] is True
     rng = np.random.default_rng(0)
     usual = [random_appearance(rng) for _ in range(200)]
-    full = [crowded(look, rng) for look in usual]
+    full = [with_distractors(look, rng) for look in usual]
     for density in ("patches", "distractors"):
         assert np.mean([getattr(look, density) for look in full]) > 0.6
         assert np.mean([getattr(look, density) for look in usual]) < 0.6

@@ -12,7 +12,7 @@ from preview.perception import true_boxes
 from road.appearance import Appearance
 from road.camera import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
 from road.features import HalfSineBump
-from road.grade import STEEPEST, GradeChange, grade_at, grade_height
+from road.grade import MAX_GRADE, GradeChange, grade_at, grade_height
 from road.profile import Road
 from road.raycast import FAR_M
 from road.render import Scene
@@ -81,7 +81,7 @@ VALLEY = (GradeChange(8.0, -0.08), GradeChange(30.0, 0.1))
 @pytest.mark.parametrize("x_m", [3.0, 20.0, 40.0])
 @pytest.mark.parametrize(
     "changes",
-    [(GradeChange(8.0, grade),) for grade in (-STEEPEST, -0.05, 0.05, 0.1, STEEPEST)] + [CREST, VALLEY],
+    [(GradeChange(8.0, grade),) for grade in (-MAX_GRADE, -0.05, 0.05, 0.1, MAX_GRADE)] + [CREST, VALLEY],
     ids=["down 30 %", "down 5 %", "up 5 %", "up 10 %", "up 30 %", "crest", "valley"],
 )
 def test_the_road_is_where_marching_through_its_height_finds_it(

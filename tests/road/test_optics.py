@@ -5,15 +5,15 @@ import pytest
 
 from road import optics
 from road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from road.raycast import View
+from road.raycast import CameraView
 
 CAMERA = Camera()
 POSE = pose_of(CameraMount(), 1.0, 0.0, 0.0)
 SHAPE = (CAMERA.height_px, CAMERA.width_px)
 
 
-def view_of(pose: CameraPose) -> View:
-    return View(pose.rotation, pose.position, CAMERA.focal_px, CAMERA.cx, CAMERA.cy)
+def view_of(pose: CameraPose) -> CameraView:
+    return CameraView(pose.rotation, pose.position, CAMERA.focal_px, CAMERA.cx, CAMERA.cy)
 
 
 @pytest.mark.parametrize("coefficient", [-0.12, -0.03, 0.04])

@@ -5,8 +5,8 @@ import pytest
 
 from road import sprites, vehicles
 from road.appearance import SURROUNDINGS, Appearance
-from road.props import Prop, Solid, Sprite, place_of, prism, pyramid
-from road.roadside import REACH_M, moving, standing
+from road.props import Prop, Solid, Sprite, ground_position, prism, pyramid
+from road.roadside import REACH_M, random_traffic, static_objects
 
 
 def test_a_prism_is_closed_and_its_faces_look_outwards() -> None:
@@ -37,22 +37,22 @@ def test_vehicles_stand_on_the_ground_inside_their_outline_and_carry_lamps_at_bo
         assert (np.abs(local).max(axis=0) <= half + 0.04).all()
         ahead = [face.normal @ (c, s, 0) for face in body.faces if any(face.glow)]
         assert sorted(np.sign(ahead)) == [-1, -1, 1, 1]
-        np.testing.assert_allclose(place_of(body), (x, y), atol=1e-9)
+        np.testing.assert_allclose(ground_position(body), (x, y), atol=1e-9)
 
 
 def test_standing_things_leave_the_carriageway_free_and_reach_beyond_the_view() -> None:
     for seed, surroundings in enumerate(SURROUNDINGS * 3):
         look = Appearance(surroundings=surroundings, left_edge_m=4.0, right_edge_m=-2.0)
-        props = standing(np.random.default_rng(seed), look)
+        props = static_objects(np.random.default_rng(seed), look)
         for prop in props:
             sides = prop.base[:, 1] if isinstance(prop, Solid) else np.array([prop.y])
             assert (sides > 4.0).all() or (sides < -2.0).all()
-        assert max(place_of(prop)[0] for prop in props) > 0.8 * REACH_M
+        assert max(ground_position(prop)[0] for prop in props) > 0.8 * REACH_M
 
 
 def test_only_a_lit_street_has_lamps_that_glow() -> None:
     def glows(look: Appearance) -> bool:
-        props = standing(np.random.default_rng(2), look)
+        props = static_objects(np.random.default_rng(2), look)
         return any(isinstance(prop, Sprite) and any(prop.glow) for prop in props)
 
     assert glows(Appearance(light="night", street_lamps=0.7))
@@ -61,12 +61,12 @@ def test_only_a_lit_street_has_lamps_that_glow() -> None:
 
 def test_traffic_repeats_with_its_seed_and_is_of_every_sort() -> None:
     def signature(props: list[Prop]) -> list[tuple[float, ...]]:
-        return [tuple(place_of(prop)) for prop in props]
+        return [tuple(ground_position(prop)) for prop in props]
 
-    one, other = (moving(np.random.default_rng(5), Appearance(), 10.0) for _ in range(2))
+    one, other = (random_traffic(np.random.default_rng(5), Appearance(), 10.0) for _ in range(2))
     assert signature(one) == signature(other)
     rng = np.random.default_rng(6)
-    crowds = [moving(rng, Appearance(), 10.0) for _ in range(200)]
+    crowds = [random_traffic(rng, Appearance(), 10.0) for _ in range(200)]
     assert 0.2 < np.mean([any(isinstance(p, Solid) for p in crowd) for crowd in crowds]) < 0.8
     assert any(not crowd for crowd in crowds)
     assert {type(p) for crowd in crowds for p in crowd} == {Solid, Sprite}

@@ -3,7 +3,7 @@ import pytest
 
 from files.errors import InputError
 from road.roughness import STEP_M, Roughness, rough_surface
-from road.spectrum import fit, iso_class_of, spectrum
+from road.spectrum import classify_iso8608, fit, spectrum
 
 
 @pytest.mark.parametrize("iso_class", ["A", "D", "H"])
@@ -26,7 +26,7 @@ def test_sinusoid_shows_in_its_third_of_an_octave_with_its_mean_square():
 
 
 def test_class_limits_lie_a_factor_of_two_about_the_means():
-    assert [iso_class_of(v * 1e-6) for v in (1, 31, 33, 127, 129, 511, 1e6, 1e9)] == list("AABBCCHH")
+    assert [classify_iso8608(v * 1e-6) for v in (1, 31, 33, 127, 129, 511, 1e6, 1e9)] == list("AABBCCHH")
 
 
 def test_what_has_no_class_is_refused():

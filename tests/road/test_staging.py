@@ -12,13 +12,13 @@ from road.appearance import Appearance
 from road.camera import Camera, CameraMount, pose_of, project, rays
 from road.features import HalfSineBump
 from road.profile import Road
-from road.props import Solid, Sprite, prism, pyramid, stand
-from road.raycast import View
+from road.props import Solid, Sprite, place_body, prism, pyramid
+from road.raycast import CameraView
 from road.render import MAX_HIDDEN, Scene
 
 CAMERA = Camera()
 POSE = pose_of(CameraMount(), 1.0, 0.0, 0.0)
-VIEW = View(POSE.rotation, POSE.position, CAMERA.focal_px, CAMERA.cx, CAMERA.cy)
+VIEW = CameraView(POSE.rotation, POSE.position, CAMERA.focal_px, CAMERA.cx, CAMERA.cy)
 QUIET: dict[str, Any] = {"noise": 0.0, "blur_px": 0.0}
 
 
@@ -26,7 +26,7 @@ def box(x: float, y: float, size: tuple[float, float, float], yaw: float = 0.0) 
     length, width, height = size
     rectangle = (-length / 2, length / 2, -width / 2, width / 2)
     outline = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (length / 2, width / 2)
-    return stand(prism(rectangle, rectangle, (0.0, height), (0.5, 0.5, 0.5)), outline, height, x, y, yaw)
+    return place_body(prism(rectangle, rectangle, (0.0, height), (0.5, 0.5, 0.5)), outline, height, x, y, yaw)
 
 
 def board(x: float, y: float, width: float, height: float) -> Sprite:

@@ -22,7 +22,7 @@ from scenarios.closed_loop import simulate
 from scenarios.commands.bound import ACTUATORS
 from scenarios.loading import load
 from scenarios.schema import Scenario
-from tests.fuzz.trial import place_of
+from tests.fuzz.trial import ground_position
 
 LONGEST_TICKS = 1500
 CARS = ("quarter", "half", "full", "suv", "van", "heavy_van", "compact_car")
@@ -154,7 +154,7 @@ def driven(one: Trial) -> Trial:
     except InputError:
         return replace(one, told="refused")
     except Exception as error:
-        return replace(one, told=f"{type(error).__name__} at {place_of(error)}: {error}"[:300])
+        return replace(one, told=f"{type(error).__name__} at {ground_position(error)}: {error}"[:300])
     bad = [name for name, value in metrics.items() if not math.isfinite(value)]
     return replace(one, told=f"not finite: {', '.join(bad)}" if bad else "")
 

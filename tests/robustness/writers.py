@@ -56,15 +56,15 @@ def _sweep_in_this_process() -> None:
             advance()
 
     sweep.cluster, sweep.run = cluster, run
-    results.ROWS_A_PART = 3
+    results.ROWS_PER_PART = 3
 
 
 def _quick_bound() -> None:
     import scenarios.bound
     from controller.clairvoyant import Optimum
-    from controller.whole_drive import WholeDrive
+    from controller.whole_drive import WholeDriveObjective
 
-    def optimise(car, whole: WholeDrive, plans) -> Optimum:  # type: ignore[no-untyped-def]
+    def optimise(car, whole: WholeDriveObjective, plans) -> Optimum:  # type: ignore[no-untyped-def]
         found = {name: whole.objective(plan)[0] for name, plan in plans.items()}
         best = min(found, key=found.__getitem__)
         return Optimum(plans[best], found[best], found)

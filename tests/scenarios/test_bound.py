@@ -9,11 +9,11 @@ import pytest
 
 from road.features import HalfSineBump
 from road.profile import Road
-from scenarios.bound import STARTS, _key, _rehearsal, bound, drive_of
+from scenarios.bound import START_CONTROLLERS, _key, _start_case, bound, drive_inputs
 from scenarios.cases import Case
 from scenarios.cli import main
 from scenarios.closed_loop import commands, simulate
-from scenarios.commands.bound import ACTUATORS, equipped
+from scenarios.commands.bound import ACTUATORS, with_actuator
 from scenarios.faults import LateAnswers
 from scenarios.loading import load
 from scenarios.report.gather import gather
@@ -72,10 +72,10 @@ def test_what_is_kept_does_not_depend_on_the_settings_or_oracle_errors_of_who_as
         faults=(LateAnswers(0.0, 1.0),),
         observer="sensors",
     )
-    drives = [drive_of(one) for one in (scenario, other)]
+    drives = [drive_inputs(one) for one in (scenario, other)]
     assert _key(scenario, drives[0]) == _key(other, drives[1])
-    for name in STARTS:
-        ours, theirs = (commands(_rehearsal(one, name)) for one in (scenario, other))
+    for name in START_CONTROLLERS:
+        ours, theirs = (commands(_start_case(one, name)) for one in (scenario, other))
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -110,7 +110,7 @@ def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
 
 def test_what_works_beside_the_dampers_lowers_the_bound() -> None:
     scenario = short()
-    found = [bound(equipped(scenario, actuator), commands) for actuator in ACTUATORS]
+    found = [bound(with_actuator(scenario, actuator), commands) for actuator in ACTUATORS]
     semi_active, hybrid, active = (optimum.objective for optimum in found)
     assert active < hybrid < semi_active
     assert all(0.0 <= optimum.gap < 0.2 for optimum in found)

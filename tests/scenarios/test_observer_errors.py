@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from controller.base import Estimate
-from controller.observer import truth_estimate
+from controller.observer import exact_estimate
 from road.envelope import wheel_profile
 from road.features import HalfSineBump
 from road.profile import Road
@@ -28,7 +28,7 @@ def drive() -> tuple[list[Estimate], VehicleState]:
     plant.reset([wheel_profile(Road(30.0, (HalfSineBump(5.0, 0.05, 0.5),)), -0.75)] * 2, 2.0, 10.0)
     estimates = []
     for _ in range(100):
-        estimates.append(truth_estimate(plant.state))
+        estimates.append(exact_estimate(plant.state))
         plant.step([1500.0, 1500.0], 5)
     return estimates, plant.signals
 

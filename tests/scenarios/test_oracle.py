@@ -12,7 +12,7 @@ from road.envelope import wheel_profile
 from road.features import HalfSineBump
 from road.profile import Road
 from road.roughness import Roughness
-from scenarios.oracle import Oracle, OracleErrors, believed_road, build_oracle
+from scenarios.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
 from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("half")
@@ -20,7 +20,7 @@ ROAD = Road(80.0, (HalfSineBump(30.0, 0.05, 0.5), HalfSineBump(60.0, 0.05, 0.5))
 PROFILES = [wheel_profile(ROAD, -0.75)] * 2
 
 
-def oracle(errors: OracleErrors, road: Road = ROAD) -> Oracle:
+def oracle(errors: OracleErrors, road: Road = ROAD) -> OraclePerception:
     profiles = [wheel_profile(road, -0.75)] * 2
     return build_oracle(road, profiles, CAR, errors, np.random.default_rng(4))
 

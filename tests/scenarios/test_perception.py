@@ -12,7 +12,7 @@ from files.errors import InputError
 from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
 from scenarios.loading import load
-from scenarios.perception import Look
+from scenarios.perception import Exposure
 from vehicle.state import VehicleState
 
 SHORT = ["vehicle.model=quarter", "road.length_m=22", "road.features.0.start_m=10"]
@@ -36,19 +36,19 @@ def interrupt() -> None:
 
 def spoil(monkeypatch: pytest.MonkeyPatch, fail: Callable[[], None], first: int) -> None:
     """Make every box source fail from its exposure number `first` on, for four exposures."""
-    true_eye = eyes.box_eye
+    true_eye = eyes.true_box_source
 
-    def spoilt(*given: object) -> eyes.Eye:
+    def spoilt(*given: object) -> eyes.BoxSource:
         inner, asked = true_eye(*given), iter(range(10**6))  # type: ignore[arg-type]
 
-        def look(tick: int, state: VehicleState) -> Look:
+        def look(tick: int, state: VehicleState) -> Exposure:
             if first <= next(asked) < first + 4:
                 fail()
             return inner(tick, state)
 
         return look
 
-    monkeypatch.setattr(eyes, "box_eye", spoilt)
+    monkeypatch.setattr(eyes, "true_box_source", spoilt)
 
 
 def drive() -> Run:

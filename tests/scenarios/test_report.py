@@ -14,7 +14,7 @@ from scenarios.cli import main
 from scenarios.readback import read
 from scenarios.report.budget import error_budget_section
 from scenarios.report.frames import with_frames
-from scenarios.report.replay import packed, spectra
+from scenarios.report.replay import encode_float32, spectra
 from tests.scenarios.browser import CHROMIUM, told_by
 
 SHORT = """
@@ -266,7 +266,7 @@ def test_the_spectrum_of_a_sine_lies_at_its_frequency_and_holds_its_power() -> N
 
 
 def test_numbers_are_packed_as_little_endian_float32() -> None:
-    assert packed([1.0]) == "AACAPw=="
+    assert encode_float32([1.0]) == "AACAPw=="
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")

@@ -15,7 +15,7 @@ from scenarios.cases import Case
 from scenarios.closed_loop import Run, simulate
 from scenarios.loading import load
 from scenarios.report.figures import write_event_figure
-from scenarios.report.gather import Gathered
+from scenarios.report.gather import ReportInput
 from scenarios.report.html import page
 from scenarios.report.table import comparison, latex, markdown
 from scenarios.runfolder import row
@@ -78,7 +78,7 @@ def rows_of(runs: list[Run]) -> list[dict]:
 
 def hostile_page(run: Run) -> str:
     runs = [spoilt(run, text) for text in HOSTILE]
-    return page(Gathered(tuple(runs), tuple(rows_of(runs)), HOSTILE))
+    return page(ReportInput(tuple(runs), tuple(rows_of(runs)), HOSTILE))
 
 
 class Tokens(HTMLParser):
@@ -110,7 +110,9 @@ def test_embedded_data_hold_nothing_that_the_html_parser_looks_for(drive: Run) -
 def test_texts_of_the_page_make_no_elements(drive: Run) -> None:
     tame, hostile = Tokens(), Tokens()
     runs = [spoilt(drive, f"harmless {index}") for index in range(len(HOSTILE))]
-    tame.feed(page(Gathered(tuple(runs), tuple(rows_of(runs)), tuple(f"text {i}" for i in range(len(runs))))))
+    tame.feed(
+        page(ReportInput(tuple(runs), tuple(rows_of(runs)), tuple(f"text {i}" for i in range(len(runs)))))
+    )
     whole = hostile_page(drive)
     whole.encode()  # no lone surrogates
     hostile.feed(whole)

@@ -51,7 +51,7 @@ def test_a_kill_between_part_and_journal_counts_nothing_twice(tmp_path: Path) ->
 
 
 def test_parts_are_written_as_rows_come(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(results_module, "ROWS_A_PART", 2)
+    monkeypatch.setattr(results_module, "ROWS_PER_PART", 2)
     results = Results(tmp_path)
     for number in range(5):
         results.add(row(number))

@@ -18,7 +18,7 @@ from scenarios.cli import main
 from scenarios.closed_loop import simulate
 from scenarios.results import Results, load_results
 from scenarios.study import read
-from scenarios.sweep import LOOPBACK, cluster, run, work
+from scenarios.sweep import LOOPBACK, cluster, run, simulate_sample
 
 ROAD = """
 title: A short drive
@@ -52,7 +52,7 @@ def _die_once(flag: str, sample: object) -> dict:
     if not os.path.exists(flag):
         Path(flag).touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    return work(sample)  # type: ignore[arg-type]
+    return simulate_sample(sample)  # type: ignore[arg-type]
 
 
 def test_a_killed_worker_loses_nothing_and_failures_are_recorded(
@@ -85,14 +85,16 @@ def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPat
     samples = read(study)
     results = Results(out)
     for sample in samples[:-1]:
-        results.add(work(sample))  # all but one, by a process that was killed before it could flush
+        results.add(
+            simulate_sample(sample)
+        )  # all but one, by a process that was killed before it could flush
     handed: list[str] = []
     import scenarios.commands.sweep as command
 
     def recorded(client: object, missing: list, results: Results, advance: object) -> None:
         handed.extend(sample.key for sample in missing)
         for sample in missing:
-            results.add(work(sample))
+            results.add(simulate_sample(sample))
 
     class NoCluster:
         def __enter__(self) -> None: ...
@@ -175,7 +177,7 @@ def test_a_full_disk_is_told_in_one_line_and_loses_no_finished_drive(
 ) -> None:
     results = Results(study.parent / "out")
     samples = read(study)
-    results.add(work(samples[0]))
+    results.add(simulate_sample(samples[0]))
 
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", str(results.folder))

@@ -7,7 +7,7 @@ from preview.calibration import Calibration
 from preview.settings import Settings
 from preview.track import Edge, Track, first_fits
 from road.features import HalfSineBump, Pothole, WattsHump
-from scenarios.told import corrector
+from scenarios.told import track_corrector
 
 FEATURES = (HalfSineBump(30.0, 0.08, 0.5), WattsHump(60.0, 0.09, 3.6), Pothole(31.0, 0.06, 0.7, 0.6))
 
@@ -18,11 +18,11 @@ def track(cls: int, x_m: float) -> Track:
 
 
 def test_nothing_told_is_no_corrector() -> None:
-    assert corrector(FEATURES, ()) is None
+    assert track_corrector(FEATURES, ()) is None
 
 
 def test_distance_is_that_of_the_feature_in_the_odometers_reckoning() -> None:
-    correct = corrector(FEATURES, ("distance",))
+    correct = track_corrector(FEATURES, ("distance",))
     assert correct is not None
     wrong = track(0, 60.4)
     found = correct(wrong, 0.15)
@@ -39,7 +39,7 @@ def test_distance_is_that_of_the_feature_in_the_odometers_reckoning() -> None:
 def test_shape_is_that_of_the_feature_where_the_track_believes_it(
     cls: int, x_m: float, kind: str, length: float, height: float
 ) -> None:
-    correct = corrector(FEATURES, ("shape",))
+    correct = track_corrector(FEATURES, ("shape",))
     assert correct is not None
     found = correct(track(cls, x_m), 0.0)
     assert (found.best.kind.name, found.start_m) == (kind, x_m)
@@ -49,7 +49,7 @@ def test_shape_is_that_of_the_feature_where_the_track_believes_it(
 
 
 def test_what_is_nowhere_near_stays() -> None:
-    correct = corrector(FEATURES, ("distance", "shape"))
+    correct = track_corrector(FEATURES, ("distance", "shape"))
     assert correct is not None
     ghost = track(1, 60.0)
     assert correct(ghost, 0.0) is ghost

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 
 from controller.settings import ControllerSettings
-from controller.tuned import TUNED, tuned_settings
+from controller.tuned import TUNED_CONTROLLERS, tuned_settings
 from files import strict
 from files.errors import InputError
 from scenarios.cli import main
 from scenarios.loading import load
-from scenarios.tuning import SPANS, Span, spans_of, tune
+from scenarios.tuning import SEARCH_RANGES, SearchRange, search_ranges, tune
 
 SHORT = """
 title: One bump
@@ -39,7 +39,7 @@ class Bowl:
 
 def test_the_bottom_is_found_within_the_evaluations() -> None:
     bowl: Any = Bowl(before=1.0)
-    found = tune(bowl, "add", SPANS["add"], THERE, evaluations=40, seed=1)
+    found = tune(bowl, "add", SEARCH_RANGES["add"], THERE, evaluations=40, seed=1)
     assert found.settings["hard_ns_m"] == pytest.approx(2000.0, rel=0.02)
     assert found.settings["soft_ns_m"] == pytest.approx(500.0, rel=0.02)
     assert found.score == pytest.approx(0.5, abs=1e-3)
@@ -48,21 +48,21 @@ def test_the_bottom_is_found_within_the_evaluations() -> None:
 
 def test_what_was_there_before_stays_where_nothing_better_is_found() -> None:
     bowl: Any = Bowl(before=0.4)
-    found = tune(bowl, "add", SPANS["add"], THERE, evaluations=16, seed=1)
+    found = tune(bowl, "add", SEARCH_RANGES["add"], THERE, evaluations=16, seed=1)
     assert (found.settings, found.score) == ({}, 0.4)
 
 
 def test_the_climb_begins_where_the_settings_before_were_if_nothing_seen_is_better() -> None:
     near = {"hard_ns_m": 2100.0, "soft_ns_m": 510.0}
     start: Any = Bowl(Bowl(0.0).score("add", near))
-    found = tune(start, "add", SPANS["add"], near, evaluations=24, seed=1)
+    found = tune(start, "add", SEARCH_RANGES["add"], near, evaluations=24, seed=1)
     assert found.score < 0.5005
     assert start.asked <= 25
 
 
 def test_settings_outside_the_span_are_no_place_of_the_search() -> None:
     """Their good score must not draw the local search to the end of the range."""
-    spans = {"hard_ns_m": Span(1000.0, 1900.0), "soft_ns_m": Span(300.0, 1000.0)}
+    spans = {"hard_ns_m": SearchRange(1000.0, 1900.0), "soft_ns_m": SearchRange(300.0, 1000.0)}
     bowl: Any = Bowl(before=0.51)
     found = tune(bowl, "add", spans, {"hard_ns_m": 2200.0, "soft_ns_m": 500.0}, evaluations=40, seed=1)
     assert found.settings["hard_ns_m"] == pytest.approx(1900.0)
@@ -73,32 +73,33 @@ def test_settings_outside_the_span_are_no_place_of_the_search() -> None:
 def test_the_same_seed_searches_the_same_places() -> None:
     bowls: list[Any] = [Bowl(1.0), Bowl(1.0), Bowl(1.0)]
     first, again, other = (
-        tune(bowl, "add", SPANS["add"], THERE, 12, seed) for bowl, seed in zip(bowls, (1, 1, 2), strict=True)
+        tune(bowl, "add", SEARCH_RANGES["add"], THERE, 12, seed)
+        for bowl, seed in zip(bowls, (1, 1, 2), strict=True)
     )
     assert first == again != other
 
 
 def test_a_span_of_orders_of_magnitude_is_halved_by_its_geometric_mean() -> None:
-    assert Span(0.01, 1.0, ratio=True).at(0.5) == 0.1
-    assert Span(10.0, 20.0).at(0.5) == 15.0
-    assert Span(10.0, 20.0).at(-1e-9) == 10.0
-    for span in (Span(0.01, 1.0, ratio=True), Span(10.0, 20.0)):
+    assert SearchRange(0.01, 1.0, ratio=True).at(0.5) == 0.1
+    assert SearchRange(10.0, 20.0).at(0.5) == 15.0
+    assert SearchRange(10.0, 20.0).at(-1e-9) == 10.0
+    for span in (SearchRange(0.01, 1.0, ratio=True), SearchRange(10.0, 20.0)):
         assert span.share(span.at(0.3)) == pytest.approx(0.3, abs=1e-4)
 
 
 def test_each_controller_that_is_tuned_has_settings_of_these_names_that_fit_any_span() -> None:
-    assert set(SPANS) == set(TUNED)
-    for name, spans in SPANS.items():
+    assert set(SEARCH_RANGES) == set(TUNED_CONTROLLERS)
+    for name, spans in SEARCH_RANGES.items():
         for share in (0.0, 1.0):
             values = {key: span.at(share) for key, span in spans.items()}
             strict.structure(ControllerSettings, {name: values}, "test")
 
 
 def test_a_quarter_car_has_no_rear_damper_to_tune() -> None:
-    assert list(spans_of("fixed", 1)) == ["front_ns_m"]
-    assert list(spans_of("fixed", 2)) == ["front_ns_m", "rear_ns_m"]
+    assert list(search_ranges("fixed", 1)) == ["front_ns_m"]
+    assert list(search_ranges("fixed", 2)) == ["front_ns_m", "rear_ns_m"]
     with pytest.raises(InputError, match=r"controllers must be among fixed, .*got 'passive'"):
-        spans_of("passive", 1)
+        search_ranges("passive", 1)
 
 
 @pytest.mark.parametrize("kind", ["quarter_car", "half_car"])

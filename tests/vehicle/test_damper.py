@@ -11,35 +11,37 @@ from scipy.integrate import solve_ivp
 from files.errors import InputError
 from vehicle import equations
 from vehicle.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.parameters import load_vehicle, prediction_car
+from vehicle.parameters import control_model, load_vehicle
 from vehicle.plant import Plant
 
 PARTS: list[Damper] = [IdealDamper(), ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
 STATIC: list[Damper] = PARTS[:3]
 
 
-def law(part: Damper, share: float, rate: float, travel: float = 0.0, inner: Any = ()) -> float:
-    setting = 300.0 + 4200.0 * share
-    return part.force(setting, share, travel, rate, list(inner), equations.FLOATS)
+def law(
+    part: Damper, normalised_setting: float, rate: float, travel: float = 0.0, internal_states: Any = ()
+) -> float:
+    setting = 300.0 + 4200.0 * normalised_setting
+    return part.force(setting, normalised_setting, travel, rate, list(internal_states), equations.FLOATS)
 
 
 def test_valve_gives_its_map_and_goes_on_with_the_last_slope() -> None:
     part = ValveDamper()
     for i, current in enumerate(part.currents_a):
-        share = (current - part.currents_a[0]) / (part.currents_a[-1] - part.currents_a[0])
+        normalised_setting = (current - part.currents_a[0]) / (part.currents_a[-1] - part.currents_a[0])
         for j, speed in enumerate(part.speeds_m_s):
-            assert law(part, share, speed) == pytest.approx(-part.rebound_n[i][j])
-            assert law(part, share, -speed) == pytest.approx(part.compression_n[i][j])
+            assert law(part, normalised_setting, speed) == pytest.approx(-part.rebound_n[i][j])
+            assert law(part, normalised_setting, -speed) == pytest.approx(part.compression_n[i][j])
     slope = (1000.0 - 470.0) / (1.048 - 0.524)
     assert law(part, 0.0, 2.0) == pytest.approx(-(1000.0 + slope * (2.0 - 1.048)))
 
 
 @settings(deadline=None)
-@given(share=st.floats(0, 1), rate=st.floats(-3, 3))
-def test_a_valve_never_produces_energy_and_grows_with_current(share: float, rate: float) -> None:
+@given(normalised_setting=st.floats(0, 1), rate=st.floats(-3, 3))
+def test_a_valve_never_produces_energy_and_grows_with_current(normalised_setting: float, rate: float) -> None:
     part = ValveDamper()
-    assert law(part, share, rate) * rate <= 0.0
-    assert abs(law(part, 1.0, rate)) >= abs(law(part, share, rate)) - 1e-9
+    assert law(part, normalised_setting, rate) * rate <= 0.0
+    assert abs(law(part, 1.0, rate)) >= abs(law(part, normalised_setting, rate)) - 1e-9
 
 
 def test_tanh_damper_by_hand_at_one_ampere() -> None:
@@ -50,26 +52,32 @@ def test_tanh_damper_by_hand_at_one_ampere() -> None:
 
 def test_bouc_wen_yields_at_the_bound_of_its_equation() -> None:
     """Under steady extension z tends to sqrt(A / (beta + gamma)) and c1 limits the slip rate."""
-    part, inner = MrBoucWenDamper(), [0.0, 0.0]
+    part, internal_states = MrBoucWenDamper(), [0.0, 0.0]
     for tick in range(200):
-        inner = part.advance(0.5, 0.3 * tick * 1e-3, 0.3, inner, 1e-3)
-    assert inner[1] == pytest.approx(np.sqrt(58.0 / (136320.0 + 2059020.0)))
+        internal_states = part.advance(0.5, 0.3 * tick * 1e-3, 0.3, internal_states, 1e-3)
+    assert internal_states[1] == pytest.approx(np.sqrt(58.0 / (136320.0 + 2059020.0)))
 
 
-@pytest.mark.parametrize("share", [0.0, 1.0])
-def test_bouc_wen_steps_agree_with_a_stiff_integrator_through_reversals(share: float) -> None:
+@pytest.mark.parametrize("normalised_setting", [0.0, 1.0])
+def test_bouc_wen_steps_agree_with_a_stiff_integrator_through_reversals(normalised_setting: float) -> None:
     part, step, omega, reach = MrBoucWenDamper(), 1e-4, 2 * np.pi * 3.0, 0.01
 
-    def rates(t: float, inner: np.ndarray) -> list[float]:
+    def rates(t: float, internal_states: np.ndarray) -> list[float]:
         travel, rate = reach * np.sin(omega * t), reach * omega * np.cos(omega * t)
-        return part.inner_rates(share, travel, rate, list(inner), np)
+        return part.internal_state_rates(normalised_setting, travel, rate, list(internal_states), np)
 
     truth = solve_ivp(rates, (0, 0.5), [0.0, 0.0], "LSODA", rtol=1e-9, atol=1e-12, max_step=1e-3).y[:, -1]
-    inner = [0.0, 0.0]
+    internal_states = [0.0, 0.0]
     for k in range(5000):
         t = (k + 0.5) * step
-        inner = part.advance(share, reach * np.sin(omega * t), reach * omega * np.cos(omega * t), inner, step)
-    np.testing.assert_allclose(inner, truth, rtol=2e-3, atol=1e-6)
+        internal_states = part.advance(
+            normalised_setting,
+            reach * np.sin(omega * t),
+            reach * omega * np.cos(omega * t),
+            internal_states,
+            step,
+        )
+    np.testing.assert_allclose(internal_states, truth, rtol=2e-3, atol=1e-6)
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -94,21 +102,21 @@ def test_laws_agree_in_all_arithmetics(part: Damper) -> None:
 @pytest.mark.parametrize("part", PARTS)
 def test_the_coarse_damper_is_gentle_at_zero_and_right_at_speed(part: Damper) -> None:
     steepest = 12e3
-    coarse = part.coarse(steepest)
-    assert coarse.inner == 0
-    slope = (law(coarse, 1.0, -1e-5) - law(coarse, 1.0, 1e-5)) / 2e-5
+    reduced = part.reduced(steepest)
+    assert reduced.internal_states == 0
+    slope = (law(reduced, 1.0, -1e-5) - law(reduced, 1.0, 1e-5)) / 2e-5
     assert slope <= 1.01 * steepest
     for rate in (-0.6, 0.6):
-        inner = [0.0, 0.0] if part.inner else []
+        internal_states = [0.0, 0.0] if part.internal_states else []
         if isinstance(part, MrBoucWenDamper):
             for _ in range(100):
-                inner = part.advance(0.5, 0.0, rate, inner, 1e-4)
-        assert law(coarse, 0.5, rate) == pytest.approx(law(part, 0.5, rate, 0.0, inner), rel=0.12)
+                internal_states = part.advance(0.5, 0.0, rate, internal_states, 1e-4)
+        assert law(reduced, 0.5, rate) == pytest.approx(law(part, 0.5, rate, 0.0, internal_states), rel=0.12)
 
 
 def test_a_prediction_car_knows_the_states_but_the_inner_ones() -> None:
     car = replace(load_vehicle("half"), damper=MrBoucWenDamper())
-    known = prediction_car(car)
+    known = control_model(car)
     assert equations.state_size(car) - equations.state_size(known) == 2 * 2
     assert equations.damping_rows(car) == equations.damping_rows(known)
 

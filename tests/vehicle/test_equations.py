@@ -89,8 +89,10 @@ def test_body_acceleration_is_that_of_a_rigid_body() -> None:
     dx = equations.derivative(car, x, x[-2:], height, velocity)
     places = (1.25, 0.0, -1.45)
     expected = [dx[1] - place * dx[3] for place in places]
-    levers = [(1.0, -place) for place in places]
-    np.testing.assert_allclose(equations.body_acceleration(car, x, height, velocity, levers), expected)
+    kinematic_rows = [(1.0, -place) for place in places]
+    np.testing.assert_allclose(
+        equations.body_acceleration(car, x, height, velocity, kinematic_rows), expected
+    )
     np.testing.assert_allclose(equations.body_acceleration(car, x, height, velocity), expected[::2])
 
 

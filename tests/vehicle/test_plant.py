@@ -15,7 +15,7 @@ from vehicle import equations
 from vehicle.actuator import SlowActive
 from vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from vehicle.plant import Plant, build_model
-from vehicle.state import Profile, VehicleState, observe, road_under
+from vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,12 @@ CARS = [QUARTER, HALF, FULL]
 
 
 def drive(
-    car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float = 1500.0, x_m: float = 0.0
+    car: Car,
+    profiles: list[EffectiveProfile],
+    speed: float,
+    ticks: int,
+    damping: float = 1500.0,
+    x_m: float = 0.0,
 ) -> VehicleState:
     plant = Plant(car)
     plant.reset(profiles, x_m, speed)
@@ -91,7 +96,7 @@ def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
     model = build_model(car)
     data = mujoco.MjData(model)
     rng = np.random.default_rng(5)
-    wheels, corners, bodies = car.wheels, car.corners, len(car.body_inertia)
+    wheels, corners, bodies = car.wheels, car.corners, len(car.generalised_mass)
     moving = 2 * (bodies + wheels)
     for _ in range(200):
         x = rng.normal(0.0, 0.08, equations.state_size(car))
@@ -103,7 +108,7 @@ def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
             c.tyre_n_m * h + c.tyre_damping_ns_m * v
             for c, h, v in zip(corners, height, velocity, strict=True)
         ]
-        surge = [-car.body_inertia[0] * car.inertial_arm_m[1] * braking] if bodies > 1 else []
+        surge = [-car.generalised_mass[0] * car.inertial_lever_arm_m[1] * braking] if bodies > 1 else []
         data.ctrl[:] = [*command[:wheels], *push, *command[wheels:], *surge]
         mujoco.mj_forward(model, data)
         expected = equations.derivative(car, x, command, height, velocity, forward_acc=braking)
@@ -111,7 +116,9 @@ def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
         np.testing.assert_allclose(data.act_dot, expected[moving:], rtol=1e-12)
 
 
-def reference(car: Car, profiles: list[Profile], speed: float, ticks: int, damping: float) -> VehicleState:
+def reference(
+    car: Car, profiles: list[EffectiveProfile], speed: float, ticks: int, damping: float
+) -> VehicleState:
     """Equations over the exact road, integrated adaptively."""
     command = np.full(car.wheels, damping)
 
@@ -144,7 +151,7 @@ def summary(signals: VehicleState) -> np.ndarray:
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.parametrize("damping", [300.0, 4500.0])
 def test_stops_and_lift_off_against_an_adaptive_integrator(car: Car, damping: float) -> None:
-    profiles: list[Profile] = [Haversine(0.16, 1.2, start_m=2.0)] * car.wheels
+    profiles: list[EffectiveProfile] = [Haversine(0.16, 1.2, start_m=2.0)] * car.wheels
     ours = drive(car, profiles, 9.0, 1200, damping)
     truth = reference(car, profiles, 9.0, 1200, damping)
     assert (truth.tyre_force == 0.0).sum() > 20
@@ -178,7 +185,7 @@ def test_a_car_in_the_air_falls_with_gravity() -> None:
 def energy(car: Car, signals: VehicleState) -> np.ndarray:
     """Kinetic energy plus the potential energy of springs, stops, tyres and weight, with the road at zero."""
     state = equations.motion(car, signals.x)
-    total = sum(m * v**2 / 2 for m, v in zip(car.body_inertia, state.body_velocity, strict=True))
+    total = sum(m * v**2 / 2 for m, v in zip(car.generalised_mass, state.body_velocity, strict=True))
     for i, corner in enumerate(car.corners):
         past = np.maximum(np.abs(signals.rattle_m[i]) - corner.stop_gap_m, 0.0)
         total += corner.unsprung_mass_kg * state.wheel_velocity[i] ** 2 / 2
@@ -194,7 +201,7 @@ def energy(car: Car, signals: VehicleState) -> np.ndarray:
 @pytest.mark.parametrize("damping", [300.0, 1500.0, 4500.0])
 def test_no_energy_is_gained_on_a_still_road(car: Car, damping: float) -> None:
     heights = (0.3, 0.1, 0.25, 0.05)[: car.wheels]
-    edges: list[Profile] = [Ledge(h, x) for h, x in zip(heights, car.axle_x_m, strict=True)]
+    edges: list[EffectiveProfile] = [Ledge(h, x) for h, x in zip(heights, car.axle_x_m, strict=True)]
     signals = drive(car, edges, 1.0, 6000, damping)
     assert (signals.stop_force != 0.0).any()
     assert (signals.tyre_force == 0.0).any()
@@ -250,7 +257,7 @@ def test_axles_are_quarter_cars_when_the_body_decouples_them() -> None:
 
 @pytest.mark.parametrize("car", CARS)
 def test_blocks_of_ticks_give_the_states_of_single_ticks(car: Car) -> None:
-    profiles: list[Profile] = [Haversine(0.08, 0.5)] * car.wheels
+    profiles: list[EffectiveProfile] = [Haversine(0.08, 0.5)] * car.wheels
     commands = np.random.default_rng(3).uniform(0, 6000, (150, car.wheels))
     blocks, single = Plant(car), Plant(car)
     for plant in (blocks, single):

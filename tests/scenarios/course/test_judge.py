@@ -9,7 +9,7 @@ from road.features import ExpansionJoint, HalfSineBump
 from road.profile import Road
 from scenarios.cases import Case
 from scenarios.closed_loop import Run
-from scenarios.course.judge import USE_M, false_tracks, passages
+from scenarios.course.judge import EVALUATION_DISTANCE_M, encounters, false_tracks
 from scenarios.course.summary import summarise
 from scenarios.loading import load
 from scenarios.preview_log import collect
@@ -46,28 +46,28 @@ def drive(errors: dict[int, float], cls: str = "speed_bump", sigma: float = 0.1)
 
 
 def test_error_is_believed_minus_true_distance() -> None:
-    (passage,) = passages(drive({0: 0.07}))
+    (passage,) = encounters(drive({0: 0.07}))
     belief = passage.used
     assert belief is not None
     assert belief.error_m == pytest.approx(0.07, abs=1e-9)
-    assert USE_M <= belief.distance_m < USE_M + SPEED * 0.05 + 1e-9
+    assert EVALUATION_DISTANCE_M <= belief.distance_m < EVALUATION_DISTANCE_M + SPEED * 0.05 + 1e-9
 
 
 def test_an_unconfirmed_or_far_off_track_is_a_miss_and_a_false_track() -> None:
     run = drive({3: 9.0})
-    assert passages(run)[0].used is None
+    assert encounters(run)[0].used is None
     assert false_tracks(run) == 1
-    assert passages(drive({}))[0].used is None
+    assert encounters(drive({}))[0].used is None
 
 
 def test_a_track_of_the_other_class_does_not_count() -> None:
     run = drive({0: 0.0}, cls="pothole")
-    assert passages(run)[0].used is None
+    assert encounters(run)[0].used is None
     assert false_tracks(run) == 1
 
 
 def test_the_nearer_of_two_tracks_is_judged() -> None:
-    belief = passages(drive({0: 0.5, 1: -0.05}))[0].used
+    belief = encounters(drive({0: 0.5, 1: -0.05}))[0].used
     assert belief is not None
     assert belief.track == 1
 
@@ -96,7 +96,7 @@ def test_false_tracks_are_counted_by_kilometre() -> None:
 
 def test_confirmation_distance_is_that_of_the_front_wheel() -> None:
     run = drive({0: 0.0})
-    first = passages(run)[0].first_confirmed_m
+    first = encounters(run)[0].first_confirmed_m
     axle = run.signals["axle"][0]
     assert first == pytest.approx(50.0 - (2.0 + SPEED * 2.05 + axle), abs=0.51)
 
@@ -105,6 +105,6 @@ def test_joints_and_covers_are_no_obstacles() -> None:
     run = drive({0: 0.0})
     road = Road(length_m=70.0, features=(ExpansionJoint(20.0), BUMP))
     run = replace(run, case=replace(run.case, scenario=replace(run.case.scenario, road=road)))
-    (passage,) = passages(run)
+    (passage,) = encounters(run)
     assert passage.feature == BUMP
     assert false_tracks(run) == 0
