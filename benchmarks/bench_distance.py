@@ -19,21 +19,21 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from files.atomic import write_text  # noqa: E402
-from preview.cross_ratio import distance, marks_of  # noqa: E402
-from preview.distance import locate  # noqa: E402
-from preview.edge_bias import edge_bias  # noqa: E402
-from preview.estimator import Estimator  # noqa: E402
-from preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
-from road.camera import Camera, CameraMount, pose_of  # noqa: E402
-from road.envelope import wheel_profile  # noqa: E402
-from road.features import HalfSineBump  # noqa: E402
-from road.profile import Road  # noqa: E402
-from road.roughness import Roughness  # noqa: E402
-from vehicle.parameters import load_vehicle  # noqa: E402
-from vehicle.plant import Plant  # noqa: E402
-from vehicle.sensors import Sensors  # noqa: E402
-from vehicle.speed import SpeedProfile  # noqa: E402
+from foreride.files.atomic import write_text  # noqa: E402
+from foreride.preview.cross_ratio import distance, marks_of  # noqa: E402
+from foreride.preview.distance import locate  # noqa: E402
+from foreride.preview.edge_bias import edge_bias  # noqa: E402
+from foreride.preview.estimator import Estimator  # noqa: E402
+from foreride.preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
+from foreride.road.camera import Camera, CameraMount, pose_of  # noqa: E402
+from foreride.road.envelope import wheel_profile  # noqa: E402
+from foreride.road.features import HalfSineBump  # noqa: E402
+from foreride.road.profile import Road  # noqa: E402
+from foreride.road.roughness import Roughness  # noqa: E402
+from foreride.vehicle.parameters import load_vehicle  # noqa: E402
+from foreride.vehicle.plant import Plant  # noqa: E402
+from foreride.vehicle.sensors import Sensors  # noqa: E402
+from foreride.vehicle.speed import SpeedProfile  # noqa: E402
 
 METHODS = ("cross-ratio", "pitch and heave", "fit of all boxes")
 BINS_M = (4.0, 6.0, 8.0, 12.0, 18.0, 26.0)

@@ -20,16 +20,16 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from detector.detection import Detections  # noqa: E402
-from files.atomic import write_text  # noqa: E402
-from preview.estimator import Estimator  # noqa: E402
-from preview.settings import Settings  # noqa: E402
-from preview.stereo import second_pose  # noqa: E402
-from road.appearance import Appearance  # noqa: E402
-from road.camera import Camera, CameraMount, pose_of  # noqa: E402
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole  # noqa: E402
-from road.profile import Road  # noqa: E402
-from road.render import Scene  # noqa: E402
+from foreride.detector.detection import Detections  # noqa: E402
+from foreride.files.atomic import write_text  # noqa: E402
+from foreride.preview.estimator import Estimator  # noqa: E402
+from foreride.preview.settings import Settings  # noqa: E402
+from foreride.preview.stereo import second_pose  # noqa: E402
+from foreride.road.appearance import Appearance  # noqa: E402
+from foreride.road.camera import Camera, CameraMount, pose_of  # noqa: E402
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole  # noqa: E402
+from foreride.road.profile import Road  # noqa: E402
+from foreride.road.render import Scene  # noqa: E402
 
 START_M, FEATURE_M, FRONT_M, END_M = 15.0, 40.0, 1.25, 2.0
 SPEED_M_S, TICK_S, FRAME_TICKS, BASE_M = 10.0, 0.005, 10, 0.2

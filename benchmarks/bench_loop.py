@@ -9,10 +9,10 @@ import resource
 from pathlib import Path
 from statistics import median
 
-from files.atomic import write_text
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
+from foreride.files.atomic import write_text
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
 
 CASES = (
     ("quarter", "mpc_preview", "oracle", 100),

@@ -14,13 +14,13 @@ from unittest.mock import patch
 
 import numpy as np
 
-from controller.base import Estimate, Timing
-from controller.mpc import PredictiveController
-from controller.qp import solve_box
-from files.atomic import write_text
-from preview.horizon import RoadPreview, distance_grid
-from vehicle.equations import rest_state
-from vehicle.parameters import Car, load_vehicle
+from foreride.controller.base import Estimate, Timing
+from foreride.controller.mpc import PredictiveController
+from foreride.controller.qp import solve_box
+from foreride.files.atomic import write_text
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import Car, load_vehicle
 
 CASES = [("quarter", 0.01), ("quarter", 0.005), ("half", 0.01), ("half", 0.005), ("full", 0.01)]
 SPEED_M_S = 10.0
@@ -65,7 +65,7 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
         TimedCall(controller.step),
     )
     controller._program.condense = prepare  # type: ignore[assignment]
-    with patch("controller.program.solve_box", solve):
+    with patch("foreride.controller.program.solve_box", solve):
         for pair in random_situations(vehicle, count):
             step(*pair)
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}

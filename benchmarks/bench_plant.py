@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
-from vehicle.batch import Fleet
-from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import RATE_HZ, Plant
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.vehicle.batch import Fleet
+from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import RATE_HZ, Plant
 
 TICKS = 10_000
 

@@ -19,19 +19,19 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from detector.detection import Detections  # noqa: E402
-from files.atomic import write_text  # noqa: E402
-from preview.estimator import Estimator  # noqa: E402
-from preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
-from preview.settings import Settings  # noqa: E402
-from road.camera import Camera, CameraMount, pose_of  # noqa: E402
-from road.envelope import wheel_profile  # noqa: E402
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump  # noqa: E402
-from road.profile import Road  # noqa: E402
-from road.roughness import Roughness  # noqa: E402
-from vehicle.parameters import load_vehicle  # noqa: E402
-from vehicle.plant import Plant  # noqa: E402
-from vehicle.sensors import Sensors  # noqa: E402
+from foreride.detector.detection import Detections  # noqa: E402
+from foreride.files.atomic import write_text  # noqa: E402
+from foreride.preview.estimator import Estimator  # noqa: E402
+from foreride.preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
+from foreride.preview.settings import Settings  # noqa: E402
+from foreride.road.camera import Camera, CameraMount, pose_of  # noqa: E402
+from foreride.road.envelope import wheel_profile  # noqa: E402
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump  # noqa: E402
+from foreride.road.profile import Road  # noqa: E402
+from foreride.road.roughness import Roughness  # noqa: E402
+from foreride.vehicle.parameters import load_vehicle  # noqa: E402
+from foreride.vehicle.plant import Plant  # noqa: E402
+from foreride.vehicle.sensors import Sensors  # noqa: E402
 
 START_M, FEATURE_M, WHEEL_Y_M = 5.0, 45.0, 0.75
 OBJECTS: dict[str, Feature] = {

@@ -12,15 +12,15 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from files.atomic import write_text
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of
-from road.dataset import VIEWS_PER_ROAD, Job, render_road
-from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.profile import Road
-from road.render import Scene
-from road.roughness import Roughness
-from road.surface import BEYOND_END_M, Surface
+from foreride.files.atomic import write_text
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, pose_of
+from foreride.road.dataset import VIEWS_PER_ROAD, Job, render_road
+from foreride.road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.profile import Road
+from foreride.road.render import Scene
+from foreride.road.roughness import Roughness
+from foreride.road.surface import BEYOND_END_M, Surface
 
 FEATURES = (
     Pothole(6.0, 0.08, 0.6, 0.6, y_m=-0.75),

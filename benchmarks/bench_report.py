@@ -13,12 +13,12 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
-from scenarios.report.gather import ReportInput
-from scenarios.report.html import page
-from scenarios.runfolder import row
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.gather import ReportInput
+from foreride.scenarios.report.html import page
+from foreride.scenarios.runfolder import row
 
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",

@@ -17,12 +17,12 @@ import cv2
 import numpy as np
 
 from benchmarks.tables.command import command
-from detector.dataset import image_paths, read_labels
-from detector.imagefile import read_image
-from files.atomic import write_bytes
-from files.errors import InputError
-from preview.distance import depression, distance_of, row_of
-from road.camera import Camera
+from foreride.detector.dataset import image_paths, read_labels
+from foreride.detector.imagefile import read_image
+from foreride.files.atomic import write_bytes
+from foreride.files.errors import InputError
+from foreride.preview.distance import depression, distance_of, row_of
+from foreride.road.camera import Camera
 
 TILE_PX = (420, 280)
 COLUMNS = 4

@@ -1,6 +1,6 @@
 """Ride comfort: ISO 2631-1 frequency weighting, vibration measures and the ride metrics built on them."""
 
-from comfort.measures import (
+from foreride.comfort.measures import (
     COMFORT_BANDS,
     comfort_bands,
     crest_factor,
@@ -11,9 +11,9 @@ from comfort.measures import (
     vdv,
     weighted_rms,
 )
-from comfort.metrics import METRICS, ride_metrics
-from comfort.occupant import SeatedPerson, acceleration_at, axis_values, body_motion, total_value
-from comfort.weighting import WEIGHTINGS, frequency_weighting, weight, wk_second_order
+from foreride.comfort.metrics import METRICS, ride_metrics
+from foreride.comfort.occupant import SeatedPerson, acceleration_at, axis_values, body_motion, total_value
+from foreride.comfort.weighting import WEIGHTINGS, frequency_weighting, weight, wk_second_order
 
 __all__ = [
     "COMFORT_BANDS",

@@ -6,7 +6,7 @@ Signals have time on the last axis; leading axes are wheels, runs, or both. SI u
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

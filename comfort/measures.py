@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
-from comfort.weighting import weight
-from files.errors import InputError
+from foreride.comfort.weighting import weight
+from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 Averaging = Literal["linear", "exponential"]

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comfort.holding import dissipated_energy, relative_load, stop_contact
-from comfort.measures import crest_factor, evdv, mtvv, vdv
-from comfort.occupant import SeatedPerson, axis_values, body_motion, total_value
-from comfort.weighting import check_rate, weight
-from files.errors import InputError
+from foreride.comfort.holding import dissipated_energy, relative_load, stop_contact
+from foreride.comfort.measures import crest_factor, evdv, mtvv, vdv
+from foreride.comfort.occupant import SeatedPerson, axis_values, body_motion, total_value
+from foreride.comfort.weighting import check_rate, weight
+from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 TYRE_LOAD_WEIGHT = 3.0  # (m/s^2)^2, weight rho of the dynamic tyre load relative to comfort

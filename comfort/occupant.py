@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from comfort.measures import weighted_rms
-from comfort.weighting import check_rate
-from files.errors import InputError
+from foreride.comfort.measures import weighted_rms
+from foreride.comfort.weighting import check_rate
+from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 Position = tuple[float, float, float]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 RATE_PER_BAND = 5.0  # samples per period of the upper band limit required by the digital filters

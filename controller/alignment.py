@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.base import Estimate
-from preview.horizon import RoadPreview
+from foreride.controller.base import Estimate
+from foreride.preview.horizon import RoadPreview
 
 MATCH_LENGTH_M = 0.5
 """Length of the measured road that is compared with the preview, m."""

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from files.errors import InputError
-from preview.horizon import RoadPreview
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview
 
 
 @dataclass(frozen=True)

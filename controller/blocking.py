@@ -6,7 +6,7 @@ of a block, so little is lost; dampers are faster and keep one variable per inte
 
 import numpy as np
 
-from controller.qp import ConstraintRows, Solution, solve_box
+from foreride.controller.qp import ConstraintRows, Solution, solve_box
 
 FREE_INTERVALS, BLOCK_LENGTH = 8, 4
 """Number of leading intervals that are not blocked, and the number of intervals per block after them."""

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from controller.base import Estimate, Stateless
-from controller.limits import plan_limits
-from controller.model import KILO
-from controller.whole_drive import WholeDriveObjective
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless
+from foreride.controller.limits import plan_limits
+from foreride.controller.model import KILO
+from foreride.controller.whole_drive import WholeDriveObjective
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 RELATIVE_TOLERANCE = 1e-8
 """Convergence tolerance: relative decrease of J per iteration."""

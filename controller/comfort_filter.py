@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.signal import cont2discrete
 
-from comfort.weighting import wk_second_order
-from vehicle.equations import state_size
-from vehicle.parameters import Car
+from foreride.comfort.weighting import wk_second_order
+from foreride.vehicle.equations import state_size
+from foreride.vehicle.parameters import Car
 
 
 class ComfortFilter:

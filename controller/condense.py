@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.model import PredictionModel
-from controller.terminal import TerminalCost
-from controller.time_grid import TimeGrid
-from files.jit import float64, int64, njit, void
-from vehicle.equations import input_size
+from foreride.controller.model import PredictionModel
+from foreride.controller.terminal import TerminalCost
+from foreride.controller.time_grid import TimeGrid
+from foreride.files.jit import float64, int64, njit, void
+from foreride.vehicle.equations import input_size
 
 
 class Condensed(NamedTuple):

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from controller.force_limits import ForceLimits
-from controller.limits import plan_limits
-from controller.qp import ConstraintRows
-from controller.settings import ForceSettings
-from controller.time_grid import TimeGrid
-from vehicle.equations import input_size, motion, rattle, state_size
-from vehicle.parameters import Car
+from foreride.controller.force_limits import ForceLimits
+from foreride.controller.limits import plan_limits
+from foreride.controller.qp import ConstraintRows
+from foreride.controller.settings import ForceSettings
+from foreride.controller.time_grid import TimeGrid
+from foreride.vehicle.equations import input_size, motion, rattle, state_size
+from foreride.vehicle.parameters import Car
 
 MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER = (
     "least damping",

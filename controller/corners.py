@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vehicle.equations import FLOATS, motion, rattle
-from vehicle.parameters import Car
+from foreride.vehicle.equations import FLOATS, motion, rattle
+from foreride.vehicle.parameters import Car
 
 
 class CornerMotion(NamedTuple):

@@ -8,12 +8,12 @@ Semi-Active Suspension Control Design for Vehicles, 2010, ch. 2).
 
 import numpy as np
 
-from controller.base import Controller, Estimate
-from controller.corners import corners
-from preview.horizon import RoadPreview
-from vehicle.corner import Corner
-from vehicle.damper import IdealDamper
-from vehicle.parameters import Car
+from foreride.controller.base import Controller, Estimate
+from foreride.controller.corners import corners
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.corner import Corner
+from foreride.vehicle.damper import IdealDamper
+from foreride.vehicle.parameters import Car
 
 _REFERENCE_RATE_M_S = 0.3
 """Amplitude of the damper velocity at which a constant setting is matched to a linear damper."""

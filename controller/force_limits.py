@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from controller.model import KILO
-from controller.qp import ConstraintRows
-from controller.settings import ForceSettings
-from controller.time_grid import TimeGrid
-from vehicle.equations import input_size, motion, rattle, state_size
-from vehicle.parameters import Car
+from foreride.controller.model import KILO
+from foreride.controller.qp import ConstraintRows
+from foreride.controller.settings import ForceSettings
+from foreride.controller.time_grid import TimeGrid
+from foreride.vehicle.equations import input_size, motion, rattle, state_size
+from foreride.vehicle.parameters import Car
 
 
 class ForceLimits:

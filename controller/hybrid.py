@@ -7,12 +7,12 @@ zero otherwise, and σ_ground likewise the wheel velocity.
 
 import numpy as np
 
-from controller.base import Estimate, Stateless, Timing
-from controller.corners import corners
-from controller.limits import DampingLimits
-from controller.settings import HybridSettings
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.corners import corners
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import HybridSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 class Hybrid(Stateless):

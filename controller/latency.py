@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.base import Timing
+from foreride.controller.base import Timing
 
 
 class DelayedCommand(NamedTuple):

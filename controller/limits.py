@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controller.model import KILO
-from vehicle.equations import input_size
-from vehicle.parameters import Car
+from foreride.controller.model import KILO
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.parameters import Car
 
 BOUND_MARGIN = 1e-9
 """Margin to the limits of a plan's entries, kN·s/m and kN."""

@@ -10,15 +10,15 @@ import control
 import numpy as np
 from scipy.linalg import block_diag
 
-from comfort.weighting import wk_second_order
-from controller.base import Estimate, Stateless, Timing
-from controller.comfort_filter import ComfortFilter
-from controller.corners import corners
-from controller.limits import DampingLimits
-from controller.settings import LqrSettings
-from preview.horizon import RoadPreview
-from vehicle.linear import linear_twin
-from vehicle.parameters import Car
+from foreride.comfort.weighting import wk_second_order
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.comfort_filter import ComfortFilter
+from foreride.controller.corners import corners
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import LqrSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.linear import linear_twin
+from foreride.vehicle.parameters import Car
 
 _FORCE_SCALE_N = 1e3
 """Forces in the cost are in kN, so that their weight is of the order of the other terms."""

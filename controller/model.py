@@ -11,10 +11,10 @@ from functools import lru_cache
 import casadi
 import numpy as np
 
-from comfort.weighting import wk_second_order
-from controller.native import CompiledFunction
-from vehicle import equations
-from vehicle.parameters import Car
+from foreride.comfort.weighting import wk_second_order
+from foreride.controller.native import CompiledFunction
+from foreride.vehicle import equations
+from foreride.vehicle.parameters import Car
 
 KILO = 1000.0
 """Plans are in kN·s/m and kN, so that their entries are of order one."""

@@ -8,19 +8,19 @@ from typing import Literal
 
 import numpy as np
 
-from controller.base import Estimate, Timing
-from controller.comfort_filter import ComfortFilter
-from controller.latency import CommandDelayLine
-from controller.limits import command_limits, passive_command, plan_limits
-from controller.model import KILO, prediction_model
-from controller.program import Program
-from controller.road_ahead import RoadReference
-from controller.settings import MpcSettings
-from controller.terminal import terminal_cost
-from controller.time_grid import TimeGrid
-from controller.wheelbase import WheelbasePreview
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Timing
+from foreride.controller.comfort_filter import ComfortFilter
+from foreride.controller.latency import CommandDelayLine
+from foreride.controller.limits import command_limits, passive_command, plan_limits
+from foreride.controller.model import KILO, prediction_model
+from foreride.controller.program import Program
+from foreride.controller.road_ahead import RoadReference
+from foreride.controller.settings import MpcSettings
+from foreride.controller.terminal import terminal_cost
+from foreride.controller.time_grid import TimeGrid
+from foreride.controller.wheelbase import WheelbasePreview
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 PreviewSource = Literal["none", "wheelbase", "preview"]
 

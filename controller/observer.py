@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from controller.base import Estimate, Timing
-from controller.kinematics import kinematics
-from controller.sensor_watch import ValidatedReading
-from vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
-from vehicle.parameters import Car
-from vehicle.sensors import SensorNoise
-from vehicle.state import VehicleState
+from foreride.controller.base import Estimate, Timing
+from foreride.controller.kinematics import kinematics
+from foreride.controller.sensor_watch import ValidatedReading
+from foreride.vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.sensors import SensorNoise
+from foreride.vehicle.state import VehicleState
 
 SPEED_FILTER_S = 0.2
 LIFT_OFF_LOAD_RATIO = 0.02

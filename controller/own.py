@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from controller.base import Controller, Estimate, Timing
-from controller.limits import command_limits
-from files.errors import InputError, printable, shortened, shown
-from files.own_code import load, place, say_once, told, waiting_for
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Controller, Estimate, Timing
+from foreride.controller.limits import command_limits
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.own_code import load, place, say_once, told, waiting_for
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 def is_user_controller(name: str) -> bool:

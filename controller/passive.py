@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from controller.base import Estimate, Stateless, Timing
-from controller.damper_inverse import equivalent_settings
-from controller.limits import DampingLimits
-from controller.settings import FixedSettings, PassiveSettings
-from files.errors import InputError
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.damper_inverse import equivalent_settings
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import FixedSettings, PassiveSettings
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 class Constant(Stateless):

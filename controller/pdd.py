@@ -7,12 +7,12 @@ damper is soft if p(soft) >= 0, hard if p(hard) < 0, and between them such that 
 
 import numpy as np
 
-from controller.base import Estimate, Stateless, Timing
-from controller.corners import corners
-from controller.limits import DampingLimits
-from controller.settings import TwoStateSettings
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.corners import corners
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import TwoStateSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 _RATE_TOLERANCE_M_S = 1e-9
 

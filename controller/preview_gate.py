@@ -6,12 +6,12 @@ continues while the preview is dropped, so that trust can return.
 
 import numpy as np
 
-from controller.base import Estimate
-from controller.correlation import Correlation
-from controller.residual import Residual, Strike
-from controller.settings import GateSettings
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate
+from foreride.controller.correlation import Correlation
+from foreride.controller.residual import Residual, Strike
+from foreride.controller.settings import GateSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 INCONSISTENT = "inconsistent preview"
 LOSS = 0.5

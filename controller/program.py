@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from controller.base import Timing
-from controller.blocking import MoveBlocks
-from controller.condense import Condensed, Condenser
-from controller.constraints import Constraints
-from controller.model import PredictionModel
-from controller.qp import ConstraintRows, Solution, solve_box
-from controller.settings import MpcSettings
-from controller.terminal import TerminalCost
-from controller.time_grid import TimeGrid, graded_grid
-from vehicle.equations import input_size
-from vehicle.parameters import Car
+from foreride.controller.base import Timing
+from foreride.controller.blocking import MoveBlocks
+from foreride.controller.condense import Condensed, Condenser
+from foreride.controller.constraints import Constraints
+from foreride.controller.model import PredictionModel
+from foreride.controller.qp import ConstraintRows, Solution, solve_box
+from foreride.controller.settings import MpcSettings
+from foreride.controller.terminal import TerminalCost
+from foreride.controller.time_grid import TimeGrid, graded_grid
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.parameters import Car
 
 
 class Program:

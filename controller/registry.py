@@ -4,21 +4,21 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from controller.base import Controller, Timing
-from controller.damper_inverse import EquivalentDamping, is_linear
-from controller.hybrid import Hybrid
-from controller.lqr_clipped import ClippedLqr
-from controller.mpc import PredictiveController
-from controller.own import build_user_controller, is_user_controller
-from controller.passive import fixed, passive
-from controller.pdd import PowerDriven
-from controller.settings import ControllerSettings
-from controller.skyhook import Skyhook
-from controller.supervisor import FallbackSupervisor
-from controller.tuned import tuned_settings
-from controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
-from files.errors import InputError
-from vehicle.parameters import Car, control_model
+from foreride.controller.base import Controller, Timing
+from foreride.controller.damper_inverse import EquivalentDamping, is_linear
+from foreride.controller.hybrid import Hybrid
+from foreride.controller.lqr_clipped import ClippedLqr
+from foreride.controller.mpc import PredictiveController
+from foreride.controller.own import build_user_controller, is_user_controller
+from foreride.controller.passive import fixed, passive
+from foreride.controller.pdd import PowerDriven
+from foreride.controller.settings import ControllerSettings
+from foreride.controller.skyhook import Skyhook
+from foreride.controller.supervisor import FallbackSupervisor
+from foreride.controller.tuned import tuned_settings
+from foreride.controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
+from foreride.files.errors import InputError
+from foreride.vehicle.parameters import Car, control_model
 
 Factory = Callable[..., Controller]
 """(vehicle, settings, timing) → controller."""

@@ -8,8 +8,8 @@ from enum import Enum
 
 import numpy as np
 
-from controller.settings import GateSettings
-from preview.horizon import RoadPreview
+from foreride.controller.settings import GateSettings
+from foreride.preview.horizon import RoadPreview
 
 FORGET_M = 0.1
 """Distance constant of the sums."""

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from controller.alignment import PreviewAlignment
-from controller.base import Estimate
-from controller.settings import RoadSettings
-from preview.horizon import RoadPreview
+from foreride.controller.alignment import PreviewAlignment
+from foreride.controller.base import Estimate
+from foreride.controller.settings import RoadSettings
+from foreride.preview.horizon import RoadPreview
 
 _STANDSTILL_M_S = 0.1
 """Speed below which the road is taken not to move under the wheels."""

@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked, Share
-from vehicle.quantities import Damping
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked, Share
+from foreride.vehicle.quantities import Damping
 
 Horizon = Annotated[float, Interval(ge=0.02, le=1.0), "s"]
 LoadWeight = Annotated[float, Interval(ge=0.0, le=1e3), "(m/s²)²"]

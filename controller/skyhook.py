@@ -7,12 +7,12 @@ Suspension Control Design for Vehicles*, 2010, ch. 6: virtual dampers `sky`, bet
 
 import numpy as np
 
-from controller.base import Estimate, Stateless, Timing
-from controller.corners import corners
-from controller.limits import DampingLimits
-from controller.settings import SkyhookSettings
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.corners import corners
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import SkyhookSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 class Skyhook(Stateless):

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from controller.base import Controller, Estimate, Timing
-from controller.book import ControllerStatistics
-from controller.limits import command_limits, full_command
-from controller.preview_gate import PreviewGate
-from controller.sensor_watch import ALL_SILENT
-from controller.settings import SupervisorSettings
-from files.errors import InputError
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Controller, Estimate, Timing
+from foreride.controller.book import ControllerStatistics
+from foreride.controller.limits import command_limits, full_command
+from foreride.controller.preview_gate import PreviewGate
+from foreride.controller.sensor_watch import ALL_SILENT
+from foreride.controller.settings import SupervisorSettings
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 class FallbackSupervisor:

@@ -6,11 +6,11 @@ import casadi
 import numpy as np
 from scipy.linalg import cholesky, solve_continuous_lyapunov
 
-from controller.limits import DampingLimits
-from controller.model import KILO, PredictionModel, derivative
-from vehicle import equations
-from vehicle.damper import IdealDamper
-from vehicle.parameters import Car
+from foreride.controller.limits import DampingLimits
+from foreride.controller.model import KILO, PredictionModel, derivative
+from foreride.vehicle import equations
+from foreride.vehicle.damper import IdealDamper
+from foreride.vehicle.parameters import Car
 
 
 @dataclass(frozen=True)

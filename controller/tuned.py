@@ -4,8 +4,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from controller.settings import ControllerSettings
-from files import strict
+from foreride.controller.settings import ControllerSettings
+from foreride.files import strict
 
 FOLDER = Path(__file__).parent / "tuned"
 

@@ -13,13 +13,13 @@ from math import tau
 
 import numpy as np
 
-from controller.base import Estimate, Stateless, Timing
-from controller.corners import corners
-from controller.limits import DampingLimits
-from controller.settings import ShAddSettings, TwoStateSettings
-from preview.horizon import RoadPreview
-from vehicle.equations import FLOATS, body_acceleration
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Stateless, Timing
+from foreride.controller.corners import corners
+from foreride.controller.limits import DampingLimits
+from foreride.controller.settings import ShAddSettings, TwoStateSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.equations import FLOATS, body_acceleration
+from foreride.vehicle.parameters import Car
 
 OpposedMotion = Callable[[Car, Estimate], np.ndarray]
 """Motion of each corner (wheels,) that the damper should oppose; only its sign matters."""

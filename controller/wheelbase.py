@@ -4,10 +4,10 @@ from collections import deque
 
 import numpy as np
 
-from controller.base import Estimate
-from files.errors import InputError
-from preview.horizon import RoadPreview, distance_grid
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.vehicle.parameters import Car
 
 BEHIND_M = 0.5
 STEP_M = 0.025

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import casadi
 import numpy as np
 
-from comfort.weighting import weight
-from controller.model import KILO, SIMD_LANES
-from controller.native import CompiledFunction
-from files.jit import njit
-from vehicle import equations
-from vehicle.parameters import Car
+from foreride.comfort.weighting import weight
+from foreride.controller.model import KILO, SIMD_LANES
+from foreride.controller.native import CompiledFunction
+from foreride.files.jit import njit
+from foreride.vehicle import equations
+from foreride.vehicle.parameters import Car
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from detector.heads import Predictions, decode
-from detector.overlap import iou
+from foreride.detector.heads import Predictions, decode
+from foreride.detector.overlap import iou
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.crops import TrainingView, part_view
-from detector.dataset import Sample
-from detector.litter import litter
-from detector.mosaic import mosaic_view
-from detector.weather import fog, rain, snow
-from files.errors import InputError
+from foreride.detector.crops import TrainingView, part_view
+from foreride.detector.dataset import Sample
+from foreride.detector.litter import litter
+from foreride.detector.mosaic import mosaic_view
+from foreride.detector.weather import fog, rain, snow
+from foreride.files.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 ort.disable_telemetry_events()  # some builds send usage data to the vendor
 

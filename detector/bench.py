@@ -21,13 +21,13 @@ from time import perf_counter, process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.backends import BACKENDS, installed, open_network
-from detector.progress import Progress
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.numbers import is_integer, within
-from files.targets import check_files
+from foreride.detector.backends import BACKENDS, installed, open_network
+from foreride.detector.progress import Progress
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.numbers import is_integer, within
+from foreride.files.targets import check_files
 
 GRAPHS = ("plain", "optimised")
 PRECISIONS = ("fp32", "fp16", "int8")
@@ -60,8 +60,8 @@ def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path
     weights: of `detector train`, for cases of its model; random ones for all others. data: folder with
     images/ to calibrate 8-bit graphs on; smooth noise without.
     """
-    from detector.checkpoint import DEFAULT_MODEL
-    from detector.export import CALIBRATION_IMAGES, check_images, export
+    from foreride.detector.checkpoint import DEFAULT_MODEL
+    from foreride.detector.export import CALIBRATION_IMAGES, check_images, export
 
     whole = any(row.precision == "int8" for row in rows)
     images = check_images(data, CALIBRATION_IMAGES if whole and data else 4)
@@ -80,8 +80,8 @@ def random_weights(model: str, folder: Path) -> Path:
     """Weights file of an untrained model."""
     import torch
 
-    from detector.checkpoint import save_weights
-    from detector.models import build
+    from foreride.detector.checkpoint import save_weights
+    from foreride.detector.models import build
 
     torch.manual_seed(0)
     path = folder / f"{model}.pt"
@@ -119,7 +119,7 @@ def measure(files: dict[Case, Path], runs: int) -> list[dict]:
 
 def peak_memory_mib(weights: Path | None = None, images: int = 5) -> float:
     """Peak resident memory (MiB) of this process after a few images."""
-    from detector.runtime import Detector
+    from foreride.detector.runtime import Detector
 
     detector = Detector(weights)
     for _ in range(images):
@@ -137,7 +137,7 @@ def _peak_kib() -> float:
 
 def fresh_peak_memory_mib() -> float:
     """Peak resident memory (MiB) of the detector alone, in a new process."""
-    code = "from detector.bench import peak_memory_mib; print(peak_memory_mib())"
+    code = "from foreride.detector.bench import peak_memory_mib; print(peak_memory_mib())"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     return float(done.stdout)
 

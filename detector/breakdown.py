@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.detection import CLASS_NAMES
-from detector.metrics import ImageResult
-from files.errors import InputError
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.metrics import ImageResult
+from foreride.files.errors import InputError
 
 BIN_M = 2.5
 HEIGHT_EDGES_PX = (0, 3, 5, 8, 12, 20, 40, 10_000)

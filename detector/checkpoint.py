@@ -8,11 +8,11 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
-from detector.detection import CLASS_NAMES
-from detector.models import Network, build
-from files.atomic import write_bytes
-from files.errors import InputError, shown
-from files.reading import read_bytes
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.models import Network, build
+from foreride.files.atomic import write_bytes
+from foreride.files.errors import InputError, shown
+from foreride.files.reading import read_bytes
 
 M = TypeVar("M", bound=nn.Module)
 CHECKPOINT_LIMIT = 2 << 30
@@ -58,7 +58,7 @@ def load(path: Path, keys: tuple[str, ...]) -> dict[str, Any]:
     Raises InputError where the file is absent, broken or of another kind.
     """
     if not path.exists():
-        raise InputError(f"{path}: no such file; must be a file written by detector.train")
+        raise InputError(f"{path}: no such file; must be a file written by foreride.detector.train")
     data = read_bytes(path, CHECKPOINT_LIMIT)
     try:
         content = torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)

@@ -8,12 +8,12 @@ from pathlib import Path
 import torch
 from torch.utils.flop_counter import FlopCounterMode
 
-from detector.blocks import VoVGSCSPC
-from detector.models import MODELS, Network, build
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.targets import check_files
+from foreride.detector.blocks import VoVGSCSPC
+from foreride.detector.models import MODELS, Network, build
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.targets import check_files
 
 PAPER_COMPLEXITY = {
     "yolo11n": (2.58, 6.3),

@@ -5,8 +5,8 @@ Uses the `condition` that `objects.jsonl` records for every image (arXiv 2508.01
 
 from collections.abc import Callable, Sequence
 
-from detector.breakdown import EvaluatedImage
-from detector.metrics import ImageResult, summarise
+from foreride.detector.breakdown import EvaluatedImage
+from foreride.detector.metrics import ImageResult, summarise
 
 BLURRED_PX = 2.0
 """Threshold of motion blur (pixels that a point travels during the exposure) of a blurred image."""

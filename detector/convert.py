@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from detector.dataset import image_paths, read_labels
-from detector.detection import CLASS_NAMES
-from detector.imagefile import read_image
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.folder import atomic_folder, check_folder
-from files.reading import reading
-from files.strict_json import read_json
-from files.targets import check_files
+from foreride.detector.dataset import image_paths, read_labels
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.imagefile import read_image
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.folder import atomic_folder, check_folder
+from foreride.files.reading import reading
+from foreride.files.strict_json import read_json
+from foreride.files.targets import check_files
 
 COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.dataset import Sample
+from foreride.detector.dataset import Sample
 
 PADDING_GREY = 114
 IGNORED = -1

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from detector.detection import CLASS_NAMES
-from detector.metrics import IOU_LEVELS, ImageResult, average_precision, pooled, precision_recall
-from files.atomic import write_bytes
-from files.errors import InputError
-from files.reading import reading
-from files.strict_json import read_json_lines
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.metrics import IOU_LEVELS, ImageResult, average_precision, pooled, precision_recall
+from foreride.files.atomic import write_bytes
+from foreride.files.errors import InputError
+from foreride.files.reading import reading
+from foreride.files.strict_json import read_json_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

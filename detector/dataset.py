@@ -15,11 +15,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.detection import CLASS_NAMES
-from detector.imagefile import read_image
-from files.errors import InputError, printable, shortened, shown
-from files.reading import read_bytes, read_text
-from files.strict_json import read_json_lines
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.imagefile import read_image
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.reading import read_bytes, read_text
+from foreride.files.strict_json import read_json_lines
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
 MAX_DISTANCE_M = 1e6

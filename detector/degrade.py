@@ -7,8 +7,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.litter import litter
-from detector.weather import Image, fog, motion_blur, rain, snow
+from foreride.detector.litter import litter
+from foreride.detector.weather import Image, fog, motion_blur, rain, snow
 
 EFFECTS: dict[str, Callable[[Image, float, Generator], Image]] = {
     "rain": rain,

@@ -3,8 +3,8 @@
 import torch
 from torch import Tensor, nn
 
-from detector.heads import anchor_points, decode
-from detector.models import Network
+from foreride.detector.heads import anchor_points, decode
+from foreride.detector.models import Network
 
 CANDIDATES = 300
 

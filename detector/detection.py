@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 CLASS_NAMES = ("speed_bump", "pothole")
 

@@ -10,10 +10,10 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import binary_cross_entropy_with_logits, kl_div
 
-from detector.assigner import GroundTruth, assign
-from detector.heads import Predictions, decode
-from detector.models import Network
-from detector.overlap import ciou
+from foreride.detector.assigner import GroundTruth, assign
+from foreride.detector.heads import Predictions, decode
+from foreride.detector.models import Network
+from foreride.detector.overlap import ciou
 
 
 @dataclass(frozen=True)

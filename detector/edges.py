@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.detection import Detections
+from foreride.detector.detection import Detections
 
 STRAIGHT_EDGE_CLASSES = (0,)  # speed bumps; the rim of a pothole is not straight
 MIN_WIDTH_PX, MIN_ASPECT = 48.0, 3.0

@@ -18,27 +18,27 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
-from detector.conditions import by_condition, figure_9
-from detector.curves import write_precision_recall
-from detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
-from detector.degrade import EFFECTS, degraded
-from detector.detection import Detections
-from detector.gallery import write_sheets
-from detector.imagefile import read_image
-from detector.metrics import match_detections, summarise
-from detector.nms import MIN_CONFIDENCE
-from detector.progress import Progress
-from detector.report import report
-from detector.runtime import Detector
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.folder import claim
-from files.images import read_pixels
-from files.numbers import within
-from files.sharing import shared_name
-from files.targets import check_files
+from foreride.detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
+from foreride.detector.conditions import by_condition, figure_9
+from foreride.detector.curves import write_precision_recall
+from foreride.detector.dataset import Sample, dataset_hash, image_paths, read_records, read_samples
+from foreride.detector.degrade import EFFECTS, degraded
+from foreride.detector.detection import Detections
+from foreride.detector.gallery import write_sheets
+from foreride.detector.imagefile import read_image
+from foreride.detector.metrics import match_detections, summarise
+from foreride.detector.nms import MIN_CONFIDENCE
+from foreride.detector.progress import Progress
+from foreride.detector.report import report
+from foreride.detector.runtime import Detector
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.folder import claim
+from foreride.files.images import read_pixels
+from foreride.files.numbers import within
+from foreride.files.sharing import shared_name
+from foreride.files.targets import check_files
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 

@@ -21,20 +21,20 @@ import torch
 from torch import nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
-from detector.blocks import Conv
-from detector.checkpoint import DEFAULT_MODEL, load_network
-from detector.dataset import image_paths
-from detector.deploy import Deployed
-from detector.detection import CLASS_NAMES
-from detector.imagefile import read_image
-from detector.models import Network
-from detector.parity import parity
-from detector.quantize import quantized, to_half_precision
-from detector.rewrite import rewrite
-from files.atomic import write_bytes
-from files.command_line import Parser
-from files.errors import InputError
-from files.targets import check_files
+from foreride.detector.blocks import Conv
+from foreride.detector.checkpoint import DEFAULT_MODEL, load_network
+from foreride.detector.dataset import image_paths
+from foreride.detector.deploy import Deployed
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.imagefile import read_image
+from foreride.detector.models import Network
+from foreride.detector.parity import parity
+from foreride.detector.quantize import quantized, to_half_precision
+from foreride.detector.rewrite import rewrite
+from foreride.files.atomic import write_bytes
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.targets import check_files
 
 OPSET = 17
 PRECISIONS = ("fp32", "fp16", "int8", "int8-conv")

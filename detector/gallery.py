@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.breakdown import EvaluatedImage
-from detector.pictures import missed_mask, png, sheet, tile
-from files.atomic import write_bytes
+from foreride.detector.breakdown import EvaluatedImage
+from foreride.detector.pictures import missed_mask, png, sheet, tile
+from foreride.files.atomic import write_bytes
 
 COLUMNS, TILES = 4, 24
 

@@ -16,7 +16,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import linear
 
-from detector.blocks import Conv
+from foreride.detector.blocks import Conv
 
 BINS = 16
 ROW_BINS = tuple(float(v) for v in range(-1, BINS - 1))

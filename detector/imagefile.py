@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import ExifTags, Image
 
-from files.errors import InputError
-from files.images import IMAGE_LIMIT, decode
-from files.reading import read_bytes
+from foreride.files.errors import InputError
+from foreride.files.images import IMAGE_LIMIT, decode
+from foreride.files.reading import read_bytes
 
 _UPRIGHT = 1
 

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import torch
 
-from detector.curves import read_history
-from detector.dataset import Sample
-from detector.deploy import Deployed
-from detector.pictures import png, sheet, tile
-from detector.schedule import Stage
-from detector.trainer import TERMS, Trainer, match_whole_image, validate
-from files.atomic import write_bytes, write_text
-from files.errors import InputError
-from files.reading import read_text, reading
-from files.strict_json import JSON_LIMIT, parse_json
+from foreride.detector.curves import read_history
+from foreride.detector.dataset import Sample
+from foreride.detector.deploy import Deployed
+from foreride.detector.pictures import png, sheet, tile
+from foreride.detector.schedule import Stage
+from foreride.detector.trainer import TERMS, Trainer, match_whole_image, validate
+from foreride.files.atomic import write_bytes, write_text
+from foreride.files.errors import InputError
+from foreride.files.reading import read_text, reading
+from foreride.files.strict_json import JSON_LIMIT, parse_json
 
 LOG_INTERVAL_STEPS = 20  # steps between two points of the loss curves
 TILES, COLUMNS = 12, 4

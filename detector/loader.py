@@ -13,10 +13,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from detector.assigner import GroundTruth
-from detector.augment import DEFAULT_AUGMENTATION, Augmentation, training_view
-from detector.dataset import Sample
-from detector.schedule import Stage, stage_at, total_passes
+from foreride.detector.assigner import GroundTruth
+from foreride.detector.augment import DEFAULT_AUGMENTATION, Augmentation, training_view
+from foreride.detector.dataset import Sample
+from foreride.detector.schedule import Stage, stage_at, total_passes
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import torch
 
-from detector.dataset import Sample
-from detector.journal import TrainingLog
-from detector.loader import batches
-from detector.progress import Progress
-from detector.schedule import total_passes
-from detector.trainer import Trainer
+from foreride.detector.dataset import Sample
+from foreride.detector.journal import TrainingLog
+from foreride.detector.loader import batches
+from foreride.detector.progress import Progress
+from foreride.detector.schedule import total_passes
+from foreride.detector.trainer import Trainer
 
 
 @dataclass(frozen=True)

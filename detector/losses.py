@@ -15,9 +15,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
-from detector.assigner import Assignment, GroundTruth, assign, candidates
-from detector.heads import BINS, Predictions, decode, encode
-from detector.overlap import ciou, nwd
+from foreride.detector.assigner import Assignment, GroundTruth, assign, candidates
+from foreride.detector.heads import BINS, Predictions, decode, encode
+from foreride.detector.overlap import ciou, nwd
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.detection import CLASS_NAMES, Detections
-from detector.nms import iou_matrix
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.nms import iou_matrix
 
 IOU_LEVELS = np.linspace(0.5, 0.95, 10)
 RECALL_LEVELS = np.linspace(0, 1, 101)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from torch import Tensor, cat, nn
 from torch.nn.functional import interpolate
 
-from detector.blocks import C2PSA, SPPF, C3k2, Conv, GhostConv, VoVGSCSPC
-from detector.heads import LEDH, DecoupledHead, Predictions
-from files.errors import InputError
+from foreride.detector.blocks import C2PSA, SPPF, C3k2, Conv, GhostConv, VoVGSCSPC
+from foreride.detector.heads import LEDH, DecoupledHead, Predictions
+from foreride.files.errors import InputError
 
 
 @dataclass(frozen=True)

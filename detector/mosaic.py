@@ -6,8 +6,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from detector.crops import TrainingView, part_view
-from detector.dataset import Sample
+from foreride.detector.crops import TrainingView, part_view
+from foreride.detector.dataset import Sample
 
 MIN_EDGE_DISTANCE = 0.3  # least distance of the common corner from the view's edges, as a share of its size
 

@@ -8,8 +8,8 @@ import onnx
 import onnxruntime as ort
 import torch
 
-from detector.deploy import Deployed
-from detector.models import Network
+from foreride.detector.deploy import Deployed
+from foreride.detector.models import Network
 
 
 def parity(model: Network, graph: onnx.ModelProto, images: Sequence[np.ndarray]) -> float:

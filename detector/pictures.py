@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.metrics import ImageResult
+from foreride.detector.metrics import ImageResult
 
 TRUE, MISSED, RIGHT, FALSE = (255, 255, 255), (255, 210, 0), (60, 230, 90), (255, 60, 60)
 CAPTION_PX, MARGIN_PX = 20, 4

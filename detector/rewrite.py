@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from onnx import ModelProto, NodeProto, TensorProto, helper
 
-from detector.graph import Graph
+from foreride.detector.graph import Graph
 
 Chain = tuple[str, ...]
 """Outputs of the Resize nodes between a map and the convolution, nearest to the convolution first."""

@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.backends import Run, open_network, open_session, require
-from detector.detection import CLASS_NAMES, Detections
-from detector.edges import refine
-from detector.nms import NMS_IOU, select
-from files.errors import InputError, shown
-from files.numbers import whole
-from files.reading import read_bytes
+from foreride.detector.backends import Run, open_network, open_session, require
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.edges import refine
+from foreride.detector.nms import NMS_IOU, select
+from foreride.files.errors import InputError, shown
+from foreride.files.numbers import whole
+from foreride.files.reading import read_bytes
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32

@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from detector.dataset import Sample, read_samples, shrunk
-from detector.imagefile import read_image
+from foreride.detector.dataset import Sample, read_samples, shrunk
+from foreride.detector.imagefile import read_image
 
 
 class Entry(NamedTuple):

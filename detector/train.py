@@ -15,23 +15,23 @@ from pathlib import Path
 
 import torch
 
-from detector.augment import Augmentation
-from detector.checkpoint import save_weights
-from detector.curves import write_curves
-from detector.dataset import dataset_hash
-from detector.detection import CLASS_NAMES
-from detector.distillation import DistillationWeights
-from detector.loop import LoopSettings, train
-from detector.losses import LossWeights
-from detector.models import MODELS
-from detector.schedule import DECAYS, parse_stages
-from detector.store import load_cached_dataset
-from detector.trainer import Settings, Trainer
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.folder import claim
-from files.sharing import shared_name
+from foreride.detector.augment import Augmentation
+from foreride.detector.checkpoint import save_weights
+from foreride.detector.curves import write_curves
+from foreride.detector.dataset import dataset_hash
+from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.distillation import DistillationWeights
+from foreride.detector.loop import LoopSettings, train
+from foreride.detector.losses import LossWeights
+from foreride.detector.models import MODELS
+from foreride.detector.schedule import DECAYS, parse_stages
+from foreride.detector.store import load_cached_dataset
+from foreride.detector.trainer import Settings, Trainer
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.folder import claim
+from foreride.files.sharing import shared_name
 
 KIND = "training"
 """Of run folders of trainings, in their marker."""

@@ -7,20 +7,28 @@ from pathlib import Path
 import torch
 from torch import nn
 
-from detector.augment import Augmentation
-from detector.checkpoint import DEFAULT_MODEL, Average, check_weights, load, load_network, load_weights, save
-from detector.crops import TrainingView, whole_view
-from detector.dataset import Sample
-from detector.deploy import Deployed
-from detector.distillation import Distillation, DistillationWeights
-from detector.heads import anchor_points
-from detector.loader import Batch
-from detector.losses import LossWeights, detection_loss
-from detector.metrics import ImageResult, match_detections, summarise
-from detector.models import build
-from detector.nms import MIN_CONFIDENCE, NMS_IOU, select
-from detector.schedule import Stage, rate_factor
-from files.errors import InputError, shown
+from foreride.detector.augment import Augmentation
+from foreride.detector.checkpoint import (
+    DEFAULT_MODEL,
+    Average,
+    check_weights,
+    load,
+    load_network,
+    load_weights,
+    save,
+)
+from foreride.detector.crops import TrainingView, whole_view
+from foreride.detector.dataset import Sample
+from foreride.detector.deploy import Deployed
+from foreride.detector.distillation import Distillation, DistillationWeights
+from foreride.detector.heads import anchor_points
+from foreride.detector.loader import Batch
+from foreride.detector.losses import LossWeights, detection_loss
+from foreride.detector.metrics import ImageResult, match_detections, summarise
+from foreride.detector.models import build
+from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU, select
+from foreride.detector.schedule import Stage, rate_factor
+from foreride.files.errors import InputError, shown
 
 TERMS = ("box", "class", "distribution", "edge", "distilled logits", "distilled features")
 

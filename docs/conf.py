@@ -4,7 +4,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from scenarios import reference
+from foreride.scenarios import reference
 
 project = "foreride"
 release = metadata.version("foreride")

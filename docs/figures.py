@@ -11,11 +11,11 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from files.atomic import write_text
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
-from scenarios.report.figures import colour_of, save, write_event_figure
+from foreride.files.atomic import write_text
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.figures import colour_of, save, write_event_figure
 
 FOLDER = Path(__file__).parent / "figures"
 NUMBERS = FOLDER / "physics.json"

@@ -6,10 +6,10 @@ Numbers in `control.settings.user` become keyword arguments; `step` returns N·s
 
 import numpy as np
 
-from controller.base import Estimate, Timing
-from controller.corners import corners
-from preview.horizon import RoadPreview
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate, Timing
+from foreride.controller.corners import corners
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import Car
 
 
 class Anticipating:

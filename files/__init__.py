@@ -1,3 +1,3 @@
 """File input and output shared by all packages: strict reading, atomic writing, caching."""
 
-import files.compiled  # noqa: F401 - before any library looks for its cache
+import foreride.files.compiled  # noqa: F401 - before any library looks for its cache

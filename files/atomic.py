@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from files.errors import InputError, printable
-from files.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
+from foreride.files.errors import InputError, printable
+from foreride.files.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
 
 
 def write_bytes(path: Path, data: bytes) -> None:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from files.errors import InputError, abridged, printable, shown
+from foreride.files.errors import InputError, abridged, printable, shown
 
 
 class Parser(argparse.ArgumentParser):

@@ -8,7 +8,7 @@ import hashlib
 import os
 from pathlib import Path
 
-from files.cache import cache_folder, temporary_folder, writable
+from foreride.files.cache import cache_folder, temporary_folder, writable
 
 PACKAGES = ("road", "controller")
 """Packages with compiled functions."""

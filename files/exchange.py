@@ -5,7 +5,7 @@ import errno
 import os
 from pathlib import Path
 
-from files.scratch import old_name
+from foreride.files.scratch import old_name
 
 _RENAME_EXCHANGE = 2
 _AT_FDCWD = -100

@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from files import marker
-from files.atomic import write_text, writing
-from files.errors import InputError, printable, shown
-from files.exchange import put
-from files.marker import Marker
-from files.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
-from files.targets import check_parent
+from foreride.files import marker
+from foreride.files.atomic import write_text, writing
+from foreride.files.errors import InputError, printable, shown
+from foreride.files.exchange import put
+from foreride.files.marker import Marker
+from foreride.files.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
+from foreride.files.targets import check_parent
 
 DERIVED = ("report.html",)
 """Files derived from others in a folder, and removed with them."""

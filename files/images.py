@@ -19,8 +19,8 @@ from PIL import (
     WebPImagePlugin,
 )
 
-from files.errors import InputError
-from files.reading import read_bytes, reading
+from foreride.files.errors import InputError
+from foreride.files.reading import read_bytes, reading
 
 IMAGE_LIMIT = 256 << 20
 """Maximum size of an image file: 256 MiB."""

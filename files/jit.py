@@ -6,7 +6,7 @@ from typing import Any
 import numba
 from numba import float64, int64, void  # noqa: F401
 
-from files.compiled import CACHE
+from foreride.files.compiled import CACHE
 
 # The environment is read when Numba is imported, which another library may have done before.
 numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")  # type: ignore[attr-defined]

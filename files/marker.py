@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from files.errors import InputError, printable, shown
-from files.reading import read_bytes, read_text
-from files.scratch import MARKER, is_scratch
+from foreride.files.errors import InputError, printable, shown
+from foreride.files.reading import read_bytes, read_text
+from foreride.files.scratch import MARKER, is_scratch
 
 VERSION = 1
 

@@ -4,7 +4,7 @@ import hashlib
 import re
 from collections.abc import Sequence
 
-from files.errors import InputError, shown
+from foreride.files.errors import InputError, shown
 
 MAX_LENGTH = 120
 _SAFE = re.compile(r"[a-z0-9_][a-z0-9_.-]*")

@@ -3,7 +3,7 @@
 import math
 import re
 
-from files.errors import InputError, shown
+from foreride.files.errors import InputError, shown
 
 _WHOLE = re.compile(r"[0-9]{1,10}")
 

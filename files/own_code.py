@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-from files.errors import InputError, printable, shortened
+from foreride.files.errors import InputError, printable, shortened
 
 PATIENCE_S = 10.0
 """Loading time after which a notice is printed, s."""

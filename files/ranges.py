@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_
 
 from annotated_types import Interval
 
-from files.errors import InputError, shown
+from foreride.files.errors import InputError, shown
 
 MIN_POSITIVE = 1e-15
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from files.errors import InputError, printable, shortened
+from foreride.files.errors import InputError, printable, shortened
 
 TEXT_LIMIT = 4 << 20
 """Maximum size of a hand-written text file, such as a scenario: 4 MiB."""

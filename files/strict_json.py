@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError, shown
-from files.reading import read_text, reading
+from foreride.files.errors import InputError, shown
+from foreride.files.reading import read_text, reading
 
 JSON_LIMIT = 64 << 20
 """Maximum size of a JSON file of results: 64 MiB, read in seconds."""

@@ -12,8 +12,8 @@ from typing import Any
 
 import yaml
 
-from files.errors import InputError, printable, shortened, shown
-from files.reading import reading
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.reading import reading
 
 MAX_NODES = 200_000
 MAX_DEPTH = 50

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.grade_watch import GradeChangeDetector
-from preview.settings import Settings
+from foreride.preview.grade_watch import GradeChangeDetector
+from foreride.preview.settings import Settings
 
 HEAVE, RATE, PITCH, GYRO, ACCELEROMETER = range(5)
 """State: heave (m) and its rate, pitch (rad), offsets of gyro (rad/s) and accelerometer (m/s²)."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.settings import Settings
+from foreride.preview.settings import Settings
 
 Array = np.ndarray
 MOUNTING = slice(0, 2)

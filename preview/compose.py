@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from preview.horizon import RoadPreview
-from preview.settings import Settings
-from preview.shape import tyre_profile
-from preview.track import Track
+from foreride.preview.horizon import RoadPreview
+from foreride.preview.settings import Settings
+from foreride.preview.shape import tyre_profile
+from foreride.preview.track import Track
 
 _MIN_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
 

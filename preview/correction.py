@@ -4,10 +4,10 @@ from collections import deque
 
 import numpy as np
 
-from preview.fit import DirectMeasurement, X
-from preview.settings import Settings
-from preview.shape import tyre_profile
-from preview.track import Section, Track
+from foreride.preview.fit import DirectMeasurement, X
+from foreride.preview.settings import Settings
+from foreride.preview.shape import tyre_profile
+from foreride.preview.track import Section, Track
 
 _STEP_M = 0.01
 _LEVEL_BASE_M = 0.5  # length of road before the object that defines the level

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.shape import RAMP, TABLE, ObstacleTemplate, unit_profile
+from foreride.preview.shape import RAMP, TABLE, ObstacleTemplate, unit_profile
 
 Array = np.ndarray
 _FRAMES = 8

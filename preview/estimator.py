@@ -5,23 +5,23 @@ from typing import Any
 
 import numpy as np
 
-from detector.detection import CLASS_NAMES, Detections
-from files.errors import InputError
-from preview.compose import compose
-from preview.correction import WheelStrikeDetector
-from preview.cross_ratio import marks_of
-from preview.fit import LENGTH, X
-from preview.gauge import HeightGauge
-from preview.horizon import RoadPreview, distance_grid
-from preview.memory import Memory
-from preview.motion import EgoMotion, Measurement
-from preview.path import Path
-from preview.recall import expectations, recall, remember
-from preview.settings import Settings
-from preview.track import Track
-from preview.tracker import Tracker
-from preview.view import rectify_frame
-from road.camera import Camera, CameraMount, pose_of
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.files.errors import InputError
+from foreride.preview.compose import compose
+from foreride.preview.correction import WheelStrikeDetector
+from foreride.preview.cross_ratio import marks_of
+from foreride.preview.fit import LENGTH, X
+from foreride.preview.gauge import HeightGauge
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.preview.memory import Memory
+from foreride.preview.motion import EgoMotion, Measurement
+from foreride.preview.path import Path
+from foreride.preview.recall import expectations, recall, remember
+from foreride.preview.settings import Settings
+from foreride.preview.track import Track
+from foreride.preview.tracker import Tracker
+from foreride.preview.view import rectify_frame
+from foreride.road.camera import Camera, CameraMount, pose_of
 
 _OBJECT_MARGIN_M = 0.3  # margin around an object within which a wheel may be on it
 

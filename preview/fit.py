@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.calibration import Gaussian
-from preview.elevation import HeightSamples, equations
-from preview.settings import Settings
-from preview.shape import ObstacleTemplate, unit_profile
+from foreride.preview.calibration import Gaussian
+from foreride.preview.elevation import HeightSamples, equations
+from foreride.preview.settings import Settings
+from foreride.preview.shape import ObstacleTemplate, unit_profile
 
 Array = np.ndarray
 X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS = range(6)

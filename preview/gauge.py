@@ -7,13 +7,13 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from preview.elevation import HeightRows, HeightSamples, NearEdge
-from preview.parallax import ImageBand, StructureField, band, match
-from preview.plane import fit_plane
-from preview.settings import Settings
-from preview.stereo import coarse, second_pose
-from preview.track import Track
-from road.camera import Camera, CameraPose
+from foreride.preview.elevation import HeightRows, HeightSamples, NearEdge
+from foreride.preview.parallax import ImageBand, StructureField, band, match
+from foreride.preview.plane import fit_plane
+from foreride.preview.settings import Settings
+from foreride.preview.stereo import coarse, second_pose
+from foreride.preview.track import Track
+from foreride.road.camera import Camera, CameraPose
 
 Array = np.ndarray
 _MARGIN_M = 2.0  # road before and behind an object used to find the plane

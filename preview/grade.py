@@ -8,7 +8,7 @@ noise level of the detector. A change that is still ahead of the camera cannot b
 
 import numpy as np
 
-from preview.fit import EDGE_BIAS, GROUND, OFFSET, EdgeBearings, X, table
+from foreride.preview.fit import EDGE_BIAS, GROUND, OFFSET, EdgeBearings, X, table
 
 _BLOCK = 5  # frames
 _MIN_BLOCKS = 3

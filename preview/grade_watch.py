@@ -9,7 +9,7 @@ from collections import deque
 
 import numpy as np
 
-from preview.settings import Settings
+from foreride.preview.settings import Settings
 
 Array = np.ndarray
 _SPAN_S = 0.05  # averaging time of one span

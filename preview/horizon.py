@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 
 class Profile(Protocol):

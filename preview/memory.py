@@ -12,12 +12,12 @@ import numpy as np
 import yaml
 from annotated_types import Interval
 
-from files import strict
-from files.atomic import write_text
-from files.errors import InputError, shown
-from files.ranges import Checked
-from preview.edge_bias import Bias
-from preview.shape import KINDS
+from foreride.files import strict
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError, shown
+from foreride.files.ranges import Checked
+from foreride.preview.edge_bias import Bias
+from foreride.preview.shape import KINDS
 
 RowVariance = Annotated[float, Interval(ge=1e-12, le=1e6), "px²"]
 WithMounting = Annotated[float, Interval(ge=-1e4, le=1e4), "rad·px or m·px"]

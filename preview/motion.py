@@ -10,11 +10,11 @@ from typing import Protocol
 
 import numpy as np
 
-from files.errors import InputError
-from preview.body import HEAVE, PITCH, HeavePitchFilter, PlaneUpdate
-from preview.path import curvature
-from preview.roll import RollFilter
-from preview.settings import Settings
+from foreride.files.errors import InputError
+from foreride.preview.body import HEAVE, PITCH, HeavePitchFilter, PlaneUpdate
+from foreride.preview.path import curvature
+from foreride.preview.roll import RollFilter
+from foreride.preview.settings import Settings
 
 _MAX_FRAME_AGE_S = 0.5  # greatest age of an arriving frame
 

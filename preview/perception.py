@@ -6,12 +6,12 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from detector.detection import Detections
-from files.ranges import Checked
-from preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
-from road.camera import Camera, CameraPose, project
-from road.features import Feature
-from road.profile import Road
+from foreride.detector.detection import Detections
+from foreride.files.ranges import Checked
+from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
+from foreride.road.camera import Camera, CameraPose, project
+from foreride.road.features import Feature
+from foreride.road.profile import Road
 
 _GRID_ALONG, _GRID_ACROSS = 61, 61
 _MIN_AHEAD_M = 0.3

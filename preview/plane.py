@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from preview.parallax import ImageBand, StructureField
-from road.camera import Camera
+from foreride.preview.parallax import ImageBand, StructureField
+from foreride.road.camera import Camera
 
 Array = np.ndarray
 _SAMPLING = (slice(None, None, 2), slice(None, None, 8))

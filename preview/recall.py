@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from preview.calibration import MOUNTING, ROWS, Calibration
-from preview.fit import HEIGHT, LENGTH, DirectMeasurement, X, fit, start_state
-from preview.memory import (
+from foreride.preview.calibration import MOUNTING, ROWS, Calibration
+from foreride.preview.fit import HEIGHT, LENGTH, DirectMeasurement, X, fit, start_state
+from foreride.preview.memory import (
     TEMPLATE_BY_NAME,
     Memory,
     Mounting,
@@ -13,9 +13,9 @@ from preview.memory import (
     calibration_covariance,
     mounting_covariance,
 )
-from preview.settings import Settings
-from preview.shape import POTHOLE
-from preview.track import LOG_ODDS_LIMIT, Edge, Track
+from foreride.preview.settings import Settings
+from foreride.preview.shape import POTHOLE
+from foreride.preview.track import LOG_ODDS_LIMIT, Edge, Track
 
 _MIN_INFORMATION_RATIO = (
     0.05  # least information on a size, over that of the kind's prior, that counts as a measurement

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from files.errors import InputError, shortened
-from preview.horizon import RoadPreview, distance_grid
-from road import csv_profile, opencrg
-from road.envelope import PATCH_M, STEP_M, WheelProfile
-from road.enveloping import Enveloping, RigidWheel
-from road.measured import FORMATS, MeasuredSurface, surface
+from foreride.files.errors import InputError, shortened
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.road import csv_profile, opencrg
+from foreride.road.envelope import PATCH_M, STEP_M, WheelProfile
+from foreride.road.enveloping import Enveloping, RigidWheel
+from foreride.road.measured import FORMATS, MeasuredSurface, surface
 
 Array = np.ndarray
 _UNCERTAINTY_COLUMNS = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}

@@ -6,7 +6,7 @@ The roll of a symmetric car is independent of heave and pitch, so it has a filte
 
 import numpy as np
 
-from preview.settings import Settings
+from foreride.preview.settings import Settings
 
 Array = np.ndarray
 

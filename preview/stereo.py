@@ -10,8 +10,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from preview.parallax import ImageBand, place
-from road.camera import Camera, CameraPose
+from foreride.preview.parallax import ImageBand, place
+from foreride.road.camera import Camera, CameraPose
 
 Array = np.ndarray
 _DISPARITIES, _BLOCK = 16, 5

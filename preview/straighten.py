@@ -9,8 +9,8 @@ near the middle.
 
 import numpy as np
 
-from detector.detection import CLASS_NAMES
-from road.camera import Camera, CameraPose, rotation_matrix
+from foreride.detector.detection import CLASS_NAMES
+from foreride.road.camera import Camera, CameraPose, rotation_matrix
 
 Array = np.ndarray
 _SAMPLES = 9

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preview.body import PlaneUpdate
-from preview.calibration import Gaussian
-from preview.elevation import HeightSamples
-from preview.fit import (
+from foreride.preview.body import PlaneUpdate
+from foreride.preview.calibration import Gaussian
+from foreride.preview.elevation import HeightSamples
+from foreride.preview.fit import (
     HEIGHT,
     LENGTH,
     SHARED,
@@ -21,10 +21,10 @@ from preview.fit import (
     start_state,
     table,
 )
-from preview.grade import strain
-from preview.scores import mean_surplus, probability, surplus
-from preview.settings import Settings
-from preview.shape import POTHOLE, ObstacleTemplate, chord, templates_of
+from foreride.preview.grade import strain
+from foreride.preview.scores import mean_surplus, probability, surplus
+from foreride.preview.settings import Settings
+from foreride.preview.shape import POTHOLE, ObstacleTemplate, chord, templates_of
 
 Array = np.ndarray
 _DROP_EVIDENCE = 10.0  # log evidence against a kind at which it is dropped

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from detector.detection import CLASS_NAMES, Detections
-from preview.body import PlaneUpdate
-from preview.calibration import Calibration, Gaussian
-from preview.cross_ratio import Marks, distance, distance_sigma
-from preview.settings import Settings
-from preview.track import Edge, Track, first_fits
-from preview.view import (
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.preview.body import PlaneUpdate
+from foreride.preview.calibration import Calibration, Gaussian
+from foreride.preview.cross_ratio import Marks, distance, distance_sigma
+from foreride.preview.settings import Settings
+from foreride.preview.track import Edge, Track, first_fits
+from foreride.preview.view import (
     PredictedBox,
     RectifiedFrame,
     box_sides,

@@ -5,16 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from detector.detection import Detections
-from preview.calibration import Gaussian
-from preview.distance import depression, depression_sigma, locate, row_of
-from preview.edge_bias import edge_bias
-from preview.fit import EDGE_BIAS, GROUND, LENGTH, OFFSET, EdgeBearings, X, silhouette
-from preview.path import STRAIGHT, Path
-from preview.settings import Settings
-from preview.straighten import straightened
-from preview.track import Edge, Track
-from road.camera import Camera, CameraPose
+from foreride.detector.detection import Detections
+from foreride.preview.calibration import Gaussian
+from foreride.preview.distance import depression, depression_sigma, locate, row_of
+from foreride.preview.edge_bias import edge_bias
+from foreride.preview.fit import EDGE_BIAS, GROUND, LENGTH, OFFSET, EdgeBearings, X, silhouette
+from foreride.preview.path import STRAIGHT, Path
+from foreride.preview.settings import Settings
+from foreride.preview.straighten import straightened
+from foreride.preview.track import Edge, Track
+from foreride.road.camera import Camera, CameraPose
 
 Array = np.ndarray
 _MIN_AHEAD_M = 0.5

@@ -6,9 +6,9 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked, Share
-from road.checks import check_choice
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked, Share
+from foreride.road.checks import check_choice
 
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog", "snow")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from road.appearance import Appearance
-from road.lighting import OVERCAST_WEATHER
-from road.texture import fractal
+from foreride.road.appearance import Appearance
+from foreride.road.lighting import OVERCAST_WEATHER
+from foreride.road.texture import fractal
 
 AZIMUTH_SPAN_DEG = 160.0
 ELEVATION_LOW_DEG, ELEVATION_HIGH_DEG = -2.0, 44.0

@@ -6,10 +6,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.ranges import Checked
-from road.checks import check_choice, check_number
-from road.quantities import Height, Lateral, Length, Position, Ramp, Taper
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.road.checks import check_choice, check_number
+from foreride.road.quantities import Height, Lateral, Length, Position, Ramp, Taper
 
 PAINTS = (
     "plain",

@@ -12,10 +12,10 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.ranges import Checked
-from road.checks import check_number
-from road.lens import NO_DISTORTION, Distortion, distort, folds, undistort
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.road.checks import check_number
+from foreride.road.lens import NO_DISTORTION, Distortion, distort, folds, undistort
 
 Array = NDArray[np.float64]
 Pixel = Annotated[float, Interval(ge=0.0, le=8192.0), "px"]

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 
-from files import marker
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError, printable, shortened
-from files.reading import reading
-from files.strict_json import read_json, read_json_lines
-from road.boxes import NAMES, box_statistics, table
-from road.render import MAX_HIDDEN
+from foreride.files import marker
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError, printable, shortened
+from foreride.files.reading import reading
+from foreride.files.strict_json import read_json, read_json_lines
+from foreride.road.boxes import NAMES, box_statistics, table
+from foreride.road.render import MAX_HIDDEN
 
 REAL_BOXES = Path(__file__).parent / "real_boxes.json"
 _SPLITS = ("train", "val", "test")

@@ -5,9 +5,9 @@ from typing import Annotated, Literal
 
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked
-from road.features import Feature, ManholeCover, Pothole, SpeedCushion
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.road.features import Feature, ManholeCover, Pothole, SpeedCushion
 
 Placement = Literal["left", "right", "both"]
 

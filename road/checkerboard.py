@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from road.camera import Camera
-from road.lens import Distortion
+from foreride.files.errors import InputError
+from foreride.road.camera import Camera
+from foreride.road.lens import Distortion
 
 Array = NDArray[np.float64]
 MIN_VIEWS = 4

@@ -2,7 +2,7 @@
 
 import math
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 
 def check_number(name: str, value: object, low: float, high: float, *, open_low: bool = False) -> None:

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from files.jit import njit
-from road.background import AZIMUTH_SPAN_DEG, CELLS_PER_DEG, ELEVATION_HIGH_DEG
-from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
-from road.lighting import WHITE
-from road.raycast import FAR_M, direction
+from foreride.files.jit import njit
+from foreride.road.background import AZIMUTH_SPAN_DEG, CELLS_PER_DEG, ELEVATION_HIGH_DEG
+from foreride.road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
+from foreride.road.lighting import WHITE
+from foreride.road.raycast import FAR_M, direction
 
 FADE_M = 12.0  # length over which the map is blended into the road's average colours
 HEADLIGHT_HEIGHT_M = 0.65

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import CELL_M, Block
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
 
 _SOILS = {"red_soil": (0.26, 0.13, 0.07), "grass": (0.15, 0.13, 0.09), "dry_grass": (0.20, 0.16, 0.10)}
 _DUST = (0.22, 0.18, 0.13)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import Block
-from road.features import Pothole
+from foreride.road.appearance import Appearance
+from foreride.road.block import Block
+from foreride.road.features import Pothole
 
 _STYLES = ("broken", "base", "gravel", "mud")
 _STYLE_SHARES = (0.36, 0.28, 0.18, 0.18)

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError, printable, shortened, shown
-from files.reading import read_text
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.reading import read_text
 
 TRACK_M = 1.5
 CSV_LIMIT = 256 << 20

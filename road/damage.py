@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import CELL_M, Block
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
 
 MANHOLE_RADIUS_M = 0.32
 

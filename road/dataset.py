@@ -12,15 +12,15 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from files.atomic import write_text
-from files.command_line import Parser
-from files.errors import InputError
-from files.folder import claim
-from files.numbers import within
-from road.boxes import NAMES
-from road.card import real_statistics, write_card
-from road.labelled import SPLITS, VIEWS_PER_ROAD, Job, render_road
-from road.visible import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX
+from foreride.files.atomic import write_text
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError
+from foreride.files.folder import claim
+from foreride.files.numbers import within
+from foreride.road.boxes import NAMES
+from foreride.road.card import real_statistics, write_card
+from foreride.road.labelled import SPLITS, VIEWS_PER_ROAD, Job, render_road
+from foreride.road.visible import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX
 
 FORMAT = 1
 KIND = "dataset"

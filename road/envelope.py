@@ -7,10 +7,10 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from road.checks import check_number
-from road.enveloping import Enveloping, RigidWheel
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.road.checks import check_number
+from foreride.road.enveloping import Enveloping, RigidWheel
+from foreride.road.profile import Road
 
 WHEEL_RADIUS_M = 0.31
 PATCH_M = 0.1

@@ -4,10 +4,10 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from files.errors import InputError
-from road.iri import iri
-from road.profile import FADE_IN_M, Road
-from road.spectrum import fit, spectrum
+from foreride.files.errors import InputError
+from foreride.road.iri import iri
+from foreride.road.profile import FADE_IN_M, Road
+from foreride.road.spectrum import fit, spectrum
 
 STEP_M = 0.05
 

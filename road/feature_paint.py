@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from road import crumbled
-from road.appearance import Appearance
-from road.block import CELL_M, Block
-from road.features import Bump, Feature, Pothole
-from road.fitting_paint import fitting_albedo
-from road.texture import fractal
+from foreride.road import crumbled
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
+from foreride.road.features import Bump, Feature, Pothole
+from foreride.road.fitting_paint import fitting_albedo
+from foreride.road.texture import fractal
 
 MARGIN_M = 0.6  # reach of the debris around a pothole
 _WHITE, _YELLOW = np.array((0.62, 0.62, 0.60), np.float32), np.array((0.58, 0.40, 0.05), np.float32)

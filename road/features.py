@@ -6,7 +6,7 @@ which the height departs from zero, `end_m` the far edge. `cls` is the detector 
 pothole, None for all others.
 """
 
-from road.bumps import (
+from foreride.road.bumps import (
     PAINTS,
     Bump,
     FlatTopHump,
@@ -16,8 +16,8 @@ from road.bumps import (
     TrapezoidalBump,
     WattsHump,
 )
-from road.fittings import ExpansionJoint, Fitting, ManholeCover, Step
-from road.pothole import Pothole
+from foreride.road.fittings import ExpansionJoint, Fitting, ManholeCover, Step
+from foreride.road.pothole import Pothole
 
 __all__ = [
     "FEATURE_KINDS",

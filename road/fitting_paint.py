@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from road.features import Fitting, ManholeCover, Step
+from foreride.road.features import Fitting, ManholeCover, Step
 
 _STUD_M = 0.055
 _RUBBER = 0.035

@@ -7,10 +7,10 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.ranges import Checked
-from road.checks import check_number
-from road.quantities import Lateral, Position, Ramp
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.road.checks import check_number
+from foreride.road.quantities import Lateral, Position, Ramp
 
 
 @dataclass(frozen=True)

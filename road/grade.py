@@ -7,8 +7,8 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.ranges import Checked
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
 
 MAX_GRADE = 0.3
 _MAX_FEATURE_HEIGHT_M = 0.3  # greatest height of a feature over the alignment

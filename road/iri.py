@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
-from files.errors import InputError
-from road.checks import check_number
+from foreride.files.errors import InputError
+from foreride.road.checks import check_number
 
 SPEED_M_S = 80 / 3.6
 # Golden car, all per sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.

@@ -8,14 +8,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from files.atomic import write_bytes, write_text
-from road.appearance import Appearance, random_appearance
-from road.camera import Camera, CameraPose
-from road.features import Feature
-from road.profile import Road
-from road.render import Frame, Scene
-from road.roadside import random_traffic, static_objects
-from road.scenes import approach_positions, random_positions, random_road, random_view
+from foreride.files.atomic import write_bytes, write_text
+from foreride.road.appearance import Appearance, random_appearance
+from foreride.road.camera import Camera, CameraPose
+from foreride.road.features import Feature
+from foreride.road.profile import Road
+from foreride.road.render import Frame, Scene
+from foreride.road.roadside import random_traffic, static_objects
+from foreride.road.scenes import approach_positions, random_positions, random_road, random_view
 
 SPLITS = ("train", "val", "test")
 VIEWS_PER_ROAD = 10

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from files.jit import njit
-from road.appearance import Appearance
-from road.block import CELL_M, Block
+from foreride.files.jit import njit
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
 
 WHITE = 2.0  # greatest radiance that the 8-bit maps can encode
 _SUN = {

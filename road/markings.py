@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import CELL_M, Block
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
 
 _COLOURS = {"white": (0.62, 0.62, 0.60), "yellow": (0.56, 0.38, 0.06)}
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.reading import read_bytes, reading
-from road import csv_profile, opencrg
+from foreride.files.errors import InputError
+from foreride.files.reading import read_bytes, reading
+from foreride.road import csv_profile, opencrg
 
 MAX_POINTS = 50_000_000
 MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres

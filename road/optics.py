@@ -6,8 +6,8 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from road.camera import Camera
-from road.raycast import CameraView
+from foreride.road.camera import Camera
+from foreride.road.raycast import CameraView
 
 _BLUR_STEPS = 5
 

@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import Block
+from foreride.road.appearance import Appearance
+from foreride.road.block import Block
 
 KERB_WIDTH_M = 0.16
 KERB_HEIGHT_M = 0.10

@@ -7,10 +7,10 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from files.ranges import Checked, Seed
-from road.checks import check_number
-from road.quantities import Height, Lateral, Length, Position, Ramp
-from road.rim import Rim, irregular_rim
+from foreride.files.ranges import Checked, Seed
+from foreride.road.checks import check_number
+from foreride.road.quantities import Height, Lateral, Length, Position, Ramp
+from foreride.road.rim import Rim, irregular_rim
 
 
 @dataclass(frozen=True)

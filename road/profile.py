@@ -8,13 +8,13 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from files.ranges import Checked
-from road.chain import Chain
-from road.features import Feature, Step
-from road.grade import GradeChange, check_order, grade_height
-from road.measured import MeasuredSurface, read_surface
-from road.roughness import Roughness, RoughSurface, rough_surface
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.road.chain import Chain
+from foreride.road.features import Feature, Step
+from foreride.road.grade import GradeChange, check_order, grade_height
+from foreride.road.measured import MeasuredSurface, read_surface
+from foreride.road.roughness import Roughness, RoughSurface, rough_surface
 
 FADE_IN_M = 5.0
 LONGEST_ROUGH_M = 32_768.0

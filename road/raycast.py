@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from files.jit import njit
-from road.block import CELL_M, HALF_WIDTH_M, MASK_CELLS, START_M
+from foreride.files.jit import njit
+from foreride.road.block import CELL_M, HALF_WIDTH_M, MASK_CELLS, START_M
 
 COARSE_STEP_M = 0.3  # ground distance per step where there is only roughness
 FINE_STEP_M = 0.05  # near features: well below the length of the shortest

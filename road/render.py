@@ -8,19 +8,19 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from road import background, lighting, optics, sensor, staging
-from road.appearance import Appearance
-from road.block import CELL_M, START_M
-from road.camera import Camera, CameraPose
-from road.colour import Conditions, colour
-from road.features import Feature, ManholeCover, Pothole
-from road.grade import grade_at, grade_height, min_descending_slope
-from road.profile import Road
-from road.props import Prop
-from road.raycast import FAR_M, CameraView, trace
-from road.surface import Surface
-from road.texture import grain
-from road.visible import visible_boxes
+from foreride.road import background, lighting, optics, sensor, staging
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, START_M
+from foreride.road.camera import Camera, CameraPose
+from foreride.road.colour import Conditions, colour
+from foreride.road.features import Feature, ManholeCover, Pothole
+from foreride.road.grade import grade_at, grade_height, min_descending_slope
+from foreride.road.profile import Road
+from foreride.road.props import Prop
+from foreride.road.raycast import FAR_M, CameraView, trace
+from foreride.road.surface import Surface
+from foreride.road.texture import grain
+from foreride.road.visible import visible_boxes
 
 MAX_HIDDEN = 0.6  # greatest occluded share of a labelled feature's part in view
 _FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0, "snow": 130.0}

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from road import sprites, vehicles
-from road.appearance import Appearance
-from road.props import Prop, Sprite, pyramid
+from foreride.road import sprites, vehicles
+from foreride.road.appearance import Appearance
+from foreride.road.props import Prop, Sprite, pyramid
 
 REACH_M = 150.0
 _LAMP_GLOW = np.array((1.0, 0.75, 0.42))

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, CameraPose, pose_of
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.profile import Road
-from road.roughness import Roughness
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
 
 ROAD_M = 62.0
 FIRST_VIEW_M, LAST_VIEW_M = 0.4, 45.0  # range of camera positions

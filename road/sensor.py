@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from files.jit import njit
-from road.appearance import Appearance
+from foreride.files.jit import njit
+from foreride.road.appearance import Appearance
 
 _CURVE_TOP = 4.0
 _CURVE_STEPS = 4096

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import welch
 
-from files.errors import InputError
-from road.checks import check_number
-from road.roughness import ISO_CLASSES, REFERENCE_N0, WAVINESS
+from foreride.files.errors import InputError
+from foreride.road.checks import check_number
+from foreride.road.roughness import ISO_CLASSES, REFERENCE_N0, WAVINESS
 
 BAND = (0.02, 2.83)  # cycles/m, band of the fit where covered; the upper end is that of ISO 8608
 MIN_SEGMENTS = 8

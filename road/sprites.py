@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 
-from road.props import Colour
-from road.texture import fractal
+from foreride.road.props import Colour
+from foreride.road.texture import fractal
 
 _SKIN = ((0.35, 0.22, 0.15), (0.20, 0.12, 0.08), (0.12, 0.07, 0.05))
 _BARK = (0.10, 0.075, 0.055)

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from road.lighting import Light
-from road.props import Face, Prop, Solid, Sprite, ground_position
-from road.raycast import CameraView
+from foreride.road.lighting import Light
+from foreride.road.props import Face, Prop, Solid, Sprite, ground_position
+from foreride.road.raycast import CameraView
 
 _NEAR_M = 0.4
 _SPRITE_NEAR_M = 1.3

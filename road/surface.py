@@ -3,12 +3,12 @@
 import cv2
 import numpy as np
 
-from road import cover, damage, feature_paint, lighting, markings, pavement
-from road.appearance import Appearance
-from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, MASK_CELLS, START_M, Block
-from road.profile import Road
-from road.raycast import COARSE_STEP_M
-from road.texture import fractal
+from foreride.road import cover, damage, feature_paint, lighting, markings, pavement
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, MASK_CELLS, START_M, Block
+from foreride.road.profile import Road
+from foreride.road.raycast import COARSE_STEP_M
+from foreride.road.texture import fractal
 
 COLUMNS = int(2 * HALF_WIDTH_M / CELL_M)
 BLOCK_ROWS = 640

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from road.props import Colour, Face, Solid, panel, place_body, prism, wheel
+from foreride.road.props import Colour, Face, Solid, panel, place_body, prism, wheel
 
 _PAINTS: tuple[Colour, ...] = (
     (0.62, 0.62, 0.62),

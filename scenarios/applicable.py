@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
-from controller.settings import ControllerSettings, FixedSettings, ForceSettings
-from files.errors import InputError, shown
-from scenarios.faults import Fault, SensorFault
-from vehicle.parameters import Car
-from vehicle.sensors import SensorInterface, SensorNoise
+from foreride.controller.settings import ControllerSettings, FixedSettings, ForceSettings
+from foreride.files.errors import InputError, shown
+from foreride.scenarios.faults import Fault, SensorFault
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.sensors import SensorInterface, SensorNoise
 
 PER_WHEEL = ("body_acc", "wheel_acc", "rattle_m")
 MOTIONS = {"pitch_rate": 2, "roll_rate": 3}

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from files import strict
-from files.atomic import write_text
-from files.errors import InputError, shortened, shown
-from files.numbers import is_integer
-from files.strict_json import read_json
-from scenarios.cases import Case
-from scenarios.loading import load
-from scenarios.regression import Tolerance
-from scenarios.runfolder import environment, to_json
+from foreride.files import strict
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError, shortened, shown
+from foreride.files.numbers import is_integer
+from foreride.files.strict_json import read_json
+from foreride.scenarios.cases import Case
+from foreride.scenarios.loading import load
+from foreride.scenarios.regression import Tolerance
+from foreride.scenarios.runfolder import environment, to_json
 
 SCHEMA = 1
 REFERENCE = Path(__file__).parent / "baselines" / "reference.json"

@@ -8,20 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from controller.clairvoyant import Optimum, optimise
-from controller.model import KILO
-from controller.tuned import tuned_settings
-from controller.whole_drive import DriveInputs, WholeDriveObjective
-from files.atomic import write_bytes
-from files.cache import cached
-from scenarios.cases import Case
-from scenarios.clock import TICKS_PER_SECOND, due, ticks
-from scenarios.oracle import OracleErrors
-from scenarios.schema import Scenario
-from scenarios.tracks import wheel_profiles
-from vehicle.plant import Plant
-from vehicle.speed import ConstantSpeed, SpeedProfile
-from vehicle.state import road_under
+from foreride.controller.clairvoyant import Optimum, optimise
+from foreride.controller.model import KILO
+from foreride.controller.tuned import tuned_settings
+from foreride.controller.whole_drive import DriveInputs, WholeDriveObjective
+from foreride.files.atomic import write_bytes
+from foreride.files.cache import cached
+from foreride.scenarios.cases import Case
+from foreride.scenarios.clock import TICKS_PER_SECOND, due, ticks
+from foreride.scenarios.oracle import OracleErrors
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.tracks import wheel_profiles
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.speed import ConstantSpeed, SpeedProfile
+from foreride.vehicle.state import road_under
 
 START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")
 """Controllers whose commands serve as starting points of the optimisation."""

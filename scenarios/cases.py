@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from controller.registry import uses_preview
-from files.errors import InputError
-from scenarios.schema import Scenario
+from foreride.controller.registry import uses_preview
+from foreride.files.errors import InputError
+from foreride.scenarios.schema import Scenario
 
 PERCEPTIONS = ("none", "oracle", "map", "boxes", "camera")
 

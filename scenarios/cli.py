@@ -7,8 +7,8 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from files.command_line import Parser, check_texts, tolerant_streams
-from files.errors import InputError, abridged, printable, shortened
+from foreride.files.command_line import Parser, check_texts, tolerant_streams
+from foreride.files.errors import InputError, abridged, printable, shortened
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -20,7 +20,7 @@ TRACEBACK = "FORERIDE_TRACEBACK"
 
 def parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
-    from scenarios.commands import (  # here, so that an interrupt during these seconds is caught
+    from foreride.scenarios.commands import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
         bound,
         calibrate,
         compare,
@@ -90,8 +90,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _execute(argv: Sequence[str]) -> int:
     check_texts(argv)
     arguments = parser().parse_args(argv)
-    from scenarios.commands.outputs import check_outputs
-    from scenarios.parallel import WorkerDied
+    from foreride.scenarios.commands.outputs import check_outputs
+    from foreride.scenarios.parallel import WorkerDied
 
     try:
         check_outputs(arguments)

@@ -7,27 +7,27 @@ from typing import Any
 
 import numpy as np
 
-from comfort.metrics import ride_metrics
-from controller.clairvoyant import PlanReplay
-from controller.registry import CLAIRVOYANT
-from preview.memory import Memory
-from scenarios.bound import bound
-from scenarios.cases import Case
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.driver import MultirateLoop
-from scenarios.eyes import build_perception
-from scenarios.faults import Faults
-from scenarios.named_files import hashes
-from scenarios.observer_errors import observer_errors
-from scenarios.perception import Event, Exposure
-from scenarios.preview_log import PreviewLog, collect
-from scenarios.tracks import wheel_profiles
-from vehicle.audit import energy_audit
-from vehicle.equations import input_size
-from vehicle.parameters import control_model
-from vehicle.plant import Plant
-from vehicle.sensors import Sensors
-from vehicle.state import VehicleState
+from foreride.comfort.metrics import ride_metrics
+from foreride.controller.clairvoyant import PlanReplay
+from foreride.controller.registry import CLAIRVOYANT
+from foreride.preview.memory import Memory
+from foreride.scenarios.bound import bound
+from foreride.scenarios.cases import Case
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.driver import MultirateLoop
+from foreride.scenarios.eyes import build_perception
+from foreride.scenarios.faults import Faults
+from foreride.scenarios.named_files import hashes
+from foreride.scenarios.observer_errors import observer_errors
+from foreride.scenarios.perception import Event, Exposure
+from foreride.scenarios.preview_log import PreviewLog, collect
+from foreride.scenarios.tracks import wheel_profiles
+from foreride.vehicle.audit import energy_audit
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.parameters import control_model
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.sensors import Sensors
+from foreride.vehicle.state import VehicleState
 
 
 @dataclass(frozen=True)

@@ -6,21 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from controller.base import Controller, Estimate, Timing
-from controller.observer import Observer, exact_estimate
-from controller.passive import Constant
-from controller.registry import build
-from controller.sensor_watch import SensorMonitor
-from scenarios import preview_log
-from scenarios.cases import Case
-from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
-from scenarios.faults import LATE_ANSWER, Faults
-from scenarios.perception import Event, NoPreview, Perception
-from vehicle.equations import state_size
-from vehicle.parameters import control_model
-from vehicle.plant import Plant
-from vehicle.sensors import Sensors
-from vehicle.state import VehicleState
+from foreride.controller.base import Controller, Estimate, Timing
+from foreride.controller.observer import Observer, exact_estimate
+from foreride.controller.passive import Constant
+from foreride.controller.registry import build
+from foreride.controller.sensor_watch import SensorMonitor
+from foreride.scenarios import preview_log
+from foreride.scenarios.cases import Case
+from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from foreride.scenarios.faults import LATE_ANSWER, Faults
+from foreride.scenarios.perception import Event, NoPreview, Perception
+from foreride.vehicle.equations import state_size
+from foreride.vehicle.parameters import control_model
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.sensors import Sensors
+from foreride.vehicle.state import VehicleState
 
 
 class MultirateLoop:

@@ -8,21 +8,21 @@ from time import perf_counter
 
 import numpy as np
 
-from detector.runtime import WEIGHTS, Detector
-from preview.estimator import Estimator
-from preview.memory import read as read_memory
-from preview.perception import degrade, true_boxes
-from preview.stereo import second_pose
-from road.camera import CameraMount, CameraPose, pose_of
-from road.envelope import WheelProfile
-from road.render import Scene
-from scenarios.cases import Case
-from scenarios.mapped import build_map
-from scenarios.oracle import build_oracle
-from scenarios.perception import DetectorPerception, Exposure, NoPreview, Perception
-from scenarios.schema import Scenario
-from scenarios.told import track_corrector
-from vehicle.state import VehicleState
+from foreride.detector.runtime import WEIGHTS, Detector
+from foreride.preview.estimator import Estimator
+from foreride.preview.memory import read as read_memory
+from foreride.preview.perception import degrade, true_boxes
+from foreride.preview.stereo import second_pose
+from foreride.road.camera import CameraMount, CameraPose, pose_of
+from foreride.road.envelope import WheelProfile
+from foreride.road.render import Scene
+from foreride.scenarios.cases import Case
+from foreride.scenarios.mapped import build_map
+from foreride.scenarios.oracle import build_oracle
+from foreride.scenarios.perception import DetectorPerception, Exposure, NoPreview, Perception
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.told import track_corrector
+from foreride.vehicle.state import VehicleState
 
 BoxSource = Callable[[int, VehicleState], Exposure]
 _SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from annotated_types import Interval
 
-from files.ranges import Checked, Share
-from preview.horizon import RoadPreview
-from vehicle.sensors import Measurement
+from foreride.files.ranges import Checked, Share
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.sensors import Measurement
 
 LATE_ANSWER = "late answer"
 _IMPLAUSIBLE_HEIGHT_M = 3.0

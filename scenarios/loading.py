@@ -5,15 +5,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from controller.tuned import tuned_mapping
-from files import strict
-from files.errors import InputError, printable, shortened, shown
-from files.numbers import is_integer
-from files.reading import read_text, reading
-from files.yaml12 import parse
-from scenarios import road_block
-from scenarios.schema import Scenario
-from vehicle.parameters import load_vehicle
+from foreride.controller.tuned import tuned_mapping
+from foreride.files import strict
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.numbers import is_integer
+from foreride.files.reading import read_text, reading
+from foreride.files.yaml12 import parse
+from foreride.scenarios import road_block
+from foreride.scenarios.schema import Scenario
+from foreride.vehicle.parameters import load_vehicle
 
 FOLDER = Path(__file__).parent / "library"
 

@@ -4,14 +4,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from files.errors import InputError
-from preview.horizon import RoadPreview
-from preview.roadmap import RoadMap, map_preview, read, wheel_tracks
-from road.envelope import WheelProfile
-from scenarios.perception import NoPreview
-from scenarios.schema import Scenario
-from vehicle.parameters import Car
-from vehicle.state import VehicleState
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview
+from foreride.preview.roadmap import RoadMap, map_preview, read, wheel_tracks
+from foreride.road.envelope import WheelProfile
+from foreride.scenarios.perception import NoPreview
+from foreride.scenarios.schema import Scenario
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.state import VehicleState
 
 
 class MapPerception(NoPreview):

@@ -3,11 +3,11 @@
 import hashlib
 from pathlib import Path
 
-from controller.own import is_user_controller, load_user_controller
-from preview.memory import read as read_memory
-from scenarios.cases import Case
-from scenarios.eyes import load_detector
-from scenarios.mapped import read_map
+from foreride.controller.own import is_user_controller, load_user_controller
+from foreride.preview.memory import read as read_memory
+from foreride.scenarios.cases import Case
+from foreride.scenarios.eyes import load_detector
+from foreride.scenarios.mapped import read_map
 
 ESTIMATOR_PERCEPTIONS = ("boxes", "camera")
 """Perceptions with an estimator, which can use the memory of an earlier drive."""

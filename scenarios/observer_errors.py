@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from controller.base import Estimate
-from scenarios.clock import ticks
-from vehicle import equations
-from vehicle.parameters import Car
-from vehicle.state import VehicleState
+from foreride.controller.base import Estimate
+from foreride.scenarios.clock import ticks
+from foreride.vehicle import equations
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.state import VehicleState
 
 
 def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleState) -> dict[str, float]:

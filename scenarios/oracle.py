@@ -8,16 +8,16 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from files.ranges import Checked, Share
-from preview.horizon import RoadPreview, oracle_preview
-from road.envelope import WheelProfile, wheel_profile
-from road.enveloping import Enveloping
-from road.features import Feature, HalfSineBump, Pothole
-from road.profile import Road
-from scenarios.perception import NoPreview
-from vehicle.parameters import Car
-from vehicle.sensors import Measurement
-from vehicle.state import VehicleState
+from foreride.files.ranges import Checked, Share
+from foreride.preview.horizon import RoadPreview, oracle_preview
+from foreride.road.envelope import WheelProfile, wheel_profile
+from foreride.road.enveloping import Enveloping
+from foreride.road.features import Feature, HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.scenarios.perception import NoPreview
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.state import VehicleState
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
 
 Advance = Callable[[Case, int], None]
 """Called with every number of ticks that a case has completed."""

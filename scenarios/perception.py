@@ -14,16 +14,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from detector.detection import Detections
-from files.errors import InputError
-from files.own_code import place, say_once, told
-from preview.estimator import Estimator
-from preview.horizon import RoadPreview
-from preview.memory import Memory
-from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
-from scenarios.told import TrackCorrection
-from vehicle.sensors import Measurement
-from vehicle.state import VehicleState
+from foreride.detector.detection import Detections
+from foreride.files.errors import InputError
+from foreride.files.own_code import place, say_once, told
+from foreride.preview.estimator import Estimator
+from foreride.preview.horizon import RoadPreview
+from foreride.preview.memory import Memory
+from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from foreride.scenarios.told import TrackCorrection
+from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.state import VehicleState
 
 Event = dict[str, Any]
 

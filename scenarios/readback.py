@@ -8,24 +8,24 @@ import cv2
 import numpy as np
 import pyarrow as pa
 
-from detector.detection import Detections
-from files import strict
-from files.errors import InputError
-from files.images import decode
-from files.marker import verified
-from files.parquet import table_from
-from files.reading import reading
-from files.scratch import is_scratch
-from files.strict_json import parse_json
-from scenarios.cases import Case
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import Run
-from scenarios.named_files import HASHES
-from scenarios.perception import Event, Exposure
-from scenarios.preview_log import PreviewLog
-from scenarios.record import check_run
-from scenarios.runfolder import KIND, MANIFEST, frame_name
-from scenarios.schema import Scenario
+from foreride.detector.detection import Detections
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.files.images import decode
+from foreride.files.marker import verified
+from foreride.files.parquet import table_from
+from foreride.files.reading import reading
+from foreride.files.scratch import is_scratch
+from foreride.files.strict_json import parse_json
+from foreride.scenarios.cases import Case
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.named_files import HASHES
+from foreride.scenarios.perception import Event, Exposure
+from foreride.scenarios.preview_log import PreviewLog
+from foreride.scenarios.record import check_run
+from foreride.scenarios.runfolder import KIND, MANIFEST, frame_name
+from foreride.scenarios.schema import Scenario
 
 SCHEMA = 1
 ABOVE = 3

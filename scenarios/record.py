@@ -6,11 +6,11 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from files import strict
-from files.errors import InputError, shown
-from scenarios.closed_loop import Run
-from scenarios.report.table import COLUMNS
-from scenarios.runfolder import row
+from foreride.files import strict
+from foreride.files.errors import InputError, shown
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.report.table import COLUMNS
+from foreride.scenarios.runfolder import row
 
 METRICS = ("objective", *(column.metric for column in COLUMNS))
 """Metrics that each row must contain."""

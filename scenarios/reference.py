@@ -9,13 +9,13 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from comfort import METRICS
-from files import strict
-from files.atomic import write_text
-from files.ranges import numbers_in
-from scenarios.cli import parser
-from scenarios.schema import Scenario
-from vehicle.audit import energy_audit
+from foreride.comfort import METRICS
+from foreride.files import strict
+from foreride.files.atomic import write_text
+from foreride.files.ranges import numbers_in
+from foreride.scenarios.cli import parser
+from foreride.scenarios.schema import Scenario
+from foreride.vehicle.audit import energy_audit
 
 _SCENARIO_HEAD = """# Scenario fields
 

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from scenarios.cases import Case
-from scenarios.closed_loop import Run
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from files.atomic import write_bytes, writing
-from files.errors import InputError
-from files.folder import claim
-from files.parquet import read_table
-from files.reading import read_bytes, reading
-from files.strict_json import JSON_LIMIT, parse_json
+from foreride.files.atomic import write_bytes, writing
+from foreride.files.errors import InputError
+from foreride.files.folder import claim
+from foreride.files.parquet import read_table
+from foreride.files.reading import read_bytes, reading
+from foreride.files.strict_json import JSON_LIMIT, parse_json
 
 KIND = "sweep"
 """ObstacleTemplate of result folders in their marker."""

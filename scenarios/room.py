@@ -1,10 +1,10 @@
 """Headroom of a drive: objective of the passive car and of the clairvoyant bound."""
 
-from controller.clairvoyant import Optimum
-from scenarios.bound import bound
-from scenarios.cases import Case
-from scenarios.closed_loop import commands, simulate
-from scenarios.schema import Scenario
+from foreride.controller.clairvoyant import Optimum
+from foreride.scenarios.bound import bound
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import commands, simulate
+from foreride.scenarios.schema import Scenario
 
 
 def room(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:

@@ -16,14 +16,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from files.folder import atomic_folder
-from files.names import joined
-from files.sharing import shared_name, shared_target
-from preview.memory import to_text as memory_text
-from scenarios.cases import Case
-from scenarios.closed_loop import Run
-from scenarios.preview_log import PreviewLog
-from scenarios.schema import Scenario
+from foreride.files.folder import atomic_folder
+from foreride.files.names import joined
+from foreride.files.sharing import shared_name, shared_target
+from foreride.preview.memory import to_text as memory_text
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.preview_log import PreviewLog
+from foreride.scenarios.schema import Scenario
 
 KIND = "run"
 """ObstacleTemplate of run folders in their marker."""

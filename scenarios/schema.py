@@ -6,25 +6,25 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
-from controller.settings import ControllerSettings
-from files import strict
-from files.errors import InputError
-from files.names import check_name
-from files.ranges import Checked, Seed
-from preview.perception import BoxErrors
-from preview.settings import Settings as EstimatorSettings
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount
-from road.enveloping import Enveloping, RigidWheel
-from road.profile import Road
-from scenarios.applicable import require_applicable
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.faults import Fault
-from scenarios.oracle import OracleErrors
-from scenarios.speed import KM_H, SpeedPoint, profile
-from vehicle.parameters import Car
-from vehicle.sensors import SensorNoise
-from vehicle.speed import SpeedProfile
+from foreride.controller.settings import ControllerSettings
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.files.names import check_name
+from foreride.files.ranges import Checked, Seed
+from foreride.preview.perception import BoxErrors
+from foreride.preview.settings import Settings as EstimatorSettings
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount
+from foreride.road.enveloping import Enveloping, RigidWheel
+from foreride.road.profile import Road
+from foreride.scenarios.applicable import require_applicable
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.faults import Fault
+from foreride.scenarios.oracle import OracleErrors
+from foreride.scenarios.speed import KM_H, SpeedPoint, profile
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.sensors import SensorNoise
+from foreride.vehicle.speed import SpeedProfile
 
 MOST_INTERVALS = 400
 """Most control periods in a horizon; the work of a plan grows with their cube."""

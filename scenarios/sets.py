@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from files.errors import InputError
-from scenarios.loading import FOLDER, load, read, structure
-from scenarios.schema import Scenario
+from foreride.files.errors import InputError
+from foreride.scenarios.loading import FOLDER, load, read, structure
+from foreride.scenarios.schema import Scenario
 
 SETS = FOLDER / "sets"
 

@@ -6,9 +6,9 @@ from typing import Annotated
 
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked
-from vehicle.speed import SpeedProfile
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.vehicle.speed import SpeedProfile
 
 KM_H = 1 / 3.6
 MAX_ACCELERATION_M_S2 = 12.0

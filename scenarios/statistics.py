@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from files.sharing import shared_target
+from foreride.files.errors import InputError
+from foreride.files.sharing import shared_target
 
 Row = Mapping[str, Any]
 """Summary row of one run, as returned by `scenarios.runfolder.row`."""

@@ -12,17 +12,17 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from controller.registry import uses_preview
-from files import strict
-from files.errors import InputError, shown
-from files.ranges import Checked, Seed
-from files.reading import read_text
-from files.yaml12 import parse
-from scenarios.axis import Axis, Scalar, read_axis, scalar
-from scenarios.cases import Case
-from scenarios.loading import load
-from scenarios.named_files import check_case_files
-from scenarios.runfolder import digest
+from foreride.controller.registry import uses_preview
+from foreride.files import strict
+from foreride.files.errors import InputError, shown
+from foreride.files.ranges import Checked, Seed
+from foreride.files.reading import read_text
+from foreride.files.yaml12 import parse
+from foreride.scenarios.axis import Axis, Scalar, read_axis, scalar
+from foreride.scenarios.cases import Case
+from foreride.scenarios.loading import load
+from foreride.scenarios.named_files import check_case_files
+from foreride.scenarios.runfolder import digest
 
 MAX_DRIVES = 1_000_000
 """Maximum number of drives of a study."""

@@ -11,14 +11,14 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from files.errors import InputError, shown
-from files.sharing import shared_name, shared_target, without_folders
-from scenarios.closed_loop import simulate
-from scenarios.commands.tables import flat
-from scenarios.parallel import WorkerDied
-from scenarios.results import Results
-from scenarios.runfolder import row, to_json
-from scenarios.study import Sample
+from foreride.files.errors import InputError, shown
+from foreride.files.sharing import shared_name, shared_target, without_folders
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.commands.tables import flat
+from foreride.scenarios.parallel import WorkerDied
+from foreride.scenarios.results import Results
+from foreride.scenarios.runfolder import row, to_json
+from foreride.scenarios.study import Sample
 
 if TYPE_CHECKING:  # the extra `sweep`
     from distributed import Client, Future

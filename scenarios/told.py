@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from preview.elevation import HeightSamples
-from preview.fit import HEIGHT, LENGTH, X
-from preview.shape import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
-from preview.track import Track
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.preview.elevation import HeightSamples
+from foreride.preview.fit import HEIGHT, LENGTH, X
+from foreride.preview.shape import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
+from foreride.preview.track import Track
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
 
 _NEAR_M = 2.0
 _KINDS: dict[type, ObstacleTemplate] = {

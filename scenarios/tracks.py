@@ -2,10 +2,10 @@
 
 from functools import lru_cache
 
-from road.envelope import WheelProfile, wheel_profile
-from road.enveloping import Enveloping
-from road.profile import Road
-from scenarios.schema import Scenario
+from foreride.road.envelope import WheelProfile, wheel_profile
+from foreride.road.enveloping import Enveloping
+from foreride.road.profile import Road
+from foreride.scenarios.schema import Scenario
 
 
 def wheel_profiles(scenario: Scenario) -> list[WheelProfile]:

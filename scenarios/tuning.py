@@ -9,10 +9,10 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.schema import Scenario
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.schema import Scenario
 
 
 class SearchRange(NamedTuple):

@@ -31,7 +31,7 @@ def imported_modules(path: Path) -> set[str]:
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
             names.add(node.module)
-    return names
+    return {name.removeprefix("foreride.") for name in names}
 
 
 def files_of(package: str) -> list[Path]:
@@ -79,7 +79,8 @@ def test_everything_a_scenario_needs_imports_without_torch() -> None:
         "    def find_spec(self, name, path, target=None):\n"
         "        if name.split('.')[0] == 'torch': raise ImportError('torch is not to be imported')\n"
         "sys.meta_path.insert(0, NoTorch())\n"
-        "import scenarios.cli, scenarios.closed_loop, detector.evaluate, detector.runtime, road.render"
+        "import foreride.scenarios.cli, foreride.scenarios.closed_loop, foreride.road.render\n"
+        "import foreride.detector.evaluate, foreride.detector.runtime"
     )
     result = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from vehicle import actuator
-from vehicle.clock import RATE_HZ
-from vehicle.parameters import Car
-from vehicle.state import VehicleState
+from foreride.vehicle import actuator
+from foreride.vehicle.clock import RATE_HZ
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.state import VehicleState
 
 _ROUNDING = 1e-9
 

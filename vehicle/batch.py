@@ -11,15 +11,15 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import ArrayLike, NDArray
 
-from files.errors import InputError
-from vehicle.clock import RATE_HZ
-from vehicle.damper import IdealDamper
-from vehicle.engine import RolloutEngine, build_model
-from vehicle.equations import input_size
-from vehicle.parameters import Car
-from vehicle.plant import standstill_state
-from vehicle.speed import ConstantSpeed
-from vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
+from foreride.files.errors import InputError
+from foreride.vehicle.clock import RATE_HZ
+from foreride.vehicle.damper import IdealDamper
+from foreride.vehicle.engine import RolloutEngine, build_model
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.plant import standstill_state
+from foreride.vehicle.speed import ConstantSpeed
+from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 Array = NDArray[np.float64]
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
-from files.errors import InputError
-from vehicle.actuator import Actuator
-from vehicle.damper import Damper
+from foreride.files.errors import InputError
+from foreride.vehicle.actuator import Actuator
+from foreride.vehicle.damper import Damper
 
 GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 

@@ -21,10 +21,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from files.errors import InputError, shown
-from files.ranges import Checked
-from vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
-from vehicle.quantities import Current, StrutForce, StrutSpeed
+from foreride.files.errors import InputError, shown
+from foreride.files.ranges import Checked
+from foreride.vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
+from foreride.vehicle.quantities import Current, StrutForce, StrutSpeed
 
 __all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDamper"]
 

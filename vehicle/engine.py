@@ -17,11 +17,11 @@ import numpy as np
 from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
-from vehicle.clock import STEP_S
-from vehicle.damper import IdealDamper, MrBoucWenDamper
-from vehicle.equations import FLOATS
-from vehicle.mjcf import car_xml
-from vehicle.parameters import Car
+from foreride.vehicle.clock import STEP_S
+from foreride.vehicle.damper import IdealDamper, MrBoucWenDamper
+from foreride.vehicle.equations import FLOATS
+from foreride.vehicle.mjcf import car_xml
+from foreride.vehicle.parameters import Car
 
 Array = NDArray[np.float64]
 _RATE_INCREMENT_M_S = 1e-4

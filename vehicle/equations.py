@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vehicle.parameters import Car
+from foreride.vehicle.parameters import Car
 
 FLOATS = SimpleNamespace(fmax=max, fmin=min, tanh=math.tanh, fabs=abs)
 Arithmetic = ModuleType | SimpleNamespace

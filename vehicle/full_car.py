@@ -4,13 +4,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
-from files.errors import InputError
-from files.ranges import Checked
-from vehicle.actuator import Actuator
-from vehicle.corner import Corner, axle_corners, require_axles
-from vehicle.damper import Damper, IdealDamper
-from vehicle.plausible import require_plausible
-from vehicle.quantities import (
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.vehicle.actuator import Actuator
+from foreride.vehicle.corner import Corner, axle_corners, require_axles
+from foreride.vehicle.damper import Damper, IdealDamper
+from foreride.vehicle.plausible import require_plausible
+from foreride.vehicle.quantities import (
     AntiRoll,
     AxleDistance,
     BodyMass,

@@ -6,9 +6,9 @@ With equal inertia in pitch and yaw the two hinges of a full car do not couple, 
 diagonal one of `vehicle.equations` at any angle.
 """
 
-from vehicle.corner import GRAVITY_M_S2, Corner
-from vehicle.damper import IdealDamper
-from vehicle.parameters import Car
+from foreride.vehicle.corner import GRAVITY_M_S2, Corner
+from foreride.vehicle.damper import IdealDamper
+from foreride.vehicle.parameters import Car
 
 _CAR = """<mujoco model="{kind}">
   <option timestep="{step_s}" integrator="RK4" gravity="0 0 -{gravity}">

@@ -6,9 +6,9 @@ from typing import Annotated, Any, ClassVar
 
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked
-from vehicle.quantities import SignedForce, Viscous
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked
+from foreride.vehicle.quantities import SignedForce, Viscous
 
 Bend = Annotated[float, Interval(ge=-100.0, le=100.0), "1"]
 Creep = Annotated[float, Interval(ge=1.0, le=1e6), "N·s/m"]

@@ -9,12 +9,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, overload
 
-from files import strict
-from files.errors import InputError
-from vehicle.corner import GRAVITY_M_S2, Corner
-from vehicle.full_car import FullCar
-from vehicle.half_car import HalfCar
-from vehicle.quarter_car import QuarterCar
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.vehicle.corner import GRAVITY_M_S2, Corner
+from foreride.vehicle.full_car import FullCar
+from foreride.vehicle.half_car import HalfCar
+from foreride.vehicle.quarter_car import QuarterCar
 
 __all__ = [
     "GRAVITY_M_S2",

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from files.errors import InputError
-from vehicle.clock import RATE_HZ, STEP_S
-from vehicle.engine import build_engine, build_model
-from vehicle.equations import input_size, rest_state
-from vehicle.parameters import Car
-from vehicle.speed import ConstantSpeed, Motion, SpeedProfile
-from vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
+from foreride.files.errors import InputError
+from foreride.vehicle.clock import RATE_HZ, STEP_S
+from foreride.vehicle.engine import build_engine, build_model
+from foreride.vehicle.equations import input_size, rest_state
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.speed import ConstantSpeed, Motion, SpeedProfile
+from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from vehicle.corner import GRAVITY_M_S2
+from foreride.files.errors import InputError
+from foreride.vehicle.corner import GRAVITY_M_S2
 
 Array = NDArray[np.float64]
 MAX_EIGENVALUE_1_S = 500.0

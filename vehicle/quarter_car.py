@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
-from files.ranges import Checked
-from vehicle.actuator import Actuator
-from vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_damping_order
-from vehicle.damper import Damper, IdealDamper
-from vehicle.plausible import require_plausible
-from vehicle.quantities import (
+from foreride.files.ranges import Checked
+from foreride.vehicle.actuator import Actuator
+from foreride.vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_damping_order
+from foreride.vehicle.damper import Damper, IdealDamper
+from foreride.vehicle.plausible import require_plausible
+from foreride.vehicle.quantities import (
     BodyMass,
     CubicSpring,
     Gap,

@@ -21,9 +21,9 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from files.ranges import Checked
-from vehicle.parameters import GRAVITY_M_S2
-from vehicle.state import VehicleState
+from foreride.files.ranges import Checked
+from foreride.vehicle.parameters import GRAVITY_M_S2
+from foreride.vehicle.state import VehicleState
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from files.errors import InputError
-from vehicle.clock import STEP_S
+from foreride.files.errors import InputError
+from foreride.vehicle.clock import STEP_S
 
 Array = NDArray[np.float64]
 MAX_SPEED_M_S = 100.0

@@ -7,10 +7,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vehicle import equations
-from vehicle.clock import STEP_S
-from vehicle.parameters import Car
-from vehicle.speed import MotionSamples
+from foreride.vehicle import equations
+from foreride.vehicle.clock import STEP_S
+from foreride.vehicle.parameters import Car
+from foreride.vehicle.speed import MotionSamples
 
 Array = NDArray[np.float64]
 

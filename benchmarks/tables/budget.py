@@ -31,9 +31,9 @@ import numpy as np
 
 from benchmarks.tables.command import command, whole_numbers
 from benchmarks.tables.runs import Variant, metric, run_all, shared_options
-from files.atomic import write_text
-from scenarios.runfolder import environment, to_json
-from scenarios.sets import load_all
+from foreride.files.atomic import write_text
+from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.sets import load_all
 
 EXACT_BOXES = [
     "boxes.pixel_sigma=0",

@@ -4,8 +4,8 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import wraps
 
-from files.errors import InputError
-from files.numbers import is_integer
+from foreride.files.errors import InputError
+from foreride.files.numbers import is_integer
 
 
 def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:

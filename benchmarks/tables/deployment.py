@@ -3,8 +3,8 @@
 `python -m benchmarks.tables.deployment --data DIR --calibrate DIR [--json FILE]`
 
 DIR holds images/ and labels/; INT8 is calibrated on other images than those of the evaluation. All rows read
-the same images, and are timed in turn (see `detector.bench`). Losses are in points of mAP50 against the first
-row; times are relative to the first row, too. Needs the extra training.
+the same images, and are timed in turn (see `foreride.detector.bench`). Losses are in points of mAP50 against
+the first row; times are relative to the first row, too. Needs the extra training.
 """
 
 import argparse
@@ -16,15 +16,15 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.tables.command import command
-from detector.backends import BACKENDS, installed, require
-from detector.bench import Case, measure, prepare
-from detector.dataset import image_paths, read_samples
-from detector.metrics import match_detections, summarise
-from detector.nms import MIN_CONFIDENCE
-from detector.progress import Progress
-from detector.runtime import WEIGHTS, Detector
-from files.atomic import write_text
-from files.errors import InputError
+from foreride.detector.backends import BACKENDS, installed, require
+from foreride.detector.bench import Case, measure, prepare
+from foreride.detector.dataset import image_paths, read_samples
+from foreride.detector.metrics import match_detections, summarise
+from foreride.detector.nms import MIN_CONFIDENCE
+from foreride.detector.progress import Progress
+from foreride.detector.runtime import WEIGHTS, Detector
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
 
 PRECISIONS = ("fp32", "fp16", "int8")
 

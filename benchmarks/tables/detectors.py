@@ -21,18 +21,18 @@ from numpy.typing import NDArray
 from benchmarks.tables import dfine, with_ultralytics
 from benchmarks.tables.command import command, parse_words
 from benchmarks.tables.training import check_same_settings, record_settings, settings_of, train_ours
-from detector.checkpoint import load_network
-from detector.complexity import parameters
-from detector.crops import whole_view
-from detector.dataset import Sample, read_samples
-from detector.deploy import Deployed
-from detector.detection import Detections
-from detector.metrics import match_detections, summarise
-from detector.models import Network
-from detector.nms import MIN_CONFIDENCE, NMS_IOU, select
-from detector.progress import Progress
-from detector.schedule import Stage, parse_stages
-from files.atomic import write_text
+from foreride.detector.checkpoint import load_network
+from foreride.detector.complexity import parameters
+from foreride.detector.crops import whole_view
+from foreride.detector.dataset import Sample, read_samples
+from foreride.detector.deploy import Deployed
+from foreride.detector.detection import Detections
+from foreride.detector.metrics import match_detections, summarise
+from foreride.detector.models import Network
+from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU, select
+from foreride.detector.progress import Progress
+from foreride.detector.schedule import Stage, parse_stages
+from foreride.files.atomic import write_text
 
 OURS = ("sbp-yolo", "yolo11n")
 ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)

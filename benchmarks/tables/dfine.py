@@ -12,13 +12,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from detector.checkpoint import Average, load, save
-from detector.dataset import read_samples
-from detector.detection import CLASS_NAMES, Detections
-from detector.loader import Batch, batches
-from detector.progress import Progress
-from detector.schedule import Stage, rate_factor
-from files.errors import InputError
+from foreride.detector.checkpoint import Average, load, save
+from foreride.detector.dataset import read_samples
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.loader import Batch, batches
+from foreride.detector.progress import Progress
+from foreride.detector.schedule import Stage, rate_factor
+from foreride.files.errors import InputError
 
 RATE, WEIGHT_DECAY, CLIP, WARM_UP = 4e-4, 1e-4, 0.1, 2000
 """From the authors' configuration for size N; the rate is half of theirs, as a batch is 16, not 128."""

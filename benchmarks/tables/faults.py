@@ -16,12 +16,12 @@ import numpy as np
 
 from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
-from controller.base import Estimate
-from controller.mpc import PredictiveController
-from preview.horizon import RoadPreview
-from scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
-from scenarios.schema import Scenario
-from scenarios.sets import load_all
+from foreride.controller.base import Estimate
+from foreride.controller.mpc import PredictiveController
+from foreride.preview.horizon import RoadPreview
+from foreride.scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.sets import load_all
 
 AHEAD_S, WINDOW_S = 0.2, 1.0
 LIMIT = 1.02
@@ -76,7 +76,7 @@ def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
         found = sound(*program)
         return answer(found) if begin <= now_s < begin + WINDOW_S else found
 
-    with patch.object(PredictiveController, "step", step), patch("controller.qp.daqp.solve", solve):
+    with patch.object(PredictiveController, "step", step), patch("foreride.controller.qp.daqp.solve", solve):
         yield
 
 

@@ -14,11 +14,11 @@ from pathlib import Path
 
 from benchmarks.tables.command import command, parse_words
 from benchmarks.tables.training import check_same_settings, settings_of, train_ours
-from detector.complexity import parameters
-from detector.curves import read_history
-from detector.models import build
-from detector.schedule import Stage, parse_stages
-from files.atomic import write_text
+from foreride.detector.complexity import parameters
+from foreride.detector.curves import read_history
+from foreride.detector.models import build
+from foreride.detector.schedule import Stage, parse_stages
+from foreride.files.atomic import write_text
 
 LADDER = {
     "yolo11n": ["--model", "yolo11n"],

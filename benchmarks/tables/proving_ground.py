@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables.command import command
-from files.atomic import write_text
-from scenarios.cases import Case
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
-from scenarios.runfolder import environment, to_json
+from foreride.files.atomic import write_text
+from foreride.scenarios.cases import Case
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.runfolder import environment, to_json
 
 BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
 PRIMARY_RIDE_HZ = 4.0

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from rich.progress import track
 
-from files.atomic import write_text
-from files.errors import InputError
-from files.strict_json import read_json
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.runfolder import environment, row, scenario_hash, to_json
-from scenarios.schema import Scenario
-from scenarios.statistics import Interval, Row, intervals
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.strict_json import read_json
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.runfolder import environment, row, scenario_hash, to_json
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.statistics import Interval, Row, intervals
 
 Key = tuple[str, str, str, int]
 """Key of a row: names of variant, vehicle and scenario, and the seed."""

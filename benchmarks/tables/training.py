@@ -4,14 +4,14 @@ import argparse
 import json
 from pathlib import Path
 
-from detector.schedule import Stage
-from detector.train import KIND
-from detector.train import main as train
-from files.atomic import write_text
-from files.errors import InputError
-from files.folder import claim
-from files.scratch import MARKER
-from files.strict_json import read_json
+from foreride.detector.schedule import Stage
+from foreride.detector.train import KIND
+from foreride.detector.train import main as train
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.folder import claim
+from foreride.files.scratch import MARKER
+from foreride.files.strict_json import read_json
 
 
 def settings_of(stage: Stage, args: argparse.Namespace) -> dict:

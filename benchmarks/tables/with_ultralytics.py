@@ -14,14 +14,14 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from detector.dataset import image_paths
-from detector.detection import CLASS_NAMES, Detections
-from detector.nms import MIN_CONFIDENCE, NMS_IOU
-from detector.schedule import Stage
-from files.atomic import write_text
-from files.errors import InputError
-from files.numbers import is_integer
-from files.reading import read_text
+from foreride.detector.dataset import image_paths
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU
+from foreride.detector.schedule import Stage
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.numbers import is_integer
+from foreride.files.reading import read_text
 
 YOLOS = {
     "yolov5n": "yolov5n.yaml",

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from files.atomic import write_text
-from road.profile import Road
+from foreride.files.atomic import write_text
+from foreride.road.profile import Road
 
 _STEP_M = 0.05
 _TRACK_M = 0.75

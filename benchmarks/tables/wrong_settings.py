@@ -8,9 +8,9 @@ from unittest.mock import patch
 
 import numpy as np
 
-from detector.detection import Detections
-from preview.estimator import Estimator
-from preview.settings import Settings
+from foreride.detector.detection import Detections
+from foreride.preview.estimator import Estimator
+from foreride.preview.settings import Settings
 
 _KEPT = ("max_boxes", "min_height_px", "bonnet_row_px")
 

@@ -4,17 +4,17 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from controller.registry import CLAIRVOYANT
-from files.atomic import write_text
-from scenarios.bound import bound
-from scenarios.cases import Case
-from scenarios.closed_loop import commands, simulate
-from scenarios.commands.options import add_field_options, console, overrides_of
-from scenarios.loading import load
-from scenarios.room import room
-from scenarios.runfolder import environment, scenario_hash, to_json, vehicle_name
-from scenarios.schema import Scenario
-from vehicle.actuator import FullyActive, SlowActive
+from foreride.controller.registry import CLAIRVOYANT
+from foreride.files.atomic import write_text
+from foreride.scenarios.bound import bound
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import commands, simulate
+from foreride.scenarios.commands.options import add_field_options, console, overrides_of
+from foreride.scenarios.loading import load
+from foreride.scenarios.room import room
+from foreride.scenarios.runfolder import environment, scenario_hash, to_json, vehicle_name
+from foreride.scenarios.schema import Scenario
+from foreride.vehicle.actuator import FullyActive, SlowActive
 
 ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
 

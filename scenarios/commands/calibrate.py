@@ -9,14 +9,22 @@ import numpy as np
 import yaml
 from rich.progress import track
 
-from files import strict
-from files.atomic import write_text
-from files.errors import InputError, shown
-from files.images import read_pixels
-from files.numbers import is_integer
-from road.checkerboard import MIN_VIEWS, Board, Calibration, Mounting, calibrate, find_corners, mounting
-from scenarios.commands.options import console
-from scenarios.runfolder import to_json
+from foreride.files import strict
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError, shown
+from foreride.files.images import read_pixels
+from foreride.files.numbers import is_integer
+from foreride.road.checkerboard import (
+    MIN_VIEWS,
+    Board,
+    Calibration,
+    Mounting,
+    calibrate,
+    find_corners,
+    mounting,
+)
+from foreride.scenarios.commands.options import console
+from foreride.scenarios.runfolder import to_json
 
 CHECK_FAILED = 1
 _BLURRED_PX = 0.5

@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 
-from files.atomic import write_text
-from scenarios.cases import Case
-from scenarios.commands.options import (
+from foreride.files.atomic import write_text
+from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,
     cases_of,
@@ -15,11 +15,11 @@ from scenarios.commands.options import (
     progress_bar,
     simulated,
 )
-from scenarios.commands.outputs import runs_folder
-from scenarios.commands.tables import add_table_options, baseline_of, publish
-from scenarios.report.gather import COMPARISON
-from scenarios.room import room
-from scenarios.runfolder import folder_name, row, scenario_hash, to_json, write
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
+from foreride.scenarios.report.gather import COMPARISON
+from foreride.scenarios.room import room
+from foreride.scenarios.runfolder import folder_name, row, scenario_hash, to_json, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:

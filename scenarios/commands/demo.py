@@ -2,17 +2,17 @@
 
 import argparse
 
-from files.atomic import write_text
-from files.numbers import within
-from scenarios.cases import cases
-from scenarios.closed_loop import Run
-from scenarios.commands.options import add_output_options, console, simulate_all
-from scenarios.commands.outputs import runs_folder
-from scenarios.commands.tables import add_table_options, publish
-from scenarios.loading import load
-from scenarios.report.figures import write_overview
-from scenarios.report.film import write_video
-from scenarios.runfolder import folder_name, row, to_json, write
+from foreride.files.atomic import write_text
+from foreride.files.numbers import within
+from foreride.scenarios.cases import cases
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.commands.options import add_output_options, console, simulate_all
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, publish
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.figures import write_overview
+from foreride.scenarios.report.film import write_video
+from foreride.scenarios.runfolder import folder_name, row, to_json, write
 
 SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
 CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")

@@ -3,18 +3,24 @@
 import argparse
 import importlib
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 
 MODULES = {
-    "data": ("road.dataset", "render a labelled image set"),
-    "card": ("road.card", "write a rendered set's README.md"),
-    "boxes": ("road.boxes", "box sizes of labelled folders"),
-    "convert": ("detector.convert", "own images from and to YOLO and COCO formats"),
-    "train": ("detector.train", "train SBP-YOLO or a rival (extra: training)"),
-    "eval": ("detector.evaluate", "precision, recall and mAP on a folder of images"),
-    "export": ("detector.export", "write ONNX from trained weights (extra: training)"),
-    "bench": ("detector.bench", "time models, graphs, precisions, backends and threads (extra: training)"),
-    "models": ("detector.complexity", "parameters and operations beside the paper's (extra: training)"),
+    "data": ("foreride.road.dataset", "render a labelled image set"),
+    "card": ("foreride.road.card", "write a rendered set's README.md"),
+    "boxes": ("foreride.road.boxes", "box sizes of labelled folders"),
+    "convert": ("foreride.detector.convert", "own images from and to YOLO and COCO formats"),
+    "train": ("foreride.detector.train", "train SBP-YOLO or a rival (extra: training)"),
+    "eval": ("foreride.detector.evaluate", "precision, recall and mAP on a folder of images"),
+    "export": ("foreride.detector.export", "write ONNX from trained weights (extra: training)"),
+    "bench": (
+        "foreride.detector.bench",
+        "time models, graphs, precisions, backends and threads (extra: training)",
+    ),
+    "models": (
+        "foreride.detector.complexity",
+        "parameters and operations beside the paper's (extra: training)",
+    ),
 }
 
 

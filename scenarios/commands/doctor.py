@@ -10,24 +10,24 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
-from controller.base import Timing
-from controller.observer import exact_estimate
-from controller.registry import build
-from detector.runtime import Detector
-from files.atomic import write_text
-from files.cache import cached, writable
-from files.compiled import CACHE, PACKAGES, SOURCE
-from preview.horizon import flat_preview
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of
-from road.features import HalfSineBump
-from road.profile import Road
-from road.render import Scene
-from scenarios.commands.options import add_output_options, console, verdict
-from scenarios.loading import load, names
-from scenarios.runfolder import to_json, versions
-from vehicle.parameters import load_vehicle
-from vehicle.plant import Plant
+from foreride.controller.base import Timing
+from foreride.controller.observer import exact_estimate
+from foreride.controller.registry import build
+from foreride.detector.runtime import Detector
+from foreride.files.atomic import write_text
+from foreride.files.cache import cached, writable
+from foreride.files.compiled import CACHE, PACKAGES, SOURCE
+from foreride.preview.horizon import flat_preview
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, pose_of
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.road.render import Scene
+from foreride.scenarios.commands.options import add_output_options, console, verdict
+from foreride.scenarios.loading import load, names
+from foreride.scenarios.runfolder import to_json, versions
+from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.plant import Plant
 
 
 @dataclass(frozen=True)

@@ -18,19 +18,19 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from controller.settings import ControllerSettings
-from files import strict, yaml12
-from files.errors import InputError, shown
-from files.numbers import is_integer, within
-from files.reading import read_text
-from files.sharing import shared_target
-from scenarios.cases import PERCEPTIONS, Case, cases, distinct
-from scenarios.closed_loop import Run
-from scenarios.named_files import check_case_files
-from scenarios.parallel import simulate_each
-from scenarios.report.table import short_name
-from scenarios.runfolder import vehicle_name
-from scenarios.sets import load_all
+from foreride.controller.settings import ControllerSettings
+from foreride.files import strict, yaml12
+from foreride.files.errors import InputError, shown
+from foreride.files.numbers import is_integer, within
+from foreride.files.reading import read_text
+from foreride.files.sharing import shared_target
+from foreride.scenarios.cases import PERCEPTIONS, Case, cases, distinct
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.named_files import check_case_files
+from foreride.scenarios.parallel import simulate_each
+from foreride.scenarios.report.table import short_name
+from foreride.scenarios.runfolder import vehicle_name
+from foreride.scenarios.sets import load_all
 
 _FILE_WIDTH = 140
 MOST_SEED = 2**32 - 1

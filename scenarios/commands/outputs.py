@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from files.folder import check_folder, claim
-from files.targets import check_files
-from scenarios import runfolder
-from scenarios.cases import Case
-from scenarios.runfolder import folder_name
+from foreride.files.folder import check_folder, claim
+from foreride.files.targets import check_files
+from foreride.scenarios import runfolder
+from foreride.scenarios.cases import Case
+from foreride.scenarios.runfolder import folder_name
 
 KIND = "runs"
 """ObstacleTemplate, in their marker, of folders to which runs, comparisons and figures are added."""

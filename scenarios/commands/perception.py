@@ -4,11 +4,11 @@ import argparse
 from itertools import product
 from typing import Any
 
-from files.atomic import write_text
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import Run
-from scenarios.commands.options import (
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,
     comma_list,
@@ -18,13 +18,13 @@ from scenarios.commands.options import (
     seeds_of,
     simulate_all,
 )
-from scenarios.commands.outputs import runs_folder
-from scenarios.course.roads import COURSES, LOOKS, MIXED, course
-from scenarios.course.summary import summarise
-from scenarios.course.table import error_table, use_table
-from scenarios.loading import load
-from scenarios.report.perception import write_error_figure
-from scenarios.runfolder import environment, to_json
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.course.roads import COURSES, LOOKS, MIXED, course
+from foreride.scenarios.course.summary import summarise
+from foreride.scenarios.course.table import error_table, use_table
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.perception import write_error_figure
+from foreride.scenarios.runfolder import environment, to_json
 
 _OBSTACLES_PER_ROAD = 10
 _BASE = "mixed_40"

@@ -6,20 +6,20 @@ from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from files.atomic import write_text
-from files.errors import InputError
-from files.targets import check_files
-from scenarios.baseline import REFERENCE, Baseline, BaselineEntry, read, relative_name, write
-from scenarios.commands.options import (
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.targets import check_files
+from foreride.scenarios.baseline import REFERENCE, Baseline, BaselineEntry, read, relative_name, write
+from foreride.scenarios.commands.options import (  # fmt: skip
     add_case_options,
     cases_of,
     console,
     jobs_of,
     overrides_of,
     simulated,
-)  # fmt: skip
-from scenarios.regression import Change, changes, diff, failed, label, measured
-from scenarios.runfolder import to_json
+)
+from foreride.scenarios.regression import Change, changes, diff, failed, label, measured
+from foreride.scenarios.runfolder import to_json
 
 CHECK_FAILED = 1
 

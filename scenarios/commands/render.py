@@ -6,22 +6,22 @@ import cv2
 import numpy as np
 from rich.progress import track
 
-from detector.detection import Detections
-from detector.runtime import Detector
-from files.atomic import write_text
-from files.errors import InputError
-from files.folder import atomic_folder, check_folder
-from files.names import component
-from files.numbers import within
-from road.camera import pose_of
-from road.render import Frame, Scene
-from scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
-from scenarios.commands.outputs import runs_folder
-from scenarios.eyes import load_detector
-from scenarios.loading import load
-from scenarios.report.film import mark
-from scenarios.runfolder import to_json
-from scenarios.schema import Scenario
+from foreride.detector.detection import Detections
+from foreride.detector.runtime import Detector
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.folder import atomic_folder, check_folder
+from foreride.files.names import component
+from foreride.files.numbers import within
+from foreride.road.camera import pose_of
+from foreride.road.render import Frame, Scene
+from foreride.scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.eyes import load_detector
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.film import mark
+from foreride.scenarios.runfolder import to_json
+from foreride.scenarios.schema import Scenario
 
 KIND = "render"
 MOST_IMAGES = 10_000

@@ -7,16 +7,16 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
-from files.atomic import write_text
-from files.errors import InputError
-from files.targets import check_files
-from scenarios.closed_loop import Run
-from scenarios.commands.options import console, progress_bar
-from scenarios.report.budget import error_budget_section
-from scenarios.report.film import write_video
-from scenarios.report.frames import has_frames, with_frames
-from scenarios.report.gather import gather
-from scenarios.report.html import first_seeds, page
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.targets import check_files
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.commands.options import console, progress_bar
+from foreride.scenarios.report.budget import error_budget_section
+from foreride.scenarios.report.film import write_video
+from foreride.scenarios.report.frames import has_frames, with_frames
+from foreride.scenarios.report.gather import gather
+from foreride.scenarios.report.html import first_seeds, page
 
 _RENDERED = "Rendered again from the run's own record."
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 from rich.table import Table
 
-from files.atomic import write_text
-from road.facts import TrackSummary, list_features, summarise_track
-from road.measured import FORMATS, read_surface
-from road.profile import Road
-from scenarios.commands.options import console
-from scenarios.loading import load
-from scenarios.runfolder import to_json
+from foreride.files.atomic import write_text
+from foreride.road.facts import TrackSummary, list_features, summarise_track
+from foreride.road.measured import FORMATS, read_surface
+from foreride.road.profile import Road
+from foreride.scenarios.commands.options import console
+from foreride.scenarios.loading import load
+from foreride.scenarios.runfolder import to_json
 
 TRACK_M = 1.5
 

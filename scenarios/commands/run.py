@@ -2,8 +2,8 @@
 
 import argparse
 
-from files.names import component
-from scenarios.commands.options import (
+from foreride.files.names import component
+from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,
     cases_of,
@@ -11,10 +11,10 @@ from scenarios.commands.options import (
     jobs_of,
     simulated,
 )
-from scenarios.commands.outputs import runs_folder
-from scenarios.commands.tables import add_table_options, baseline_of, publish
-from scenarios.report.figures import write_event_figure
-from scenarios.runfolder import folder_name, row, write
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
+from foreride.scenarios.report.figures import write_event_figure
+from foreride.scenarios.runfolder import folder_name, row, write
 
 
 def add(commands: argparse._SubParsersAction) -> None:

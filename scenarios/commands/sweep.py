@@ -5,18 +5,18 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from files.atomic import write_text
-from files.errors import InputError
-from files.folder import alone, claim
-from files.names import component
-from files.sharing import shared_name
-from scenarios.commands.options import console, jobs_of, progress_bar
-from scenarios.commands.outputs import runs_folder
-from scenarios.parallel import WorkerDied
-from scenarios.results import KIND, Results
-from scenarios.runfolder import environment, to_json
-from scenarios.study import Sample, read
-from scenarios.sweep import LOOPBACK, cluster, run
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.folder import alone, claim
+from foreride.files.names import component
+from foreride.files.sharing import shared_name
+from foreride.scenarios.commands.options import console, jobs_of, progress_bar
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.parallel import WorkerDied
+from foreride.scenarios.results import KIND, Results
+from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.study import Sample, read
+from foreride.scenarios.sweep import LOOPBACK, cluster, run
 
 
 def add(commands: argparse._SubParsersAction) -> None:

@@ -10,12 +10,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from files.atomic import write_bytes, write_text
-from files.sharing import shared_target
-from scenarios.commands.options import console
-from scenarios.report.table import comparison, latex, markdown
-from scenarios.runfolder import environment, to_json
-from scenarios.statistics import Row, Variant, pick, summarise, variants_of
+from foreride.files.atomic import write_bytes, write_text
+from foreride.files.sharing import shared_target
+from foreride.scenarios.commands.options import console
+from foreride.scenarios.report.table import comparison, latex, markdown
+from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.statistics import Row, Variant, pick, summarise, variants_of
 
 DEFAULT_BASELINE = "passive"
 

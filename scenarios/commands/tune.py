@@ -2,13 +2,13 @@
 
 import argparse
 
-from controller.tuned import TUNED_CONTROLLERS
-from files import strict
-from files.atomic import write_text
-from files.errors import InputError
-from files.numbers import within
-from files.targets import check_files
-from scenarios.commands.options import (
+from foreride.controller.tuned import TUNED_CONTROLLERS
+from foreride.files import strict
+from foreride.files.atomic import write_text
+from foreride.files.errors import InputError
+from foreride.files.numbers import within
+from foreride.files.targets import check_files
+from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,
     comma_list,
@@ -16,11 +16,11 @@ from scenarios.commands.options import (
     overrides_of,
     progress_bar,
 )
-from scenarios.commands.outputs import runs_folder
-from scenarios.runfolder import environment, to_json
-from scenarios.schema import Scenario
-from scenarios.sets import load_all
-from scenarios.tuning import Tuned, TuningObjective, search_ranges, tune, with_settings
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.sets import load_all
+from foreride.scenarios.tuning import Tuned, TuningObjective, search_ranges, tune, with_settings
 
 
 def add(commands: argparse._SubParsersAction) -> None:

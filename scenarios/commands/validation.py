@@ -7,11 +7,11 @@ from typing import Any
 
 from rich.progress import track
 
-from files.atomic import write_text
-from scenarios.commands.options import console, verdict
-from scenarios.runfolder import environment, to_json
-from scenarios.validation.areas import count, run_all
-from scenarios.validation.check import Check
+from foreride.files.atomic import write_text
+from foreride.scenarios.commands.options import console, verdict
+from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.validation.areas import count, run_all
+from foreride.scenarios.validation.check import Check
 
 _HEAD = """# Validation
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from road.features import Feature
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import Run
-from scenarios.perception import Event
+from foreride.road.features import Feature
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.perception import Event
 
 EVALUATION_DISTANCE_M = 2.5
 """Distance of the front wheel from the near edge at which an estimate is evaluated, m."""

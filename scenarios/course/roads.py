@@ -6,14 +6,14 @@ from itertools import cycle
 
 import numpy as np
 
-from files.errors import InputError
-from road.appearance import Appearance
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.grade import GradeChange
-from road.profile import Road
-from road.roughness import Roughness
-from scenarios.schema import Scenario
-from scenarios.speed import KM_H, SpeedPoint
+from foreride.files.errors import InputError
+from foreride.road.appearance import Appearance
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.grade import GradeChange
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.speed import KM_H, SpeedPoint
 
 COURSES = ("bumps", "humps", "potholes", "plain")
 LOOKS = {

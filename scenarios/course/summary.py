@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2
 
-from scenarios.closed_loop import Run
-from scenarios.course.judge import Encounter, TrackEstimate, encounters, false_tracks
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.course.judge import Encounter, TrackEstimate, encounters, false_tracks
 
 BINS_M = (2.5, 4.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0)
 _IN_ORDER = ("bias_m", "sigma_m", "timing_ms_95")

@@ -7,8 +7,8 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from scenarios.course.judge import EVALUATION_DISTANCE_M
-from scenarios.course.summary import BINS_M
+from foreride.scenarios.course.judge import EVALUATION_DISTANCE_M
+from foreride.scenarios.course.summary import BINS_M
 
 Row = dict[str, Any]
 _COLUMNS = (

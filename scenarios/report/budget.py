@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError, shortened
-from files.strict_json import read_json
-from scenarios.report.markup import text
-from scenarios.report.sections import bar_of, table, with_small
+from foreride.files.errors import InputError, shortened
+from foreride.files.strict_json import read_json
+from foreride.scenarios.report.markup import text
+from foreride.scenarios.report.sections import bar_of, table, with_small
 
 _NUMBERS = ("reactive", "whole", "all_true")
 

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from files.atomic import write_bytes
-from files.errors import printable
-from scenarios.closed_loop import Run
-from scenarios.report.window import event_window
+from foreride.files.atomic import write_bytes
+from foreride.files.errors import printable
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.report.window import event_window
 
 COLOURS = {
     "passive": "#7b8188",

@@ -6,13 +6,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from detector.detection import CLASS_NAMES, Detections
-from files.atomic import replaced
-from files.errors import InputError
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import Run
-from scenarios.report.sideview import View, draw
-from scenarios.report.traces import Traces
+from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.files.atomic import replaced
+from foreride.files.errors import InputError
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.report.sideview import View, draw
+from foreride.scenarios.report.traces import Traces
 
 WIDTH, HEIGHT = 1280, 720
 _CAMERA_SIZE = (640, 384)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from road.camera import CameraPose, pose_of, project
-from road.render import Scene
-from scenarios.closed_loop import Run, random_streams
-from scenarios.eyes import true_mount
+from foreride.road.camera import CameraPose, pose_of, project
+from foreride.road.render import Scene
+from foreride.scenarios.closed_loop import Run, random_streams
+from foreride.scenarios.eyes import true_mount
 
 LANE_M = 1.75  # half a lane
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from files.errors import InputError, shown
-from files.strict_json import read_json
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.readback import is_run, read
-from scenarios.record import check_row
-from scenarios.runfolder import row, scenario_hash
-from scenarios.statistics import Row
+from foreride.files.errors import InputError, shown
+from foreride.files.strict_json import read_json
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.readback import is_run, read
+from foreride.scenarios.record import check_row
+from foreride.scenarios.runfolder import row, scenario_hash
+from foreride.scenarios.statistics import Row
 
 COMPARISON = "comparison.json"
 

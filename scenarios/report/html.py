@@ -5,16 +5,21 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from scenarios.cases import PERCEPTIONS
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import Run
-from scenarios.report.figures import label_of
-from scenarios.report.gather import ReportInput
-from scenarios.report.markup import embedded, text
-from scenarios.report.replay import scene
-from scenarios.report.sections import budget_section, manifest_section, metrics_section, solver_section
-from scenarios.report.window import event_window
-from scenarios.statistics import summarise, variants_of
+from foreride.scenarios.cases import PERCEPTIONS
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.report.figures import label_of
+from foreride.scenarios.report.gather import ReportInput
+from foreride.scenarios.report.markup import embedded, text
+from foreride.scenarios.report.replay import scene
+from foreride.scenarios.report.sections import (
+    budget_section,
+    manifest_section,
+    metrics_section,
+    solver_section,
+)
+from foreride.scenarios.report.window import event_window
+from foreride.scenarios.statistics import summarise, variants_of
 
 _PAGE = Path(__file__).parent / "page"
 _SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")

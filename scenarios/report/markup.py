@@ -4,7 +4,7 @@ import json
 from html import escape
 from typing import Any
 
-from files.errors import printable
+from foreride.files.errors import printable
 
 _ESCAPED = {ord(letter): f"\\u{ord(letter):04x}" for letter in "<>&"}
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from scenarios.course.judge import EVALUATION_DISTANCE_M
-from scenarios.report.figures import plain, save
+from foreride.scenarios.course.judge import EVALUATION_DISTANCE_M
+from foreride.scenarios.report.figures import plain, save
 
 
 def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:

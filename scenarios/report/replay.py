@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import welch
 
-from comfort import frequency_weighting
-from detector.detection import CLASS_NAMES
-from files.errors import printable
-from scenarios.clock import TICKS_PER_SECOND
-from scenarios.closed_loop import Run
-from scenarios.report.figures import label_of
-from scenarios.report.frames import track_lines
-from scenarios.runfolder import encode_jpeg
+from foreride.comfort import frequency_weighting
+from foreride.detector.detection import CLASS_NAMES
+from foreride.files.errors import printable
+from foreride.scenarios.clock import TICKS_PER_SECOND
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.report.figures import label_of
+from foreride.scenarios.report.frames import track_lines
+from foreride.scenarios.runfolder import encode_jpeg
 
 STRIDE = 2
 """Ticks between shown samples: 500 Hz."""

@@ -7,8 +7,8 @@ from itertools import groupby
 from rich import box
 from rich.table import Table
 
-from files.errors import printable
-from scenarios.statistics import Interval, Variant
+from foreride.files.errors import printable
+from foreride.scenarios.statistics import Interval, Variant
 
 
 @dataclass(frozen=True)

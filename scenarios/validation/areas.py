@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from scenarios.validation import comfort, ride, road, vehicle
-from scenarios.validation.check import Check, Checks
+from foreride.scenarios.validation import comfort, ride, road, vehicle
+from foreride.scenarios.validation.check import Check, Checks
 
 AREAS: dict[str, Checks] = {
     "Road": road.CHECKS,

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import signal
 from scipy.integrate import trapezoid
 
-from comfort import (
+from foreride.comfort import (
     WEIGHTINGS,
     evdv,
     frequency_weighting,
@@ -17,8 +17,8 @@ from comfort import (
     weight,
     weighted_rms,
 )
-from scenarios.validation.check import Check, Checks, relative
-from scenarios.validation.iso_tables import (
+from foreride.scenarios.validation.check import Check, Checks, relative
+from foreride.scenarios.validation.iso_tables import (
     BURST_INDICATIONS,
     CYCLES,
     ISO_2631_1,

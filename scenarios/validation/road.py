@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.signal import csd, welch
 from scipy.special import k1
 
-from road.enveloping import RigidWheel, TandemCam
-from road.iri import iri, response, transition
-from road.roughness import REFERENCE_N0, STEP_M, Roughness, displacement_psd, rough_surface
-from scenarios.validation.check import Check, Checks, relative
+from foreride.road.enveloping import RigidWheel, TandemCam
+from foreride.road.iri import iri, response, transition
+from foreride.road.roughness import REFERENCE_N0, STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.scenarios.validation.check import Check, Checks, relative
 
 LENGTH_M = 8000.0
 ROADS = (Roughness("A", 5), Roughness("C", 6), Roughness("H", 7))

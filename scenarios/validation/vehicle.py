@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from scenarios.validation.check import Check, Checks, relative
-from vehicle import equations
-from vehicle.batch import Fleet
-from vehicle.clock import RATE_HZ, STEP_S
-from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.engine import RolloutEngine
-from vehicle.linear import linear_twin
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import Plant
-from vehicle.speed import SpeedProfile
-from vehicle.state import VehicleState, observe, road_under
+from foreride.scenarios.validation.check import Check, Checks, relative
+from foreride.vehicle import equations
+from foreride.vehicle.batch import Fleet
+from foreride.vehicle.clock import RATE_HZ, STEP_S
+from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.engine import RolloutEngine
+from foreride.vehicle.linear import linear_twin
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.speed import SpeedProfile
+from foreride.vehicle.state import VehicleState, observe, road_under
 
 Array = NDArray[np.float64]
 SPEED_M_S = 9.0

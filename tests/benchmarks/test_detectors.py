@@ -18,10 +18,10 @@ import torch
 
 from benchmarks.tables import dfine
 from benchmarks.tables.detectors import main
-from detector.assigner import GroundTruth
-from detector.dataset import read_labels
-from detector.loader import Batch, batches
-from detector.schedule import Stage
+from foreride.detector.assigner import GroundTruth
+from foreride.detector.dataset import read_labels
+from foreride.detector.loader import Batch, batches
+from foreride.detector.schedule import Stage
 from tests.detector import roads
 
 

@@ -10,12 +10,12 @@ import pytest
 from benchmarks.tables import budget, degraded, faults, proving_ground, rivals
 from benchmarks.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
 from benchmarks.tables.runs import Variant, run_all, settings, write
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
-from scenarios.runfolder import to_json
-from scenarios.schema import Scenario
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.runfolder import to_json
+from foreride.scenarios.schema import Scenario
 
 SHORT = """
 title: One bump

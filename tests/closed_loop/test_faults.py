@@ -4,9 +4,9 @@ from functools import cache
 
 import pytest
 
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
 
 TOLERANCE = 1.02
 EVENTS = {

@@ -9,17 +9,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from comfort.metrics import ride_metrics
-from controller.base import Controller, Timing
-from controller.observer import exact_estimate
-from controller.registry import build
-from preview.horizon import distance_grid, oracle_preview
-from road.envelope import wheel_profile
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole
-from road.profile import Road
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import Plant
-from vehicle.state import VehicleState
+from foreride.comfort.metrics import ride_metrics
+from foreride.controller.base import Controller, Timing
+from foreride.controller.observer import exact_estimate
+from foreride.controller.registry import build
+from foreride.preview.horizon import distance_grid, oracle_preview
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.state import VehicleState
 
 PROMPT = Timing()
 START_M = 2.0

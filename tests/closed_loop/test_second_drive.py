@@ -3,13 +3,13 @@
 import hashlib
 from dataclasses import replace
 
-from preview.memory import write
-from road.features import HalfSineBump
-from road.profile import Road
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.course.judge import encounters
-from scenarios.loading import load
+from foreride.preview.memory import write
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.course.judge import encounters
+from foreride.scenarios.loading import load
 
 
 def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tmp_path):

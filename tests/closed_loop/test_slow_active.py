@@ -2,9 +2,9 @@
 
 import pytest
 
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
 
 CAR = "vehicle={model: quarter, parameters: {actuator: {kind: slow_active}}}"
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from comfort import holding
-from files.errors import InputError
+from foreride.comfort import holding
+from foreride.files.errors import InputError
 
 RATE = 1000.0
 TIME = np.arange(10_000) / RATE

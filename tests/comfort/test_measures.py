@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
 
-from comfort import (
+from foreride.comfort import (
     comfort_bands,
     crest_factor,
     evdv,
@@ -16,8 +16,8 @@ from comfort import (
     weight,
     weighted_rms,
 )
-from files.errors import InputError
-from scenarios.validation.iso_tables import (
+from foreride.files.errors import InputError
+from foreride.scenarios.validation.iso_tables import (
     BURST_INDICATIONS,
     CYCLES,
     MOTION_SICKNESS_INDICATIONS,

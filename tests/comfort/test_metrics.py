@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from comfort import METRICS, SeatedPerson, axis_values, body_motion, ride_metrics, total_value
-from files.errors import InputError
+from foreride.comfort import METRICS, SeatedPerson, axis_values, body_motion, ride_metrics, total_value
+from foreride.files.errors import InputError
 
 RATE, N = 1000.0, 20_000
 TIME = np.arange(N) / RATE

@@ -3,9 +3,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from comfort import SeatedPerson, acceleration_at, axis_values, body_motion, frequency_weighting, total_value
-from comfort.occupant import AXES
-from files.errors import InputError
+from foreride.comfort import (
+    SeatedPerson,
+    acceleration_at,
+    axis_values,
+    body_motion,
+    frequency_weighting,
+    total_value,
+)
+from foreride.comfort.occupant import AXES
+from foreride.files.errors import InputError
 
 RATE = 1000.0
 TIME = np.arange(20_000) / RATE

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
-from comfort import WEIGHTINGS, frequency_weighting, vdv, weight
-from comfort.weighting import _sections, wk_second_order
-from files.errors import InputError
-from scenarios.validation.iso_tables import ISO_2631_1, NOMINAL_HZ, bands
+from foreride.comfort import WEIGHTINGS, frequency_weighting, vdv, weight
+from foreride.comfort.weighting import _sections, wk_second_order
+from foreride.files.errors import InputError
+from foreride.scenarios.validation.iso_tables import ISO_2631_1, NOMINAL_HZ, bands
 
 RATE = 1000.0
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from controller.base import Estimate
-from preview.horizon import RoadPreview, distance_grid
-from vehicle.equations import rest_state
-from vehicle.parameters import Car
+from foreride.controller.base import Estimate
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import Car
 
 
 def estimate(

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.alignment import NO_SHIFT, PreviewAlignment, PreviewShift
-from preview.horizon import RoadPreview
+from foreride.controller.alignment import NO_SHIFT, PreviewAlignment, PreviewShift
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("quarter")
 SPEED = 10.0

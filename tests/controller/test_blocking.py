@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.optimize import LinearConstraint, minimize
 
-from controller.blocking import BLOCK_LENGTH, FREE_INTERVALS, MoveBlocks
-from controller.qp import ConstraintRows, solve_box
+from foreride.controller.blocking import BLOCK_LENGTH, FREE_INTERVALS, MoveBlocks
+from foreride.controller.qp import ConstraintRows, solve_box
 
 INTERVALS, DAMPERS, FORCES = FREE_INTERVALS + 2 * BLOCK_LENGTH + 1, 2, 2
 N = INTERVALS * (DAMPERS + FORCES)

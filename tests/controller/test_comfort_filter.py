@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from comfort.weighting import wk_second_order
-from controller.comfort_filter import ComfortFilter
-from vehicle.parameters import load_vehicle
+from foreride.comfort.weighting import wk_second_order
+from foreride.controller.comfort_filter import ComfortFilter
+from foreride.vehicle.parameters import load_vehicle
 
 
 @pytest.mark.parametrize("name", ["quarter", "half"])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.mpc import PredictiveController
-from controller.settings import ForceSettings, MpcSettings
+from foreride.controller.mpc import PredictiveController
+from foreride.controller.settings import ForceSettings, MpcSettings
+from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.actuator import SlowActive
-from vehicle.equations import rest_state
-from vehicle.parameters import load_vehicle
 
 QUARTER = load_vehicle("quarter")
 ACTIVE = replace(QUARTER, actuator=SlowActive())

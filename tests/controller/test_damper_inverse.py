@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.base import Controller, Estimate
-from controller.damper_inverse import EquivalentDamping, equivalent_settings
-from controller.passive import passive
-from controller.registry import build
-from preview.horizon import RoadPreview
+from foreride.controller.base import Controller, Estimate
+from foreride.controller.damper_inverse import EquivalentDamping, equivalent_settings
+from foreride.controller.passive import passive
+from foreride.controller.registry import build
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.corner import Corner
+from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import Car, control_model, load_vehicle
 from tests.controller.cars import estimate
-from vehicle.corner import Corner
-from vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.equations import rest_state
-from vehicle.parameters import Car, control_model, load_vehicle
 
 LINEAR = load_vehicle("quarter")
 DAMPERS = [ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]

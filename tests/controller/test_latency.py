@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from controller.base import Timing
-from controller.latency import CommandDelayLine
+from foreride.controller.base import Timing
+from foreride.controller.latency import CommandDelayLine
 
 
 def command(value: float) -> np.ndarray:

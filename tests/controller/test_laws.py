@@ -3,14 +3,20 @@
 import numpy as np
 import pytest
 
-from controller.hybrid import Hybrid
-from controller.passive import fixed, passive
-from controller.settings import FixedSettings, HybridSettings, PassiveSettings, ShAddSettings, SkyhookSettings
-from controller.skyhook import Skyhook
-from controller.two_state import OpposedMotion, TwoState, add, groundhook, sh_add, skyhook2
-from files.errors import InputError
+from foreride.controller.hybrid import Hybrid
+from foreride.controller.passive import fixed, passive
+from foreride.controller.settings import (
+    FixedSettings,
+    HybridSettings,
+    PassiveSettings,
+    ShAddSettings,
+    SkyhookSettings,
+)
+from foreride.controller.skyhook import Skyhook
+from foreride.controller.two_state import OpposedMotion, TwoState, add, groundhook, sh_add, skyhook2
+from foreride.files.errors import InputError
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 

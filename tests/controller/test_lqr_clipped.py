@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_lyapunov
 
-from comfort.weighting import wk_second_order
-from controller.lqr_clipped import ClippedLqr, regulator
-from controller.settings import LqrSettings
+from foreride.comfort.weighting import wk_second_order
+from foreride.controller.lqr_clipped import ClippedLqr, regulator
+from foreride.controller.settings import LqrSettings
+from foreride.vehicle.parameters import QuarterCar, load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import QuarterCar, load_vehicle
 
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 

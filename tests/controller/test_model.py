@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
-from comfort.metrics import ride_metrics
-from comfort.weighting import wk_second_order
-from controller.limits import DampingLimits
-from controller.model import KILO, prediction_model
-from vehicle import equations
-from vehicle.parameters import Car, load_vehicle
+from foreride.comfort.metrics import ride_metrics
+from foreride.comfort.weighting import wk_second_order
+from foreride.controller.limits import DampingLimits
+from foreride.controller.model import KILO, prediction_model
+from foreride.vehicle import equations
+from foreride.vehicle.parameters import Car, load_vehicle
 
 
 def strike(vehicle: Car) -> np.ndarray:

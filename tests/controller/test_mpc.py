@@ -6,15 +6,15 @@ from unittest import mock
 import numpy as np
 import pytest
 
-import controller.program as program
-from controller.base import Timing
-from controller.limits import plan_limits
-from controller.mpc import PredictiveController
-from controller.qp import Solution
-from controller.settings import MpcSettings, RoadSettings
+import foreride.controller.program as program
+from foreride.controller.base import Timing
+from foreride.controller.limits import plan_limits
+from foreride.controller.mpc import PredictiveController
+from foreride.controller.qp import Solution
+from foreride.controller.settings import MpcSettings, RoadSettings
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import Car, load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.equations import rest_state
-from vehicle.parameters import Car, load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 

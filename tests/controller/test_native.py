@@ -4,9 +4,9 @@ import casadi
 import numpy as np
 import pytest
 
-from controller.model import prediction_model
-from controller.native import CompiledFunction
-from vehicle.parameters import load_vehicle
+from foreride.controller.model import prediction_model
+from foreride.controller.native import CompiledFunction
+from foreride.vehicle.parameters import load_vehicle
 
 A, B = casadi.SX.sym("a"), casadi.SX.sym("b")
 EXPRESSIONS = {

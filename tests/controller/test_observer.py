@@ -5,17 +5,17 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from controller.base import Estimate, Timing
-from controller.observer import Observer, exact_estimate
-from controller.sensor_watch import SensorMonitor
-from road.envelope import wheel_profile
-from road.features import HalfSineBump, Pothole
-from road.profile import Road
-from road.roughness import Roughness
-from vehicle.equations import motion, rattle
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import Plant
-from vehicle.sensors import NO_NOISE, SensorNoise, Sensors
+from foreride.controller.base import Estimate, Timing
+from foreride.controller.observer import Observer, exact_estimate
+from foreride.controller.sensor_watch import SensorMonitor
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
+from foreride.vehicle.equations import motion, rattle
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.sensors import NO_NOISE, SensorNoise, Sensors
 
 
 class Errors(NamedTuple):

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controller.own import load_user_controller
-from controller.registry import build
-from files.errors import InputError
+from foreride.controller.own import load_user_controller
+from foreride.controller.registry import build
+from foreride.files.errors import InputError
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("half")
 MOVING = estimate(CAR)
@@ -133,7 +133,7 @@ def test_dataclasses_with_deferred_annotations_load(tmp_path: Path) -> None:
 def test_slow_code_is_told_to_be_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(sys.modules["files.own_code"], "PATIENCE_S", 0.01)
+    monkeypatch.setattr(sys.modules["foreride.files.own_code"], "PATIENCE_S", 0.01)
     path = write(tmp_path, "import time\ntime.sleep(0.3)\ndef Own(): ...\n")
     load_user_controller(f"{path}:Own")
     assert "still waiting for" in capsys.readouterr().err

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controller.pdd import PowerDriven
-from controller.settings import TwoStateSettings
+from foreride.controller.pdd import PowerDriven
+from foreride.controller.settings import TwoStateSettings
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("quarter")
 LAW = PowerDriven(CAR, TwoStateSettings(hard_ns_m=4000.0, soft_ns_m=400.0))

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.preview_gate import PreviewGate
-from controller.settings import GateSettings
-from preview.horizon import RoadPreview, distance_grid
+from foreride.controller.preview_gate import PreviewGate
+from foreride.controller.settings import GateSettings
+from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("half")
 SPEED, PERIOD = 10.0, 0.005

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from controller.qp import solve_box
+from foreride.controller.qp import solve_box
 
 
 def problem(n: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

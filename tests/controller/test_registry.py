@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from controller.base import Timing
-from controller.own import load_user_controller
-from controller.registry import CONTROLLERS, build, uses_preview
-from controller.settings import ControllerSettings
-from files.errors import InputError
-from files.strict import structure
+from foreride.controller.base import Timing
+from foreride.controller.own import load_user_controller
+from foreride.controller.registry import CONTROLLERS, build, uses_preview
+from foreride.controller.settings import ControllerSettings
+from foreride.files.errors import InputError
+from foreride.files.strict import structure
+from foreride.vehicle.damper import MrBoucWenDamper
+from foreride.vehicle.parameters import control_model, load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.damper import MrBoucWenDamper
-from vehicle.parameters import control_model, load_vehicle
 
 OWN = """
 import numpy as np

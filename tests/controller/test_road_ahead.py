@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.road_ahead import RoadReference, moved
-from controller.settings import RoadSettings
-from preview.horizon import RoadPreview
+from foreride.controller.road_ahead import RoadReference, moved
+from foreride.controller.settings import RoadSettings
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("quarter")
 TIMES = np.linspace(0.0, 0.3, 31)

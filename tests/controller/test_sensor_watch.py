@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.sensor_watch import ALL_SILENT, STUCK_READINGS, SensorMonitor
-from vehicle.sensors import NO_NOISE, Measurement, SensorNoise
+from foreride.controller.sensor_watch import ALL_SILENT, STUCK_READINGS, SensorMonitor
+from foreride.vehicle.sensors import NO_NOISE, Measurement, SensorNoise
 
 
 def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:

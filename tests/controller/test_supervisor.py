@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import controller.program as program
-from controller.base import Controller, Estimate, Timing
-from controller.preview_gate import INCONSISTENT
-from controller.qp import Solution
-from controller.registry import build
-from controller.sensor_watch import ALL_SILENT
-from controller.settings import ControllerSettings, SupervisorSettings
-from controller.supervisor import FallbackSupervisor
-from controller.tuned import tuned_settings
-from files.errors import InputError
-from preview.horizon import RoadPreview
+import foreride.controller.program as program
+from foreride.controller.base import Controller, Estimate, Timing
+from foreride.controller.preview_gate import INCONSISTENT
+from foreride.controller.qp import Solution
+from foreride.controller.registry import build
+from foreride.controller.sensor_watch import ALL_SILENT
+from foreride.controller.settings import ControllerSettings, SupervisorSettings
+from foreride.controller.supervisor import FallbackSupervisor
+from foreride.controller.tuned import tuned_settings
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
-from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("quarter")
 AT_ONCE = replace(tuned_settings("quarter_car"), supervisor=SupervisorSettings(transfer_s=0.0))

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from controller.limits import DampingLimits
-from controller.model import KILO, prediction_model
-from controller.terminal import terminal_cost
-from vehicle.equations import rest_state
-from vehicle.parameters import load_vehicle
+from foreride.controller.limits import DampingLimits
+from foreride.controller.model import KILO, prediction_model
+from foreride.controller.terminal import terminal_cost
+from foreride.vehicle.equations import rest_state
+from foreride.vehicle.parameters import load_vehicle
 
 
 @pytest.mark.parametrize("name", ["quarter", "half"])

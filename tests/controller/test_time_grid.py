@@ -1,6 +1,6 @@
 import numpy as np
 
-from controller.time_grid import LONGEST_STEP_S, TimeGrid, graded_grid
+from foreride.controller.time_grid import LONGEST_STEP_S, TimeGrid, graded_grid
 
 
 def test_intervals_are_cut_into_equal_short_steps() -> None:

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.base import Estimate
-from controller.wheelbase import WheelbasePreview
-from files.errors import InputError
+from foreride.controller.base import Estimate
+from foreride.controller.wheelbase import WheelbasePreview
+from foreride.files.errors import InputError
+from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate
-from vehicle.parameters import load_vehicle
 
 HALF = load_vehicle("half")
 WHEELBASE_M = 2.7

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from comfort.metrics import ride_metrics
-from controller.clairvoyant import PlanReplay, optimise
-from controller.limits import plan_limits
-from controller.model import KILO
-from controller.whole_drive import DriveInputs, WholeDriveObjective
-from vehicle.actuator import SlowActive
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import Plant
+from foreride.comfort.metrics import ride_metrics
+from foreride.controller.clairvoyant import PlanReplay, optimise
+from foreride.controller.limits import plan_limits
+from foreride.controller.model import KILO
+from foreride.controller.whole_drive import DriveInputs, WholeDriveObjective
+from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import Plant
 
 TICKS, HOLD, SPEED_M_S = 400, 10, 10.0
 CARS = {

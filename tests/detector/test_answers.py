@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("onnx")
 from onnx import TensorProto, helper, numpy_helper
 
-from detector.nms import MAX_CANDIDATES, MAX_KEPT, select
-from detector.runtime import Detector
-from files.errors import InputError
+from foreride.detector.nms import MAX_CANDIDATES, MAX_KEPT, select
+from foreride.detector.runtime import Detector
+from foreride.files.errors import InputError
 from tests.fuzz import networks
 
 IMAGE = np.zeros((64, 96, 3), np.uint8)

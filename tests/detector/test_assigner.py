@@ -8,8 +8,8 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.assigner import GroundTruth, assign, candidates, rank_in_group
-from detector.heads import Predictions, anchor_points
+from foreride.detector.assigner import GroundTruth, assign, candidates, rank_in_group
+from foreride.detector.heads import Predictions, anchor_points
 
 STRIDES = (4, 8, 16, 32)
 POINTS, STRIDE = anchor_points(384, 640, STRIDES)

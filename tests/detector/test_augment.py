@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector import augment
-from detector.augment import Augmentation, training_view
-from detector.crops import IGNORED, TrainingView
-from files.errors import InputError
+from foreride.detector import augment
+from foreride.detector.augment import Augmentation, training_view
+from foreride.detector.crops import IGNORED, TrainingView
+from foreride.files.errors import InputError
 from tests.detector.roads import made
 
 

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("torch")
 
-from detector.bench import fresh_peak_memory_mib, main
+from foreride.detector.bench import fresh_peak_memory_mib, main
 
 
 def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

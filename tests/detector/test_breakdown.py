@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
-from detector.detection import Detections
-from detector.metrics import match_detections
+from foreride.detector.breakdown import EvaluatedImage, by_object, evaluated_objects, false_alarms
+from foreride.detector.detection import Detections
+from foreride.detector.metrics import match_detections
 
 TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
 

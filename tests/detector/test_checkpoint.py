@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("torch")
 import torch
 
-from detector.checkpoint import load_weights, save, save_weights
-from files.errors import InputError
+from foreride.detector.checkpoint import load_weights, save, save_weights
+from foreride.files.errors import InputError
 
 
 def model() -> Any:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from detector.breakdown import EvaluatedImage
-from detector.conditions import FIGURE_9, by_condition, figure_9
-from detector.detection import Detections, no_detections
-from detector.metrics import match_detections
+from foreride.detector.breakdown import EvaluatedImage
+from foreride.detector.conditions import FIGURE_9, by_condition, figure_9
+from foreride.detector.detection import Detections, no_detections
+from foreride.detector.metrics import match_detections
 
 BOX = np.array([[10, 10, 110, 30]], np.float32)
 NOON = {"light": "noon", "weather": "dry", "low_sun": False, "motion_blur_px": 0.0}

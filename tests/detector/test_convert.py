@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from detector.convert import main, read_coco, read_yolo
-from detector.dataset import read_labels
-from files.errors import InputError
+from foreride.detector.convert import main, read_coco, read_yolo
+from foreride.detector.dataset import read_labels
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 COCO = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from detector.crops import IGNORED, cut, whole_view
+from foreride.detector.crops import IGNORED, cut, whole_view
 from tests.detector.roads import made
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.dataset import dataset_hash, read_labels, read_records, read_samples
-from files.errors import InputError
+from foreride.detector.dataset import dataset_hash, read_labels, read_records, read_samples
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 

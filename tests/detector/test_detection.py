@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from detector.detection import Detections, no_detections
-from files.errors import InputError
+from foreride.detector.detection import Detections, no_detections
+from foreride.files.errors import InputError
 
 BOX = [[10.0, 20.0, 30.0, 40.0]]
 

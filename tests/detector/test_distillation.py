@@ -9,15 +9,15 @@ pytest.importorskip("torch")
 
 import torch
 
-from detector.assigner import GroundTruth
-from detector.checkpoint import save_weights
-from detector.dataset import read_samples
-from detector.distillation import FeatureAdapter, bckd, cwd
-from detector.heads import Predictions, anchor_points
-from detector.loader import make_batch
-from detector.models import build
-from detector.schedule import parse_stages
-from detector.trainer import Settings, Trainer
+from foreride.detector.assigner import GroundTruth
+from foreride.detector.checkpoint import save_weights
+from foreride.detector.dataset import read_samples
+from foreride.detector.distillation import FeatureAdapter, bckd, cwd
+from foreride.detector.heads import Predictions, anchor_points
+from foreride.detector.loader import make_batch
+from foreride.detector.models import build
+from foreride.detector.schedule import parse_stages
+from foreride.detector.trainer import Settings, Trainer
 from tests.detector.roads import write
 
 POINTS, STRIDE = anchor_points(96, 128, (4, 8, 16, 32))

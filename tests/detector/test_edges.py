@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from detector.detection import Detections
-from detector.edges import refine
+from foreride.detector.detection import Detections
+from foreride.detector.edges import refine
 
 FINE = 8  # supersampling factor of the drawn images: edges at fractional rows
 

@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from detector.dataset import read_samples
-from detector.degrade import degraded
-from detector.detection import Detections, no_detections
-from detector.evaluate import evaluate, main, match_folder, report, summary_of, write_folder
-from files.errors import InputError
+from foreride.detector.dataset import read_samples
+from foreride.detector.degrade import degraded
+from foreride.detector.detection import Detections, no_detections
+from foreride.detector.evaluate import evaluate, main, match_folder, report, summary_of, write_folder
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 

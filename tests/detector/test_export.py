@@ -10,12 +10,12 @@ pytest.importorskip("onnx")
 import onnx
 import torch
 
-from detector.checkpoint import load_weights, save_weights
-from detector.export import export, fused, main, to_onnx
-from detector.models import Network
-from detector.parity import parity
-from detector.runtime import WEIGHTS, Detector
-from files.errors import InputError
+from foreride.detector.checkpoint import load_weights, save_weights
+from foreride.detector.export import export, fused, main, to_onnx
+from foreride.detector.models import Network
+from foreride.detector.parity import parity
+from foreride.detector.runtime import WEIGHTS, Detector
+from foreride.files.errors import InputError
 
 SHIPPED = WEIGHTS.with_suffix(".pt")
 
@@ -48,7 +48,9 @@ def test_export_agrees_with_torch_at_every_size(tmp_path: Path) -> None:
 
 def test_disagreement_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     other = Network().eval()
-    monkeypatch.setattr("detector.export.to_onnx", lambda model, *rest, **how: to_onnx(other, *rest, **how))
+    monkeypatch.setattr(
+        "foreride.detector.export.to_onnx", lambda model, *rest, **how: to_onnx(other, *rest, **how)
+    )
     out = tmp_path / "model.onnx"
     out.write_text("old")
     with pytest.raises(InputError, match="ONNX and torch differ"):

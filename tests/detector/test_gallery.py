@@ -5,11 +5,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from detector.breakdown import EvaluatedImage
-from detector.detection import Detections
-from detector.gallery import COLUMNS, error_score, write_sheets
-from detector.metrics import match_detections
-from detector.pictures import FALSE, MISSED, RIGHT, TRUE, missed_mask, sheet, tile
+from foreride.detector.breakdown import EvaluatedImage
+from foreride.detector.detection import Detections
+from foreride.detector.gallery import COLUMNS, error_score, write_sheets
+from foreride.detector.metrics import match_detections
+from foreride.detector.pictures import FALSE, MISSED, RIGHT, TRUE, missed_mask, sheet, tile
 
 TRUTH = np.array([[40, 40, 140, 60], [200, 40, 260, 80]], np.float32)
 CLASSES = np.array([0, 1])

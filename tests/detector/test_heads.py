@@ -8,7 +8,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.heads import BINS, COLUMN_BINS, ROW_BINS, anchor_points, decode, encode
+from foreride.detector.heads import BINS, COLUMN_BINS, ROW_BINS, anchor_points, decode, encode
 
 
 def sharp(bins: tuple[int, int, int, int]) -> torch.Tensor:

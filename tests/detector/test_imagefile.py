@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import ExifTags, Image
 
-from detector.dataset import read_samples
-from detector.imagefile import exif_orientation, read_image
-from files.errors import InputError
+from foreride.detector.dataset import read_samples
+from foreride.detector.imagefile import exif_orientation, read_image
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 PICTURE = np.random.default_rng(0).integers(0, 255, (40, 60, 3)).astype(np.uint8)

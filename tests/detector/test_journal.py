@@ -12,11 +12,11 @@ pytest.importorskip("tensorboard")
 import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
-from detector.dataset import read_samples
-from detector.journal import TrainingLog
-from detector.loader import make_batch
-from detector.schedule import parse_stages
-from detector.trainer import Settings, Trainer
+from foreride.detector.dataset import read_samples
+from foreride.detector.journal import TrainingLog
+from foreride.detector.loader import make_batch
+from foreride.detector.schedule import parse_stages
+from foreride.detector.trainer import Settings, Trainer
 from tests.detector.roads import write
 
 STAGES = parse_stages("96x64:8")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from detector.litter import TOP_ROW, litter
+from foreride.detector.litter import TOP_ROW, litter
 
 ROAD = np.full((192, 320, 3), 110, np.uint8)
 

@@ -10,10 +10,10 @@ import pytest
 pytest.importorskip("torch")
 import torch
 
-from detector.checkpoint import load
-from detector.journal import TrainingLog
-from detector.train import main
-from detector.trainer import Trainer
+from foreride.detector.checkpoint import load
+from foreride.detector.journal import TrainingLog
+from foreride.detector.train import main
+from foreride.detector.trainer import Trainer
 from tests.detector.roads import write
 
 WORDS = ["--batch", "2", "--threads", "1", "--validate-every", "4", "--mosaic", "0.5", "--weather", "0.5"]
@@ -109,7 +109,7 @@ def test_weights_are_kept_where_the_curves_cannot_be_drawn(
     def broken(run: Path) -> None:
         raise OSError("no space left")
 
-    monkeypatch.setattr("detector.train.write_curves", broken)
+    monkeypatch.setattr("foreride.detector.train.write_curves", broken)
     with pytest.raises(OSError, match="no space left"):
         trained(data, tmp_path / "run")
     assert (tmp_path / "run" / "weights.pt").exists()

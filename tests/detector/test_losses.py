@@ -8,9 +8,9 @@ pytest.importorskip("torch")
 
 import torch
 
-from detector.assigner import GroundTruth, assign
-from detector.heads import BINS, ROW_BINS, Predictions, anchor_points, encode
-from detector.losses import LossWeights, detection_loss, distribution_focal_loss, edge_loss
+from foreride.detector.assigner import GroundTruth, assign
+from foreride.detector.heads import BINS, ROW_BINS, Predictions, anchor_points, encode
+from foreride.detector.losses import LossWeights, detection_loss, distribution_focal_loss, edge_loss
 
 POINTS, STRIDE = anchor_points(96, 128, (4, 8, 16, 32))
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from detector.detection import Detections, no_detections
-from detector.metrics import average_precision, match_detections, summarise
+from foreride.detector.detection import Detections, no_detections
+from foreride.detector.metrics import average_precision, match_detections, summarise
 
 TRUTH = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
 

@@ -9,11 +9,11 @@ pytest.importorskip("torch")
 
 import torch
 
-from detector.blocks import C2PSA, SPPF, C3k2, GhostConv, GSConv, VoVGSCSPC
-from detector.complexity import PAPER_COMPLEXITY, dead_parameters, gflops, main, parameters
-from detector.heads import anchor_points
-from detector.models import MODELS, Network, build
-from files.errors import InputError
+from foreride.detector.blocks import C2PSA, SPPF, C3k2, GhostConv, GSConv, VoVGSCSPC
+from foreride.detector.complexity import PAPER_COMPLEXITY, dead_parameters, gflops, main, parameters
+from foreride.detector.heads import anchor_points
+from foreride.detector.models import MODELS, Network, build
+from foreride.files.errors import InputError
 
 STRIDES = (4, 8, 16, 32)
 

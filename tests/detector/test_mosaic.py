@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from detector.crops import IGNORED
-from detector.dataset import Sample
-from detector.mosaic import MIN_EDGE_DISTANCE, mosaic_view
+from foreride.detector.crops import IGNORED
+from foreride.detector.dataset import Sample
+from foreride.detector.mosaic import MIN_EDGE_DISTANCE, mosaic_view
 
 SHADES = (11, 40, 81, 200)
 

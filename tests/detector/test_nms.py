@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.nms import iou_matrix, select, suppress
+from foreride.detector.nms import iou_matrix, select, suppress
 
 number = st.integers(0, 40)
 box = st.tuples(number, number, st.integers(1, 30), st.integers(1, 30)).map(

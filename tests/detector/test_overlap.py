@@ -10,7 +10,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.overlap import ciou, iou, nwd
+from foreride.detector.overlap import ciou, iou, nwd
 
 edge = st.floats(0, 500, width=32)
 size = st.floats(1, 300, width=32)

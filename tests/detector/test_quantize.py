@@ -8,11 +8,11 @@ pytest.importorskip("onnx")
 
 import onnx
 
-from detector.checkpoint import load_network
-from detector.export import to_onnx
-from detector.parity import difference, runner
-from detector.quantize import quantized
-from detector.runtime import WEIGHTS
+from foreride.detector.checkpoint import load_network
+from foreride.detector.export import to_onnx
+from foreride.detector.parity import difference, runner
+from foreride.detector.quantize import quantized
+from foreride.detector.runtime import WEIGHTS
 from tests.detector.roads import draw
 
 

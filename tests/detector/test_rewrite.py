@@ -8,13 +8,13 @@ pytest.importorskip("onnx")
 
 import torch
 
-from detector.checkpoint import load_network
-from detector.export import to_onnx
-from detector.models import Network, build
-from detector.parity import difference, runner
-from detector.quantize import to_half_precision
-from detector.rewrite import rewrite
-from detector.runtime import WEIGHTS
+from foreride.detector.checkpoint import load_network
+from foreride.detector.export import to_onnx
+from foreride.detector.models import Network, build
+from foreride.detector.parity import difference, runner
+from foreride.detector.quantize import to_half_precision
+from foreride.detector.rewrite import rewrite
+from foreride.detector.runtime import WEIGHTS
 from tests.detector.roads import draw
 
 

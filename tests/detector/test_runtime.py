@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.runtime import KEPT_SIZES, WEIGHTS, Detector, letterbox, letterbox_for
-from files.errors import InputError
+from foreride.detector.runtime import KEPT_SIZES, WEIGHTS, Detector, letterbox, letterbox_for
+from foreride.files.errors import InputError
 
 
 def test_images_that_fit_go_in_unchanged() -> None:

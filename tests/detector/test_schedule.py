@@ -2,8 +2,8 @@
 
 import pytest
 
-from detector.schedule import Stage, parse_stages, rate_factor, stage_at, total_passes, work_done
-from files.errors import InputError
+from foreride.detector.schedule import Stage, parse_stages, rate_factor, stage_at, total_passes, work_done
+from foreride.files.errors import InputError
 
 STAGES = parse_stages("320x192:100, 640x384:50")
 

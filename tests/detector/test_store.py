@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from detector.dataset import Sample, read_samples
-from detector.store import load_cached_dataset
-from files.errors import InputError
+from foreride.detector.dataset import Sample, read_samples
+from foreride.detector.store import load_cached_dataset
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 IMAGE_MIB = 96 * 128 * 3 / 2**20

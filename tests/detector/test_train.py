@@ -8,14 +8,14 @@ import pytest
 pytest.importorskip("torch")
 import torch
 
-from detector.checkpoint import load, load_weights, save_weights
-from detector.dataset import read_samples
-from detector.loader import batches, make_batch
-from detector.models import Network, build
-from detector.schedule import parse_stages
-from detector.train import main
-from detector.trainer import Settings, Trainer, validate
-from files.errors import InputError
+from foreride.detector.checkpoint import load, load_weights, save_weights
+from foreride.detector.dataset import read_samples
+from foreride.detector.loader import batches, make_batch
+from foreride.detector.models import Network, build
+from foreride.detector.schedule import parse_stages
+from foreride.detector.train import main
+from foreride.detector.trainer import Settings, Trainer, validate
+from foreride.files.errors import InputError
 from tests.detector.roads import write
 
 CPU = torch.device("cpu")
@@ -44,9 +44,9 @@ def test_batches_depend_on_seed_and_position_only(tmp_path: Path) -> None:
 def test_an_epoch_shows_every_image_once(tmp_path: Path) -> None:
     samples = list(read_samples(write(tmp_path / "data", 6)))
     shown = []
-    original = "detector.loader.training_view"
+    original = "foreride.detector.loader.training_view"
     with pytest.MonkeyPatch.context() as patch:
-        from detector.loader import training_view
+        from foreride.detector.loader import training_view
 
         patch.setattr(original, lambda s, i, *a: (shown.append(s[i].name), training_view(s, i, *a))[1])
         for start in (0, 3):

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from detector.degrade import EFFECTS
-from detector.weather import fog, motion_blur, rain, snow
+from foreride.detector.degrade import EFFECTS
+from foreride.detector.weather import fog, motion_blur, rain, snow
 
 ROAD = np.random.default_rng(0).integers(40, 200, (192, 320, 3)).astype(np.uint8)
 BLACK = np.zeros_like(ROAD)

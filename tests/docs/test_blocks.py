@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from scenarios import study
-from scenarios.cli import main, parser
-from scenarios.loading import load
-from vehicle.parameters import load_vehicle
+from foreride.scenarios import study
+from foreride.scenarios.cli import main, parser
+from foreride.scenarios.loading import load
+from foreride.vehicle.parameters import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

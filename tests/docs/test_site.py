@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from comfort import METRICS
-from scenarios import reference
-from scenarios.cli import parser
-from scenarios.loading import load
-from scenarios.schema import Scenario
+from foreride.comfort import METRICS
+from foreride.scenarios import reference
+from foreride.scenarios.cli import parser
+from foreride.scenarios.loading import load
+from foreride.scenarios.schema import Scenario
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from scenarios.cli import main
+from foreride.scenarios.cli import main
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_controller.py"
 

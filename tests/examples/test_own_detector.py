@@ -9,8 +9,8 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from detector.runtime import Detector
-from scenarios.cli import main
+from foreride.detector.runtime import Detector
+from foreride.scenarios.cli import main
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "own_detector.py"
 BOXES = np.array([[320, 250, 200, 20], [100, 300, 40, 16]], np.float32)  # centre x, centre y, width, height

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.cli import main
+from foreride.scenarios.cli import main
 
 SCENARIO = Path(__file__).resolve().parents[2] / "examples" / "own_map.yaml"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from road.measured import read_surface
-from scenarios.cli import main
-from scenarios.loading import load
+from foreride.road.measured import read_surface
+from foreride.scenarios.cli import main
+from foreride.scenarios.loading import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 SCENARIO = EXAMPLES / "own_road.yaml"

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from scenarios.cli import main
-from vehicle.parameters import load_vehicle
+from foreride.scenarios.cli import main
+from foreride.vehicle.parameters import load_vehicle
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-import files.compiled as compiled
-from files.cache import cache_folder, cached, temporary_folder, writable
+import foreride.files.compiled as compiled
+from foreride.files.cache import cache_folder, cached, temporary_folder, writable
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("comfort", "controller", "detector", "files", "preview", "road", "scenarios", "vehicle")
@@ -42,7 +42,7 @@ def test_what_is_kept_in_a_cache_that_is_only_readable_is_still_found(
     monkeypatch.setenv("FORERIDE_CACHE", str(tmp_path / "kept"))
     (tmp_path / "kept" / "bounds").mkdir(parents=True)
     (tmp_path / "kept" / "bounds" / "a.npz").touch()
-    monkeypatch.setattr("files.cache.writable", lambda folder: folder != tmp_path / "kept")
+    monkeypatch.setattr("foreride.files.cache.writable", lambda folder: folder != tmp_path / "kept")
     assert cached("bounds/a.npz") == tmp_path / "kept" / "bounds" / "a.npz"
     assert cached("bounds/b.npz").parent.parent == temporary_folder()
 
@@ -106,7 +106,7 @@ def test_a_read_only_installation_without_a_home_works(installation: Path, tmp_p
         "HOME": "/dev/null",
         "TMPDIR": str(tmp_path / "temporary"),
     }
-    asked = [sys.executable, "-m", "scenarios.cli", "--help"]
+    asked = [sys.executable, "-m", "foreride.scenarios.cli", "--help"]
     found = subprocess.run(asked, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert found.returncode == 0, found.stderr
     (said,) = [line for line in found.stderr.splitlines() if "onnxruntime" not in line]

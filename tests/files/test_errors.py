@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import MESSAGE_LENGTH, InputError, abridged
+from foreride.files.errors import MESSAGE_LENGTH, InputError, abridged
 
 
 @given(st.text(st.characters(), max_size=2000))

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from annotated_types import Interval
 
-from files.errors import InputError
-from files.ranges import Checked, Number, Share, numbers_in
-from files.strict import structure
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked, Number, Share, numbers_in
+from foreride.files.strict import structure
 
 Mass = Annotated[float, Interval(ge=1.0, le=50.0), "kg"]
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import SHOWN_LENGTH, InputError, printable, shown
-from files.reading import read_bytes, read_text, reading
+from foreride.files.errors import SHOWN_LENGTH, InputError, printable, shown
+from foreride.files.reading import read_bytes, read_text, reading
 
 
 def refusal(path: Path | str, **options: int) -> str:

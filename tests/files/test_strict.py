@@ -8,9 +8,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from files.strict import read, structure, to_mapping
-from files.yaml12 import parse
+from foreride.files.errors import InputError
+from foreride.files.strict import read, structure, to_mapping
+from foreride.files.yaml12 import parse
 
 
 @dataclass(frozen=True)

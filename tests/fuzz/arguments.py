@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 from tests.fuzz.readers import READERS, Reader
 
 SHORT = """
@@ -60,10 +60,10 @@ def _without_work() -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing.pool import Pool
 
-    import scenarios.bound
-    import scenarios.commands.sweep
-    from road.render import Scene
-    from scenarios.driver import MultirateLoop
+    import foreride.scenarios.bound
+    import foreride.scenarios.commands.sweep
+    from foreride.road.render import Scene
+    from foreride.scenarios.driver import MultirateLoop
 
     for owner, name in (
         (MultirateLoop, "drive"),
@@ -97,7 +97,7 @@ def _placed(vector: list[str]) -> Callable[[Path], Path]:
 
 def _read(path: Path) -> None:
     """Run the command that the file lists; its refusal as InputError."""
-    from scenarios.cli import main
+    from foreride.scenarios.cli import main
 
     _without_work()
     told = io.StringIO()

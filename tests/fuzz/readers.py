@@ -81,13 +81,13 @@ $$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$
 
 
 def _road(path: Path) -> object:
-    from road.measured import read_surface
+    from foreride.road.measured import read_surface
 
     return read_surface(path)
 
 
 def _map(path: Path) -> object:
-    from preview.roadmap import read
+    from foreride.preview.roadmap import read
 
     return read(path)
 
@@ -104,19 +104,19 @@ vary: {speed_kmh: [20, 30]}
 
 
 def _scenario(path: Path) -> object:
-    from scenarios.loading import load
+    from foreride.scenarios.loading import load
 
     return load(str(path))
 
 
 def _vehicle(path: Path) -> object:
-    from vehicle.parameters import load_vehicle
+    from foreride.vehicle.parameters import load_vehicle
 
     return load_vehicle(path)
 
 
 def _memory_file(folder: Path) -> Path:
-    from preview.memory import TEMPLATE_BY_NAME, Memory, Mounting, RememberedObject, RowBias, write
+    from foreride.preview.memory import TEMPLATE_BY_NAME, Memory, Mounting, RememberedObject, RowBias, write
 
     mounting = Mounting(0.01, 0.02, 1e-4, 0.0, 1e-4)
     bump = RememberedObject(
@@ -128,19 +128,19 @@ def _memory_file(folder: Path) -> Path:
 
 
 def _memory(path: Path) -> object:
-    from preview.memory import read
+    from foreride.preview.memory import read
 
     return read(path)
 
 
 def _study(path: Path) -> object:
-    from scenarios.study import read
+    from foreride.scenarios.study import read
 
     return read(path)
 
 
 def _settings(path: Path) -> object:
-    from scenarios.commands.options import settings_overrides
+    from foreride.scenarios.commands.options import settings_overrides
 
     return settings_overrides(path)
 
@@ -155,13 +155,13 @@ def picture(suffix: str) -> bytes:
 
 
 def _image(path: Path) -> object:
-    from detector.imagefile import read_image
+    from foreride.detector.imagefile import read_image
 
     return read_image(path)
 
 
 def _photo(path: Path) -> object:
-    from scenarios.commands.calibrate import _photo
+    from foreride.scenarios.commands.calibrate import _photo
 
     return _photo(path)
 
@@ -208,33 +208,33 @@ def _split_of(path: Path) -> Path:
 
 
 def _labels(path: Path) -> object:
-    from detector.dataset import read_labels
+    from foreride.detector.dataset import read_labels
 
     return read_labels(path)
 
 
 def _records(path: Path) -> object:
-    from detector.dataset import read_records
+    from foreride.detector.dataset import read_records
 
     return read_records(path.parent)
 
 
 def _evaluated(path: Path) -> object:
-    from detector.detection import Detections
-    from detector.evaluate import evaluate
+    from foreride.detector.detection import Detections
+    from foreride.detector.evaluate import evaluate
 
     found = Detections(BOXES[0], SCORES[0].max(1), np.array([0, 1]))
     return evaluate(_split_of(path), lambda image: found, 0.5)
 
 
 def _card(path: Path) -> object:
-    from road.card import write_card
+    from foreride.road.card import write_card
 
     return write_card(path.parent if path.name == "dataset.json" else path.parent.parent, {})
 
 
 def _boxes(path: Path) -> object:
-    from road.boxes import box_statistics
+    from foreride.road.boxes import box_statistics
 
     return box_statistics(_split_of(path))
 
@@ -252,7 +252,7 @@ def _coco_file(folder: Path) -> Path:
 
 
 def _coco(path: Path) -> object:
-    from detector.convert import read_coco
+    from foreride.detector.convert import read_coco
 
     return read_coco(path, path.parent, {})
 
@@ -263,7 +263,7 @@ HISTORY = {"passes": 10, "size": "64x64", "loss": {"box": 1.0}, "map50": 0.5, "m
 
 
 def _curves(path: Path) -> object:
-    from detector.curves import write_curves
+    from foreride.detector.curves import write_curves
 
     return write_curves(path.parent)
 
@@ -271,7 +271,7 @@ def _curves(path: Path) -> object:
 def _weights_file(folder: Path) -> Path:
     import torch
 
-    from detector.checkpoint import save_weights
+    from foreride.detector.checkpoint import save_weights
 
     torch.manual_seed(0)
     save_weights(folder / "weights.pt", torch.nn.Linear(2, 2), {"model": "linear", "passes": 1})
@@ -281,7 +281,7 @@ def _weights_file(folder: Path) -> Path:
 def _weights(path: Path) -> object:
     import torch
 
-    from detector.checkpoint import load_weights
+    from foreride.detector.checkpoint import load_weights
 
     return load_weights(path, torch.nn.Linear(2, 2))
 
@@ -291,7 +291,7 @@ def _network_file(folder: Path) -> Path:
 
 
 def _network(path: Path) -> object:
-    from detector.runtime import Detector
+    from foreride.detector.runtime import Detector
 
     return Detector(path)(np.zeros((64, 96, 3), np.uint8))
 
@@ -322,10 +322,10 @@ BUDGET = {"schema": 1, "vehicle": "half", "seeds": [0], "table": [EVENT]}
 @cache
 def _run_folder() -> Path:
     """The folder of a short drive that a camera with true boxes has seen, with its frames."""
-    from scenarios.cases import Case
-    from scenarios.closed_loop import simulate
-    from scenarios.loading import load
-    from scenarios.runfolder import row, to_json, write
+    from foreride.scenarios.cases import Case
+    from foreride.scenarios.closed_loop import simulate
+    from foreride.scenarios.loading import load
+    from foreride.scenarios.runfolder import row, to_json, write
 
     short = ["road.length_m=8", "road.features.0.start_m=7", "vehicle.model=quarter", "speed_kmh=60"]
     run = simulate(Case(load("bump_8x40_30", short), "mpc_preview", "boxes", 0))
@@ -355,9 +355,9 @@ def _frame_file(folder: Path) -> Path:
 
 
 def _run(path: Path) -> object:
-    from files.marker import seal
-    from scenarios.readback import read
-    from scenarios.runfolder import KIND
+    from foreride.files.marker import seal
+    from foreride.scenarios.readback import read
+    from foreride.scenarios.runfolder import KIND
 
     folder = path.parent.parent if path.parent.name == "frames" else path.parent
     if path.is_file():
@@ -366,20 +366,20 @@ def _run(path: Path) -> object:
 
 
 def _baseline(path: Path) -> object:
-    from scenarios.baseline import read
+    from foreride.scenarios.baseline import read
 
     return read(path)
 
 
 def _budget(path: Path) -> object:
-    from scenarios.report.budget import error_budget_section
+    from foreride.scenarios.report.budget import error_budget_section
 
     return error_budget_section(path)
 
 
 def _comparison(path: Path) -> object:
-    from scenarios.report.gather import gather
-    from scenarios.report.html import page
+    from foreride.scenarios.report.gather import gather
+    from foreride.scenarios.report.html import page
 
     return page(gather(path))
 
@@ -389,7 +389,7 @@ def _results_row(key: str) -> dict[str, object]:
 
 
 def _part_file(folder: Path) -> Path:
-    from scenarios.results import Results
+    from foreride.scenarios.results import Results
 
     results = Results(folder)
     results.add(_results_row("a"))
@@ -398,8 +398,8 @@ def _part_file(folder: Path) -> Path:
 
 
 def _results(path: Path) -> object:
-    from files.marker import seal
-    from scenarios.results import KIND, Results, load_results
+    from foreride.files.marker import seal
+    from foreride.scenarios.results import KIND, Results, load_results
 
     if path.is_file():
         seal(path.parent, KIND)

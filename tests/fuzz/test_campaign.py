@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 from tests.fuzz import campaign as campaigns
 from tests.fuzz import trees
 from tests.fuzz import trial as trials

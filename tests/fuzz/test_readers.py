@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 from tests.fuzz.readers import READERS
 
 PLACES = 24

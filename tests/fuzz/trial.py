@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 from tests.fuzz.arguments import ARGUMENTS
 from tests.fuzz.readers import READERS
 from tests.fuzz.sandbox import SCRATCH

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from detector.detection import Detections
-from preview.estimator import Estimator
-from preview.horizon import RoadPreview
-from preview.memory import Memory
-from preview.perception import BoxErrors, degrade, true_boxes
-from preview.settings import Settings
-from road.camera import Camera, CameraMount, pose_of
-from road.envelope import WheelProfile, wheel_profile
-from road.profile import Road
+from foreride.detector.detection import Detections
+from foreride.preview.estimator import Estimator
+from foreride.preview.horizon import RoadPreview
+from foreride.preview.memory import Memory
+from foreride.preview.perception import BoxErrors, degrade, true_boxes
+from foreride.preview.settings import Settings
+from foreride.road.camera import Camera, CameraMount, pose_of
+from foreride.road.envelope import WheelProfile, wheel_profile
+from foreride.road.profile import Road
 
 AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from preview.calibration import Calibration, Gaussian
-from preview.settings import Settings
+from foreride.preview.calibration import Calibration, Gaussian
+from foreride.preview.settings import Settings
 
 SETTINGS = Settings(bottom_bias_px=(0.0, 0.0))
 FOCAL_PX = 457.0

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from preview.calibration import Calibration
-from preview.correction import WheelStrikeDetector
-from preview.settings import Settings
-from preview.shape import BUMP, POTHOLE, TABLE, tyre_profile
-from preview.track import Edge, Track, first_fits
-from road.features import HalfSineBump, Pothole
-from road.profile import Road
+from foreride.preview.calibration import Calibration
+from foreride.preview.correction import WheelStrikeDetector
+from foreride.preview.settings import Settings
+from foreride.preview.shape import BUMP, POTHOLE, TABLE, tyre_profile
+from foreride.preview.track import Edge, Track, first_fits
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.profile import Road
 from tests.preview.kinematic_drive import Drive, drive
 
 SETTINGS = Settings()

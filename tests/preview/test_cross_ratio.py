@@ -3,17 +3,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.detection import Detections
-from preview.cross_ratio import Marks, distance, distance_sigma, marks_of
-from preview.distance import depression, distance_of
-from preview.estimator import Estimator
-from preview.fit import DirectMeasurement, X
-from preview.perception import true_boxes
-from preview.settings import Settings
-from preview.view import rectify_frame
-from road.camera import Camera, CameraMount, pose_of, project
-from road.features import HalfSineBump
-from road.profile import Road
+from foreride.detector.detection import Detections
+from foreride.preview.cross_ratio import Marks, distance, distance_sigma, marks_of
+from foreride.preview.distance import depression, distance_of
+from foreride.preview.estimator import Estimator
+from foreride.preview.fit import DirectMeasurement, X
+from foreride.preview.perception import true_boxes
+from foreride.preview.settings import Settings
+from foreride.preview.view import rectify_frame
+from foreride.road.camera import Camera, CameraMount, pose_of, project
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from preview.distance import depression, depression_sigma, distance_of, locate, row_of
-from road.camera import Camera, CameraPose, ground_point, project
+from foreride.preview.distance import depression, depression_sigma, distance_of, locate, row_of
+from foreride.road.camera import Camera, CameraPose, ground_point, project
 
 CAMERA = Camera()
 angles = st.floats(-0.03, 0.03)

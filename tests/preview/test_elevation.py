@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from preview.calibration import Calibration
-from preview.elevation import HeightRows, HeightSamples, NearEdge, equations, seen
-from preview.fit import Fit, fit, start_state
-from preview.settings import Settings
-from preview.shape import BUMP, HUMP, POTHOLE, RAMP, TABLE, ObstacleTemplate, unit_profile
+from foreride.preview.calibration import Calibration
+from foreride.preview.elevation import HeightRows, HeightSamples, NearEdge, equations, seen
+from foreride.preview.fit import Fit, fit, start_state
+from foreride.preview.settings import Settings
+from foreride.preview.shape import BUMP, HUMP, POTHOLE, RAMP, TABLE, ObstacleTemplate, unit_profile
 
 SETTINGS = Settings()
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from preview.calibration import Gaussian
-from preview.fit import (
+from foreride.preview.calibration import Gaussian
+from foreride.preview.fit import (
     EDGE_BIAS,
     GROUND,
     HEIGHT,
@@ -15,8 +15,8 @@ from preview.fit import (
     fit,
     silhouette,
 )
-from preview.settings import Settings
-from preview.shape import BUMP, HUMP, POTHOLE, TABLE, templates_of, unit_profile
+from foreride.preview.settings import Settings
+from foreride.preview.shape import BUMP, HUMP, POTHOLE, TABLE, templates_of, unit_profile
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0

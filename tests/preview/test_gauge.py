@@ -5,17 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from detector.detection import Detections
-from preview.elevation import HeightRows
-from preview.estimator import Estimator
-from preview.gauge import HeightGauge, _sigma_inflation
-from preview.settings import Settings
-from preview.stereo import second_pose
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of
-from road.features import Feature, HalfSineBump, Pothole
-from road.profile import Road
-from road.render import Scene
+from foreride.detector.detection import Detections
+from foreride.preview.elevation import HeightRows
+from foreride.preview.estimator import Estimator
+from foreride.preview.gauge import HeightGauge, _sigma_inflation
+from foreride.preview.settings import Settings
+from foreride.preview.stereo import second_pose
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, pose_of
+from foreride.road.features import Feature, HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.road.render import Scene
 from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Reading, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()

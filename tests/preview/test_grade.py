@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from preview.calibration import Gaussian
-from preview.fit import OFFSET, EdgeBearings, X, fit
-from preview.grade import strain
-from preview.settings import Settings
-from preview.shape import BUMP
-from preview.track import Edge, Track, first_fits
+from foreride.preview.calibration import Gaussian
+from foreride.preview.fit import OFFSET, EdgeBearings, X, fit
+from foreride.preview.grade import strain
+from foreride.preview.settings import Settings
+from foreride.preview.shape import BUMP
+from foreride.preview.track import Edge, Track, first_fits
 
 SETTINGS = Settings()
 PRIOR = Gaussian(np.zeros(3), np.diag([np.deg2rad(0.25), 0.018, 1e-3]) ** 2)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from preview.grade_watch import GradeChangeDetector
-from preview.settings import Settings
+from foreride.preview.grade_watch import GradeChangeDetector
+from foreride.preview.settings import Settings
 
 STEP, SPAN = 0.005, 10  # readings a span
 SETTINGS = Settings()

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from preview.horizon import RoadPreview, distance_grid, flat_preview, oracle_preview
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview, distance_grid, flat_preview, oracle_preview
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
 
 ROAD = Road(40.0, (HalfSineBump(20.0, 0.08, 0.4),))
 

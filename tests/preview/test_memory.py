@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from preview.calibration import Calibration
-from preview.fit import HEIGHT, LENGTH, X
-from preview.memory import Memory, Mounting, RememberedObject, RowBias, read, write
-from preview.perception import BoxErrors
-from preview.recall import expectations, recall, remember
-from preview.settings import Settings
-from preview.shape import POTHOLE
-from preview.tracker import Tracker
-from road.features import HalfSineBump, Pothole
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.preview.calibration import Calibration
+from foreride.preview.fit import HEIGHT, LENGTH, X
+from foreride.preview.memory import Memory, Mounting, RememberedObject, RowBias, read, write
+from foreride.preview.perception import BoxErrors
+from foreride.preview.recall import expectations, recall, remember
+from foreride.preview.settings import Settings
+from foreride.preview.shape import POTHOLE
+from foreride.preview.tracker import Tracker
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.profile import Road
 from tests.preview.kinematic_drive import Drive, drive
 
 BUMP = RememberedObject("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from preview.motion import EgoMotion
-from preview.settings import Settings
-from road.grade import GradeChange, grade_height
+from foreride.files.errors import InputError
+from foreride.preview.motion import EgoMotion
+from foreride.preview.settings import Settings
+from foreride.road.grade import GradeChange, grade_height
 from tests.preview.kinematic_drive import Reading
 
 AXLES = (1.25, -1.45)

@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
-from preview.parallax import ImageBand, band, match, place
-from preview.plane import fit_plane
-from preview.stereo import coarse, second_pose
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from road.features import WattsHump
-from road.profile import Road
-from road.render import Frame, Scene
+from foreride.preview.parallax import ImageBand, band, match, place
+from foreride.preview.plane import fit_plane
+from foreride.preview.stereo import coarse, second_pose
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of, project
+from foreride.road.features import WattsHump
+from foreride.road.profile import Road
+from foreride.road.render import Frame, Scene
 
 CAMERA, MOUNT = Camera(), CameraMount()
 ROWS, COLUMNS = (215, 340), (120, 520)

@@ -3,10 +3,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from detector.detection import Detections
-from preview.estimator import Estimator
-from preview.path import Path, curvature
-from road.camera import Camera, CameraMount, pose_of, project
+from foreride.detector.detection import Detections
+from foreride.preview.estimator import Estimator
+from foreride.preview.path import Path, curvature
+from foreride.road.camera import Camera, CameraMount, pose_of, project
 from tests.preview.kinematic_drive import Reading, unbiased
 
 bends = st.floats(-0.05, 0.05)

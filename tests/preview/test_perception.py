@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from detector.detection import Detections
-from files.errors import InputError
-from preview.perception import BoxErrors, degrade, true_boxes
-from road.appearance import Appearance
-from road.camera import Camera, CameraPose
-from road.features import HalfSineBump, Pothole, WattsHump
-from road.profile import Road
-from road.render import Scene
+from foreride.detector.detection import Detections
+from foreride.files.errors import InputError
+from foreride.preview.perception import BoxErrors, degrade, true_boxes
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraPose
+from foreride.road.features import HalfSineBump, Pothole, WattsHump
+from foreride.road.profile import Road
+from foreride.road.render import Scene
 
 CAMERA = Camera()
 POSE = CameraPose(0.0, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)

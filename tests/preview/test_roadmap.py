@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from preview.roadmap import map_preview, read, wheel_tracks
-from road.envelope import wheel_profile
-from road.features import WattsHump
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.preview.roadmap import map_preview, read, wheel_tracks
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import WattsHump
+from foreride.road.profile import Road
 
 HUMP = Road(60.0, (WattsHump(30.0, 0.09, 3.6),))
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from preview.motion import EgoMotion
-from preview.roll import RollFilter
-from preview.settings import Settings
+from foreride.preview.motion import EgoMotion
+from foreride.preview.roll import RollFilter
+from foreride.preview.settings import Settings
 from tests.preview.kinematic_drive import Reading
 
 AXLE_X_M = (1.25, 1.25, -1.45, -1.45)

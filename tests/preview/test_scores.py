@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from preview.scores import mean_surplus, probability, surplus
+from foreride.preview.scores import mean_surplus, probability, surplus
 
 CLASSES = (0, 1)
 

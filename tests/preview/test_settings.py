@@ -1,7 +1,7 @@
 import pytest
 
-from files.errors import InputError
-from preview.settings import Settings
+from foreride.files.errors import InputError
+from foreride.preview.settings import Settings
 
 
 def test_biases_may_have_any_sign():

@@ -1,10 +1,20 @@
 import numpy as np
 import pytest
 
-from preview.shape import BUMP, HUMP, KINDS, POTHOLE, TABLE, chord, templates_of, tyre_profile, unit_profile
-from road.envelope import wheel_profile
-from road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.profile import Road
+from foreride.preview.shape import (
+    BUMP,
+    HUMP,
+    KINDS,
+    POTHOLE,
+    TABLE,
+    chord,
+    templates_of,
+    tyre_profile,
+    unit_profile,
+)
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.profile import Road
 
 
 @pytest.mark.parametrize("kind", KINDS)

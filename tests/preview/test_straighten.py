@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from preview.estimator import Estimator
-from preview.perception import true_boxes
-from preview.straighten import straightened
-from road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from road.features import HalfSineBump, Pothole
-from road.lens import NO_DISTORTION
-from road.profile import Road
+from foreride.preview.estimator import Estimator
+from foreride.preview.perception import true_boxes
+from foreride.preview.straighten import straightened
+from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of, project
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.lens import NO_DISTORTION
+from foreride.road.profile import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
 BARREL = (-0.3, 0.1, 0.001, -0.0005, -0.01)

@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from preview.body import PlaneUpdate
-from preview.calibration import Gaussian
-from preview.fit import EdgeBearings
-from preview.settings import Settings
-from preview.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
+from foreride.preview.body import PlaneUpdate
+from foreride.preview.calibration import Gaussian
+from foreride.preview.fit import EdgeBearings
+from foreride.preview.settings import Settings
+from foreride.preview.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
 
 SETTINGS = Settings()
 

@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.appearance import LIGHTS, SURFACES, SURROUNDINGS, VERGES, WEATHERS, Appearance, random_appearance
+from foreride.files.errors import InputError
+from foreride.road.appearance import (
+    LIGHTS,
+    SURFACES,
+    SURROUNDINGS,
+    VERGES,
+    WEATHERS,
+    Appearance,
+    random_appearance,
+)
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.boxes import box_statistics, main, table
-from road.card import REAL_BOXES, real_statistics, write_card
-from road.card import main as card_main
+from foreride.files.errors import InputError
+from foreride.road.boxes import box_statistics, main, table
+from foreride.road.card import REAL_BOXES, real_statistics, write_card
+from foreride.road.card import main as card_main
 
 
 def folder_of(path: Path, labels: dict[str, str], size: tuple[int, int] = (100, 200)) -> Path:

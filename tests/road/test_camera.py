@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from files.errors import InputError
-from road.camera import (
+from foreride.files.errors import InputError
+from foreride.road.camera import (
     Camera,
     CameraMount,
     CameraPose,

@@ -1,10 +1,17 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.chain import Chain
-from road.features import ExpansionJoint, FlatTopHump, HalfSineBump, ManholeCover, Pothole, SpeedCushion
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.road.chain import Chain
+from foreride.road.features import (
+    ExpansionJoint,
+    FlatTopHump,
+    HalfSineBump,
+    ManholeCover,
+    Pothole,
+    SpeedCushion,
+)
+from foreride.road.profile import Road
 
 
 def test_copies_stand_at_equal_distances():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.camera import Camera, CameraPose
-from road.checkerboard import Board, calibrate, find_corners, mounting
+from foreride.files.errors import InputError
+from foreride.road.camera import Camera, CameraPose
+from foreride.road.checkerboard import Board, calibrate, find_corners, mounting
 from tests.road.boards import BOARD, on_the_road, photograph, poses
 
 TRUE = Camera(focal_px=500.0, centre_px=(327.0, 188.0), distortion=(-0.25, 0.08, 0.001, -0.0008, 0.0))

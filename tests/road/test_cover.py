@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import CELL_M, HALF_WIDTH_M, START_M
-from road.features import Pothole
-from road.profile import Road
-from road.surface import Surface
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, HALF_WIDTH_M, START_M
+from foreride.road.features import Pothole
+from foreride.road.profile import Road
+from foreride.road.surface import Surface
 
 EDGES: dict[str, Any] = {"left_edge_m": 3.5, "right_edge_m": -3.5}
 

@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.appearance import random_appearance
-from road.dataset import main, write_dataset
-from road.features import Feature
-from road.labelled import SPLITS, VIEWS_PER_ROAD, with_distractors
-from road.render import MAX_HIDDEN
-from road.scenes import MAX_APPROACH_M, MIN_APPROACH_M, random_road
+from foreride.files.errors import InputError
+from foreride.road.appearance import random_appearance
+from foreride.road.dataset import main, write_dataset
+from foreride.road.features import Feature
+from foreride.road.labelled import SPLITS, VIEWS_PER_ROAD, with_distractors
+from foreride.road.render import MAX_HIDDEN
+from foreride.road.scenes import MAX_APPROACH_M, MIN_APPROACH_M, random_road
 
 COUNTS = {"train": VIEWS_PER_ROAD + 2, "val": 3, "test": 3}
 

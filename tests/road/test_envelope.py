@@ -4,11 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from files.errors import InputError
-from road.envelope import MARGIN_M, WheelProfile, envelope, wheel_profile
-from road.features import HalfSineBump, Pothole
-from road.profile import Road
-from road.roughness import Roughness
+from foreride.files.errors import InputError
+from foreride.road.envelope import MARGIN_M, WheelProfile, envelope, wheel_profile
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
 
 R = 0.31
 

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.envelope import wheel_profile
-from road.enveloping import RigidWheel, TandemCam
-from road.features import Pothole
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.road.envelope import wheel_profile
+from foreride.road.enveloping import RigidWheel, TandemCam
+from foreride.road.features import Pothole
+from foreride.road.profile import Road
 
 R = 0.31
 STEP = 0.002

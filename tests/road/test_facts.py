@@ -1,10 +1,10 @@
 import pytest
 
-from road.facts import list_features, summarise_track
-from road.features import HalfSineBump, Pothole
-from road.iri import iri
-from road.profile import Road
-from road.roughness import Roughness, rough_surface
+from foreride.road.facts import list_features, summarise_track
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.iri import iri
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness, rough_surface
 
 BUMP = HalfSineBump(60.0, 0.08, 0.4, y_min_m=0.0)
 

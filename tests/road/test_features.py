@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from road.features import (
+from foreride.files.errors import InputError
+from foreride.road.features import (
     FEATURE_KINDS,
     PAINTS,
     ExpansionJoint,

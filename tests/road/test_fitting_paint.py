@@ -1,8 +1,8 @@
 import numpy as np
 
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of, project
-from road.features import (
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, pose_of, project
+from foreride.road.features import (
     ExpansionJoint,
     ManholeCover,
     SinusoidalHump,
@@ -10,8 +10,8 @@ from road.features import (
     Step,
     TrapezoidalBump,
 )
-from road.profile import Road
-from road.render import Scene
+from foreride.road.profile import Road
+from foreride.road.render import Scene
 
 CAMERA = Camera(width_px=320, height_px=192, focal_px=228.5)
 POSE = pose_of(CameraMount(), 4.0, 0.0, 0.0)

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from preview.perception import true_boxes
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
-from road.features import HalfSineBump
-from road.grade import MAX_GRADE, GradeChange, grade_at, grade_height
-from road.profile import Road
-from road.raycast import FAR_M
-from road.render import Scene
+from foreride.files.errors import InputError
+from foreride.preview.perception import true_boxes
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
+from foreride.road.features import HalfSineBump
+from foreride.road.grade import MAX_GRADE, GradeChange, grade_at, grade_height
+from foreride.road.profile import Road
+from foreride.road.raycast import FAR_M
+from foreride.road.render import Scene
 
 UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
 

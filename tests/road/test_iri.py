@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from files.errors import InputError
-from road.iri import SPEED_M_S, iri, rectified_slope, response, transition
-from road.roughness import STEP_M, Roughness, displacement_psd, rough_surface
-from scenarios.validation.road import WORLD_BANK_46
+from foreride.files.errors import InputError
+from foreride.road.iri import SPEED_M_S, iri, rectified_slope, response, transition
+from foreride.road.roughness import STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.scenarios.validation.road import WORLD_BANK_46
 
 
 @pytest.mark.parametrize("step", sorted(WORLD_BANK_46))

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from files import strict
-from files.errors import InputError
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, ground_point, pose_of, project
-from road.features import HalfSineBump, Pothole
-from road.lens import NO_DISTORTION, distort, reach, undistort
-from road.profile import Road
-from road.render import Scene
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, ground_point, pose_of, project
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.lens import NO_DISTORTION, distort, reach, undistort
+from foreride.road.profile import Road
+from foreride.road.render import Scene
 
 BARREL = (-0.32, 0.12, 0.001, -0.0008, -0.02)
 PINCUSHION = (0.12, -0.02, 0.0, 0.0, 0.0)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from road import lighting
-from road.appearance import Appearance
-from road.block import CELL_M, Block
+from foreride.road import lighting
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, Block
 
 
 def level_block(height: np.ndarray, albedo: float) -> Block:

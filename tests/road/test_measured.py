@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from road.measured import MeasuredSurface, read_surface, surface
-from road.profile import FADE_IN_M, Road
+from foreride.files.errors import InputError
+from foreride.road.measured import MeasuredSurface, read_surface, surface
+from foreride.road.profile import FADE_IN_M, Road
 
 GOOD = "# drive of Tuesday\nx_m,left_m,right_m\n10,0.10,0.30\n10.5,0.12,0.30  # crack\n12,0.10,0.34\n"
 

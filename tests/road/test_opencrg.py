@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from files.errors import InputError
-from road.measured import MeasuredSurface, read_surface
-from road.opencrg import read
-from road.profile import Road
+from foreride.files.errors import InputError
+from foreride.road.measured import MeasuredSurface, read_surface
+from foreride.road.opencrg import read
+from foreride.road.profile import Road
 
 U, V = 0.25 * np.arange(41), np.array([-1.5, -0.5, 0.5, 1.5])
 Z = 0.01 * np.random.default_rng(0).normal(size=(41, 4))

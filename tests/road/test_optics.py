@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from road import optics
-from road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from road.raycast import CameraView
+from foreride.road import optics
+from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of, project
+from foreride.road.raycast import CameraView
 
 CAMERA = Camera()
 POSE = pose_of(CameraMount(), 1.0, 0.0, 0.0)

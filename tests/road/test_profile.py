@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.features import FlatTopHump, HalfSineBump, Pothole
-from road.profile import FADE_IN_M, Road
-from road.roughness import Roughness, rough_surface
+from foreride.files.errors import InputError
+from foreride.road.features import FlatTopHump, HalfSineBump, Pothole
+from foreride.road.profile import FADE_IN_M, Road
+from foreride.road.roughness import Roughness, rough_surface
 
 BUMP, HOLE = HalfSineBump(20.0, 0.08, 0.4), Pothole(8.0, 0.05, 0.3, 0.4, y_m=0.75)
 

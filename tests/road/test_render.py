@@ -3,14 +3,23 @@
 import numpy as np
 import pytest
 
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, CameraPose, ground_point, horizon_row, pose_of, project, rays
-from road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.profile import Road
-from road.raycast import FAR_M
-from road.render import Scene
-from road.roughness import Roughness
-from road.visible import MIN_BOX_HEIGHT_PX, MIN_VISIBLE_PX, visible_boxes
+from foreride.road.appearance import Appearance
+from foreride.road.camera import (
+    Camera,
+    CameraMount,
+    CameraPose,
+    ground_point,
+    horizon_row,
+    pose_of,
+    project,
+    rays,
+)
+from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.profile import Road
+from foreride.road.raycast import FAR_M
+from foreride.road.render import Scene
+from foreride.road.roughness import Roughness
+from foreride.road.visible import MIN_BOX_HEIGHT_PX, MIN_VISIBLE_PX, visible_boxes
 
 CAMERA = Camera()
 MOUNT = CameraMount()

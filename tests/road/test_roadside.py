@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from road import sprites, vehicles
-from road.appearance import SURROUNDINGS, Appearance
-from road.props import Prop, Solid, Sprite, ground_position, prism, pyramid
-from road.roadside import REACH_M, random_traffic, static_objects
+from foreride.road import sprites, vehicles
+from foreride.road.appearance import SURROUNDINGS, Appearance
+from foreride.road.props import Prop, Solid, Sprite, ground_position, prism, pyramid
+from foreride.road.roadside import REACH_M, random_traffic, static_objects
 
 
 def test_a_prism_is_closed_and_its_faces_look_outwards() -> None:

@@ -3,8 +3,8 @@ import pytest
 from scipy.signal import csd, welch
 from scipy.special import k1
 
-from files.errors import InputError
-from road.roughness import (
+from foreride.files.errors import InputError
+from foreride.road.roughness import (
     ISO_CLASSES,
     STEP_M,
     Roughness,
@@ -12,7 +12,7 @@ from road.roughness import (
     isotropic_coherence,
     rough_surface,
 )
-from scenarios.validation.road import coherence, line_through_psd
+from foreride.scenarios.validation.road import coherence, line_through_psd
 
 LENGTH_M = 8000.0
 

@@ -2,10 +2,17 @@
 
 import numpy as np
 
-from road.appearance import Appearance, random_appearance
-from road.camera import Camera
-from road.features import PAINTS, FlatTopHump, HalfSineBump, Pothole, WattsHump
-from road.scenes import ROAD_M, random_bump, random_positions, random_potholes, random_road, random_view
+from foreride.road.appearance import Appearance, random_appearance
+from foreride.road.camera import Camera
+from foreride.road.features import PAINTS, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.scenes import (
+    ROAD_M,
+    random_bump,
+    random_positions,
+    random_potholes,
+    random_road,
+    random_view,
+)
 
 
 def test_every_kind_occurs_at_the_sizes_of_real_ones() -> None:

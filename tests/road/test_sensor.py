@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from road import sensor
-from road.appearance import Appearance
+from foreride.road import sensor
+from foreride.road.appearance import Appearance
 
 
 def developed(level: float, **look: float) -> np.ndarray:

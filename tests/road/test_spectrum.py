@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.roughness import STEP_M, Roughness, rough_surface
-from road.spectrum import classify_iso8608, fit, spectrum
+from foreride.files.errors import InputError
+from foreride.road.roughness import STEP_M, Roughness, rough_surface
+from foreride.road.spectrum import classify_iso8608, fit, spectrum
 
 
 @pytest.mark.parametrize("iso_class", ["A", "D", "H"])

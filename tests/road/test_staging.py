@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from road import staging
-from road.appearance import Appearance
-from road.camera import Camera, CameraMount, pose_of, project, rays
-from road.features import HalfSineBump
-from road.profile import Road
-from road.props import Solid, Sprite, place_body, prism, pyramid
-from road.raycast import CameraView
-from road.render import MAX_HIDDEN, Scene
+from foreride.road import staging
+from foreride.road.appearance import Appearance
+from foreride.road.camera import Camera, CameraMount, pose_of, project, rays
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.road.props import Solid, Sprite, place_body, prism, pyramid
+from foreride.road.raycast import CameraView
+from foreride.road.render import MAX_HIDDEN, Scene
 
 CAMERA = Camera()
 POSE = pose_of(CameraMount(), 1.0, 0.0, 0.0)

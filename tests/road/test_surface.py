@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from road.appearance import Appearance
-from road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
-from road.features import Feature, HalfSineBump, Pothole, Step, WattsHump
-from road.profile import Road
-from road.roughness import Roughness
-from road.surface import BLOCK_ROWS, COLUMNS, Surface
+from foreride.road.appearance import Appearance
+from foreride.road.block import CELL_M, HALF_WIDTH_M, LEVEL_COLUMN_SHIFTS, START_M
+from foreride.road.features import Feature, HalfSineBump, Pothole, Step, WattsHump
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
+from foreride.road.surface import BLOCK_ROWS, COLUMNS, Surface
 
 FEATURES: tuple[Feature, ...] = (
     HalfSineBump(4.0, 0.08, 0.4, -2.0, 1.0),

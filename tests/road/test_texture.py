@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from road.texture import GRAIN_CELLS, fractal, grain
+from foreride.road.texture import GRAIN_CELLS, fractal, grain
 
 
 def test_fractal_has_the_shape_and_repeats() -> None:

@@ -37,7 +37,7 @@ def start(
     try:
         _redirect(stderr)
         os.chdir(folder)
-        from scenarios.cli import main
+        from foreride.scenarios.cli import main
 
         prepare()
         before()

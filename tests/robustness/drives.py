@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from files import strict
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.commands.bound import ACTUATORS
-from scenarios.loading import load
-from scenarios.schema import Scenario
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.commands.bound import ACTUATORS
+from foreride.scenarios.loading import load
+from foreride.scenarios.schema import Scenario
 from tests.fuzz.trial import ground_position
 
 LONGEST_TICKS = 1500

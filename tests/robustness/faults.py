@@ -173,7 +173,7 @@ def environment(staged: Stage, changes: dict[str, str | None]) -> list[str]:
     variables = {**os.environ, "PYTHONPATH": str(ROOT)}
     variables = {key: value for key, value in variables.items() if changes.get(key, value) is not None}
     variables |= {key: value for key, value in changes.items() if value is not None}
-    command = [sys.executable, "-m", "scenarios.cli", *staged.writer.command("new")]
+    command = [sys.executable, "-m", "foreride.scenarios.cli", *staged.writer.command("new")]
     done = subprocess.run(command, cwd=work, env=variables, capture_output=True, text=True, errors="replace")
     ended = Ended(done.returncode, done.stderr.splitlines())
     return _wrong(ended, (0,)) + problems(work, staged.before, staged.after)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from files.errors import InputError
+from foreride.files.errors import InputError
 from tests.robustness.child import counted, killed_at, run
 from tests.robustness.state import State, problems, scratch_in, state_of
 from tests.robustness.writers import SLOW, WORK, WRITERS, Writer, fresh, place_inputs
@@ -73,7 +73,7 @@ def kill(staged: Stage, before: Callable[[], None], after_s: float | None) -> li
 
 def _misread(work: Path) -> list[str]:
     """Scratch that a report takes for runs."""
-    from scenarios.report.gather import gather
+    from foreride.scenarios.report.gather import gather
 
     told = []
     for folder in (work, *(path for path in work.iterdir() if path.is_dir())):
@@ -126,8 +126,8 @@ def warm(place: Path, names: Sequence[str]) -> None:
     """Make the inputs of the commands, and import what they need before anything is forked."""
     trains = any("train" in name or "export" in name for name in names)
     for module in (
-        "scenarios.cli",
-        "scenarios.report.html",
+        "foreride.scenarios.cli",
+        "foreride.scenarios.report.html",
         "pyarrow.parquet",
         *(("torch",) if trains else ()),
     ):

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from road.camera import Camera
+from foreride.road.camera import Camera
 from tests.detector.roads import write as write_images
 from tests.fuzz.readers import STUDY
 from tests.road.boards import photograph, poses
@@ -36,15 +36,15 @@ class Writer:
 
 
 def _quick_demo() -> None:
-    from scenarios.commands import demo
+    from foreride.scenarios.commands import demo
 
     demo.SCENARIOS = ("../new/short.yaml",)
 
 
 def _sweep_in_this_process() -> None:
-    from scenarios import results
-    from scenarios.commands import sweep
-    from scenarios.sweep import work
+    from foreride.scenarios import results
+    from foreride.scenarios.commands import sweep
+    from foreride.scenarios.sweep import work
 
     @contextmanager
     def cluster(*given, **named):  # type: ignore[no-untyped-def]
@@ -60,9 +60,9 @@ def _sweep_in_this_process() -> None:
 
 
 def _quick_bound() -> None:
-    import scenarios.bound
-    from controller.clairvoyant import Optimum
-    from controller.whole_drive import WholeDriveObjective
+    import foreride.scenarios.bound
+    from foreride.controller.clairvoyant import Optimum
+    from foreride.controller.whole_drive import WholeDriveObjective
 
     def optimise(car, whole: WholeDriveObjective, plans) -> Optimum:  # type: ignore[no-untyped-def]
         found = {name: whole.objective(plan)[0] for name, plan in plans.items()}

@@ -2,8 +2,8 @@
 
 import pytest
 
-from files.errors import InputError
-from scenarios.loading import load, names
+from foreride.files.errors import InputError
+from foreride.scenarios.loading import load, names
 
 WINDOW = "mode: stuck, start_s: 0.1, duration_s: 0.2"
 

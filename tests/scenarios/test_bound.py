@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from road.features import HalfSineBump
-from road.profile import Road
-from scenarios.bound import START_CONTROLLERS, _key, _start_case, bound, drive_inputs
-from scenarios.cases import Case
-from scenarios.cli import main
-from scenarios.closed_loop import commands, simulate
-from scenarios.commands.bound import ACTUATORS, with_actuator
-from scenarios.faults import LateAnswers
-from scenarios.loading import load
-from scenarios.report.gather import gather
-from scenarios.schema import Scenario
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.scenarios.bound import START_CONTROLLERS, _key, _start_case, bound, drive_inputs
+from foreride.scenarios.cases import Case
+from foreride.scenarios.cli import main
+from foreride.scenarios.closed_loop import commands, simulate
+from foreride.scenarios.commands.bound import ACTUATORS, with_actuator
+from foreride.scenarios.faults import LateAnswers
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.gather import gather
+from foreride.scenarios.schema import Scenario
 
 
 @pytest.fixture(autouse=True)
@@ -80,7 +80,7 @@ def test_what_is_kept_does_not_depend_on_the_settings_or_oracle_errors_of_who_as
 
 
 def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.commands.bound.load", lambda name, overrides: short())
+    monkeypatch.setattr("foreride.scenarios.commands.bound.load", lambda name, overrides: short())
     file = tmp_path / "bound.json"
     assert main(["bound", "short", "--json", str(file)]) == 0
     numbers = json.loads(file.read_text())
@@ -93,7 +93,7 @@ def test_the_command_writes_the_contracts_numbers(tmp_path: Path, monkeypatch: p
 def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.commands.options.load_all", lambda names, overrides: [short()])
+    monkeypatch.setattr("foreride.scenarios.commands.options.load_all", lambda names, overrides: [short()])
     file, out = tmp_path / "table.json", tmp_path / "out"
     asked = ["compare", "short", "--controllers", "mpc_preview,skyhook", "--perception", "oracle", "--bound"]
     assert main([*asked, "--json", str(file), "--out", str(out)]) == 0

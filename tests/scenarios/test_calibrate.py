@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 import yaml
 
-from files import strict
-from road.camera import Camera
-from scenarios.cli import main
-from scenarios.schema import CameraSetup
+from foreride.files import strict
+from foreride.road.camera import Camera
+from foreride.scenarios.cli import main
+from foreride.scenarios.schema import CameraSetup
 from tests.road.boards import photograph, poses
 
 TRUE = Camera(focal_px=500.0, distortion=(-0.2, 0.05, 0.0, 0.0, 0.0))

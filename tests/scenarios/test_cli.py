@@ -6,10 +6,10 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from scenarios.cli import main
-from scenarios.commands.options import settings_overrides
-from scenarios.loading import load
-from scenarios.readback import read
+from foreride.scenarios.cli import main
+from foreride.scenarios.commands.options import settings_overrides
+from foreride.scenarios.loading import load
+from foreride.scenarios.readback import read
 
 SHORT = """
 title: A short drive

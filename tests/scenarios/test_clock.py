@@ -3,7 +3,7 @@ from math import ceil
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
+from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 
 
 @given(st.integers(1, 1000))

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from files.errors import InputError
-from scenarios import cli
+from foreride.files.errors import InputError
+from foreride.scenarios import cli
 
 
 def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
@@ -92,14 +92,14 @@ def test_the_traceback_of_an_internal_error_is_there_for_the_asking(monkeypatch:
 
 
 def test_nothing_slow_is_imported_before_an_interrupt_is_caught() -> None:
-    code = "import sys, scenarios.cli; print(*sys.modules)"
+    code = "import sys, foreride.scenarios.cli; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "casadi", "mujoco", "numba", "yaml", "rich"} & set(done.stdout.split())
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8", "latin-1"])
 def test_a_name_that_no_terminal_can_show_is_printed_all_the_same(encoding: str) -> None:
-    command = [sys.executable, "-m", "scenarios.cli", "run", os.fsdecode(b"stra\xc3\x9fe-\xff.yaml")]
+    command = [sys.executable, "-m", "foreride.scenarios.cli", "run", os.fsdecode(b"stra\xc3\x9fe-\xff.yaml")]
     environment = os.environ | {"PYTHONIOENCODING": encoding}
     done = subprocess.run(command, capture_output=True, env=environment, check=False)
     assert done.returncode == cli.BAD_INPUT

@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from scenarios.cli import main
+from foreride.scenarios.cli import main
 
 SHORT = """
 title: A short drive

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.cli import main
-from scenarios.results import Results
+from foreride.scenarios.cli import main
+from foreride.scenarios.results import Results
 
 SHORT = """
 title: A short drive

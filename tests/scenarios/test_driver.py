@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-import controller.program as program
-from controller.qp import Solution, solve_box
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
+import foreride.controller.program as program
+from foreride.controller.qp import Solution, solve_box
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
 
 
 def test_fallbacks_are_counted_logged_and_survived(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

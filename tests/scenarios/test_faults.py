@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from preview.horizon import flat_preview
-from scenarios.faults import Faults, LateAnswers, PreviewFault, SensorFault
-from vehicle.sensors import Measurement
+from foreride.files.errors import InputError
+from foreride.preview.horizon import flat_preview
+from foreride.scenarios.faults import Faults, LateAnswers, PreviewFault, SensorFault
+from foreride.vehicle.sensors import Measurement
 
 
 def reading(time_s: float) -> Measurement:

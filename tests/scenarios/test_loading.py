@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import InputError
-from scenarios.loading import load, names
+from foreride.files.errors import InputError
+from foreride.scenarios.loading import load, names
 
 GOOD = """
 title: A bump

@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controller.base import Estimate
-from controller.observer import exact_estimate
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
-from scenarios.cases import Case
-from scenarios.closed_loop import simulate
-from scenarios.loading import load
-from scenarios.observer_errors import observer_errors
-from scenarios.runfolder import manifest, row
-from vehicle.parameters import load_vehicle
-from vehicle.plant import Plant
-from vehicle.state import VehicleState
+from foreride.controller.base import Estimate
+from foreride.controller.observer import exact_estimate
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.observer_errors import observer_errors
+from foreride.scenarios.runfolder import manifest, row
+from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.state import VehicleState
 
 CAR = load_vehicle("half")
 SHORT = ["road.length_m=30", "road.features.0.start_m=10"]

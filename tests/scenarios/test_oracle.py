@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from preview.horizon import RoadPreview, oracle_preview
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
-from road.roughness import Roughness
-from scenarios.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
-from vehicle.parameters import load_vehicle
+from foreride.files.errors import InputError
+from foreride.preview.horizon import RoadPreview, oracle_preview
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.road.roughness import Roughness
+from foreride.scenarios.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
+from foreride.vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("half")
 ROAD = Road(80.0, (HalfSineBump(30.0, 0.05, 0.5), HalfSineBump(60.0, 0.05, 0.5)), Roughness("A", 1))

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from scenarios.cases import Case, cases, distinct
-from scenarios.cli import main
-from scenarios.commands import options
-from scenarios.loading import load
-from scenarios.readback import is_run, read
-from scenarios.runfolder import folder_name, write
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case, cases, distinct
+from foreride.scenarios.cli import main
+from foreride.scenarios.commands import options
+from foreride.scenarios.loading import load
+from foreride.scenarios.readback import is_run, read
+from foreride.scenarios.runfolder import folder_name, write
 
 SHORT = """
 title: A short drive
@@ -41,7 +41,7 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("simulate_each", "progress_bar"):
         monkeypatch.setattr(options, name, refuse)
     for command in ("render", "tune", "sweep"):
-        module = __import__(f"scenarios.commands.{command}", fromlist=[command])
+        module = __import__(f"foreride.scenarios.commands.{command}", fromlist=[command])
         for name in ("atomic_folder", "progress_bar", "cluster"):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, refuse)

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import scenarios.eyes as eyes
-from detector.detection import Detections
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
-from scenarios.perception import Exposure
-from vehicle.state import VehicleState
+import foreride.scenarios.eyes as eyes
+from foreride.detector.detection import Detections
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.perception import Exposure
+from foreride.vehicle.state import VehicleState
 
 SHORT = ["vehicle.model=quarter", "road.length_m=22", "road.features.0.start_m=10"]
 

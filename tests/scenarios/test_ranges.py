@@ -9,18 +9,18 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import pytest
 
-from controller.settings import ControllerSettings
-from files import strict
-from files.errors import InputError
-from files.ranges import Checked, Number, number_of, numbers_in
-from preview.memory import Memory
-from scenarios.axis import Axis
-from scenarios.loading import load, names
-from scenarios.reference import blocks
-from scenarios.schema import Scenario
-from scenarios.sets import load_all, set_names
-from scenarios.study import Study
-from vehicle.parameters import Car, load_vehicle
+from foreride.controller.settings import ControllerSettings
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.files.ranges import Checked, Number, number_of, numbers_in
+from foreride.preview.memory import Memory
+from foreride.scenarios.axis import Axis
+from foreride.scenarios.loading import load, names
+from foreride.scenarios.reference import blocks
+from foreride.scenarios.schema import Scenario
+from foreride.scenarios.sets import load_all, set_names
+from foreride.scenarios.study import Study
+from foreride.vehicle.parameters import Car, load_vehicle
 
 ROOTS = (Scenario, ControllerSettings, Memory, Study, Axis, *get_args(Car))
 FAR = (1e300, -1e300, math.nan, math.inf, -math.inf, 10**400)

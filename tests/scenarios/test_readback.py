@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
-from scenarios.readback import read
-from scenarios.runfolder import write
+from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.readback import read
+from foreride.scenarios.runfolder import write
 
 SHORT = ["road.length_m=24", "road.features.0.start_m=14", "vehicle.model=half"]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import InputError
-from scenarios.baseline import read
-from scenarios.cli import main
-from scenarios.pytest_plugin import RideComfort
-from scenarios.regression import TOLERANCES, Tolerance, changes, diff, failed
+from foreride.files.errors import InputError
+from foreride.scenarios.baseline import read
+from foreride.scenarios.cli import main
+from foreride.scenarios.pytest_plugin import RideComfort
+from foreride.scenarios.regression import TOLERANCES, Tolerance, changes, diff, failed
 
 SHORT = """
 title: A short drive

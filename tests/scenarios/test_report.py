@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from scenarios.cli import main
-from scenarios.readback import read
-from scenarios.report.budget import error_budget_section
-from scenarios.report.frames import with_frames
-from scenarios.report.replay import encode_float32, spectra
+from foreride.files.errors import InputError
+from foreride.scenarios.cli import main
+from foreride.scenarios.readback import read
+from foreride.scenarios.report.budget import error_budget_section
+from foreride.scenarios.report.frames import with_frames
+from foreride.scenarios.report.replay import encode_float32, spectra
 from tests.scenarios.browser import CHROMIUM, told_by
 
 SHORT = """
@@ -203,7 +203,7 @@ def test_rendering_again_gives_what_the_detector_saw(compared: Path) -> None:
     """The true hump lies inside the box that the detector found in the image that was not kept."""
     run = with_frames(read(camera_run(compared)))
     assert all(look.image.shape == run.looks[0].image.shape for look in run.looks)
-    from scenarios.eyes import load_detector
+    from foreride.scenarios.eyes import load_detector
 
     detector = load_detector(run.case.scenario)
     look = max(run.looks, key=lambda look: len(look.detections))

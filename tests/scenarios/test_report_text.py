@@ -10,16 +10,16 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from files.errors import printable
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
-from scenarios.report.figures import write_event_figure
-from scenarios.report.gather import ReportInput
-from scenarios.report.html import page
-from scenarios.report.table import comparison, latex, markdown
-from scenarios.runfolder import row
-from scenarios.statistics import summarise
+from foreride.files.errors import printable
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
+from foreride.scenarios.report.figures import write_event_figure
+from foreride.scenarios.report.gather import ReportInput
+from foreride.scenarios.report.html import page
+from foreride.scenarios.report.table import comparison, latex, markdown
+from foreride.scenarios.runfolder import row
+from foreride.scenarios.statistics import summarise
 from tests.scenarios.browser import CHROMIUM, told_by
 
 HOSTILE = (

@@ -6,9 +6,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-import scenarios.results as results_module
-from files.errors import InputError
-from scenarios.results import Results, load_results
+import foreride.scenarios.results as results_module
+from foreride.files.errors import InputError
+from foreride.scenarios.results import Results, load_results
 
 
 def row(number: int, error: str | None = None) -> dict:

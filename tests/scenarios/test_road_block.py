@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import InputError
-from road.enveloping import RigidWheel, TandemCam
-from scenarios.loading import load
+from foreride.files.errors import InputError
+from foreride.road.enveloping import RigidWheel, TandemCam
+from foreride.scenarios.loading import load
 
 HEAD = "title: t\nspeed_kmh: 30\nvehicle: {model: half}\n"
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from files.errors import InputError
-from scenarios.sets import load_all, set_names
+from foreride.files.errors import InputError
+from foreride.scenarios.sets import load_all, set_names
 
 
 def test_results_are_reported_on_twenty_events_and_more_of_all_kinds() -> None:

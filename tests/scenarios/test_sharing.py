@@ -13,9 +13,9 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from files.sharing import shared_name, shared_target, without_folders
-from scenarios.cli import main
-from scenarios.runfolder import environment
+from foreride.files.sharing import shared_name, shared_target, without_folders
+from foreride.scenarios.cli import main
+from foreride.scenarios.runfolder import environment
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = """
@@ -54,7 +54,7 @@ def foreride(folder: Path, place: Path, *words: str) -> None:
         "LOGNAME": USER,
         "FORERIDE_CACHE": str(folder / "cache"),
     }
-    command = [sys.executable, "-m", "scenarios.cli", *words]
+    command = [sys.executable, "-m", "foreride.scenarios.cli", *words]
     done = subprocess.run(command, cwd=place, env=environ, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
 

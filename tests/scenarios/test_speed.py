@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from scenarios.speed import SpeedPoint, profile
+from foreride.files.errors import InputError
+from foreride.scenarios.speed import SpeedPoint, profile
 
 
 def test_points_by_place_and_by_time() -> None:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from files.errors import InputError
-from scenarios.statistics import Interval, captured, intervals, pick, summarise
+from foreride.files.errors import InputError
+from foreride.scenarios.statistics import Interval, captured, intervals, pick, summarise
 
 
 def row(controller: str, seed: int, objective: float, perception: str = "none", lift: float = 0.0) -> dict:

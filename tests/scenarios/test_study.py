@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, norm
 
-from files.errors import InputError
-from scenarios.axis import Axis
-from scenarios.study import Study, points, read
+from foreride.files.errors import InputError
+from foreride.scenarios.axis import Axis
+from foreride.scenarios.study import Study, points, read
 
 GRID = """
 scenarios: [bump_8x40_30]

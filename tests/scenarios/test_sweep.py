@@ -14,11 +14,11 @@ import psutil
 import pytest
 from distributed import LocalCluster
 
-from scenarios.cli import main
-from scenarios.closed_loop import simulate
-from scenarios.results import Results, load_results
-from scenarios.study import read
-from scenarios.sweep import LOOPBACK, cluster, run, simulate_sample
+from foreride.scenarios.cli import main
+from foreride.scenarios.closed_loop import simulate
+from foreride.scenarios.results import Results, load_results
+from foreride.scenarios.study import read
+from foreride.scenarios.sweep import LOOPBACK, cluster, run, simulate_sample
 
 ROAD = """
 title: A short drive
@@ -89,7 +89,7 @@ def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPat
             simulate_sample(sample)
         )  # all but one, by a process that was killed before it could flush
     handed: list[str] = []
-    import scenarios.commands.sweep as command
+    import foreride.scenarios.commands.sweep as command
 
     def recorded(client: object, missing: list, results: Results, advance: object) -> None:
         handed.extend(sample.key for sample in missing)
@@ -120,7 +120,7 @@ def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPat
 def test_an_unreachable_scheduler_is_told_in_one_line(
     study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.sweep.REACH_S", 1)
+    monkeypatch.setattr("foreride.scenarios.sweep.REACH_S", 1)
     out = study.parent / "out"
     assert main(["sweep", str(study), "--out", str(out), "--scheduler", "tcp://127.0.0.1:9"]) == 2
     told = capsys.readouterr().err.strip().splitlines()[-1]
@@ -147,7 +147,7 @@ def test_a_dashboard_needs_host_and_port(
 def test_a_cluster_without_workers_ends_with_the_command_that_goes_on(
     study: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.sweep.PATIENCE_S", 0.2)
+    monkeypatch.setattr("foreride.scenarios.sweep.PATIENCE_S", 0.2)
     out = study.parent / "an out"
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=LOOPBACK) as empty:
         asked = ["sweep", str(study), "--out", str(out), "--scheduler", empty.scheduler_address]
@@ -182,7 +182,7 @@ def test_a_full_disk_is_told_in_one_line_and_loses_no_finished_drive(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device", str(results.folder))
 
-    import scenarios.commands.sweep as command
+    import foreride.scenarios.commands.sweep as command
 
     monkeypatch.setattr(command, "run", full)
     monkeypatch.setattr(command, "cluster", lambda *_: __import__("contextlib").nullcontext())
@@ -198,7 +198,17 @@ def test_a_sweep_whose_process_is_killed_goes_on_and_gives_the_rows_of_one_that_
     out, journal = study.parent / "out", study.parent / "out" / "journal.jsonl"
     slower = study.with_name("slower.yaml")
     slower.write_text(STUDY.replace("samples: 5", "samples: 20").replace("high: 260", "high: 60"))
-    command = [sys.executable, "-m", "scenarios.cli", "sweep", str(slower), "--out", str(out), "--jobs", "1"]
+    command = [
+        sys.executable,
+        "-m",
+        "foreride.scenarios.cli",
+        "sweep",
+        str(slower),
+        "--out",
+        str(out),
+        "--jobs",
+        "1",
+    ]
     process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL)
     while not (journal.exists() and journal.read_text().count("\n") >= 2):
         assert process.poll() is None

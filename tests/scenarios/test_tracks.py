@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from road.envelope import wheel_profile
-from scenarios.loading import load, names
-from scenarios.tracks import wheel_profiles
+from foreride.road.envelope import wheel_profile
+from foreride.scenarios.loading import load, names
+from foreride.scenarios.tracks import wheel_profiles
 
 
 def test_every_wheel_feels_the_road_of_its_own_track():

@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from controller.settings import ControllerSettings
-from controller.tuned import TUNED_CONTROLLERS, tuned_settings
-from files import strict
-from files.errors import InputError
-from scenarios.cli import main
-from scenarios.loading import load
-from scenarios.tuning import SEARCH_RANGES, SearchRange, search_ranges, tune
+from foreride.controller.settings import ControllerSettings
+from foreride.controller.tuned import TUNED_CONTROLLERS, tuned_settings
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.scenarios.cli import main
+from foreride.scenarios.loading import load
+from foreride.scenarios.tuning import SEARCH_RANGES, SearchRange, search_ranges, tune
 
 SHORT = """
 title: One bump

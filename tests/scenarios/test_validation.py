@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from scenarios.cli import main
-from scenarios.validation import areas
-from scenarios.validation.check import Check, relative
+from foreride.scenarios.cli import main
+from foreride.scenarios.validation import areas
+from foreride.scenarios.validation.check import Check, relative
 
 
 def good() -> Check:

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from scenarios.cases import Case
-from scenarios.closed_loop import Run, simulate
-from scenarios.loading import load
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.loading import load
 
 
 def drive(vehicle: str, controller: str, *overrides: str) -> Run:

@@ -3,13 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from road.envelope import WheelProfile
-from vehicle.actuator import FullyActive, SlowActive
-from vehicle.audit import energy_audit
-from vehicle.damper import MrTanhDamper
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import Plant
-from vehicle.state import VehicleState
+from foreride.road.envelope import WheelProfile
+from foreride.vehicle.actuator import FullyActive, SlowActive
+from foreride.vehicle.audit import energy_audit
+from foreride.vehicle.damper import MrTanhDamper
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.state import VehicleState
 
 QUARTER = load_vehicle("quarter")
 FLAT = WheelProfile(0.0, 1.0, np.zeros(3))

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.envelope import WheelProfile
-from vehicle.batch import Fleet
-from vehicle.damper import ValveDamper
-from vehicle.parameters import load_vehicle
-from vehicle.plant import Plant
+from foreride.files.errors import InputError
+from foreride.road.envelope import WheelProfile
+from foreride.vehicle.batch import Fleet
+from foreride.vehicle.damper import ValveDamper
+from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.plant import Plant
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 ROAD = WheelProfile(0.0, 0.1, np.array([0.0, 0.0, 0.0, 0.02, 0.06, 0.03, 0.0, 0.0, -0.05, 0.0, 0.0]))

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from files.errors import InputError
-from vehicle import equations
-from vehicle.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from vehicle.parameters import control_model, load_vehicle
-from vehicle.plant import Plant
+from foreride.files.errors import InputError
+from foreride.vehicle import equations
+from foreride.vehicle.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.parameters import control_model, load_vehicle
+from foreride.vehicle.plant import Plant
 
 PARTS: list[Damper] = [IdealDamper(), ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
 STATIC: list[Damper] = PARTS[:3]

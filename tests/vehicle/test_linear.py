@@ -5,12 +5,12 @@ import control
 import numpy as np
 import pytest
 
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
-from vehicle.linear import linear_twin, natural_frequencies_hz
-from vehicle.parameters import Car, load_vehicle
-from vehicle.plant import STEP_S, Plant
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.vehicle.linear import linear_twin, natural_frequencies_hz
+from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.plant import STEP_S, Plant
 
 BUMPY = Road(length_m=30.0, features=(HalfSineBump(3.0, 0.01, 0.8),))
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from files import strict
-from files.errors import InputError
-from vehicle.corner import CORNER_FIELDS
-from vehicle.linear import natural_frequencies_hz
-from vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
+from foreride.files import strict
+from foreride.files.errors import InputError
+from foreride.vehicle.corner import CORNER_FIELDS
+from foreride.vehicle.linear import natural_frequencies_hz
+from foreride.vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
 FULL = load_vehicle("full_car")

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from files.errors import InputError
-from road.envelope import wheel_profile
-from road.features import HalfSineBump, Pothole
-from road.profile import Road
-from vehicle import equations
-from vehicle.actuator import SlowActive
-from vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
-from vehicle.plant import Plant, build_model
-from vehicle.state import EffectiveProfile, VehicleState, observe, road_under
+from foreride.files.errors import InputError
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump, Pothole
+from foreride.road.profile import Road
+from foreride.vehicle import equations
+from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
+from foreride.vehicle.plant import Plant, build_model
+from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 
 
 @dataclass(frozen=True)

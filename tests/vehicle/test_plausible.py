@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from files.errors import InputError
-from vehicle.parameters import load_vehicle
+from foreride.files.errors import InputError
+from foreride.vehicle.parameters import load_vehicle
 
 
 @pytest.mark.parametrize(

@@ -3,14 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from road.envelope import wheel_profile
-from road.features import HalfSineBump
-from road.profile import Road
-from vehicle.parameters import load_vehicle
-from vehicle.plant import Plant
-from vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
-from vehicle.state import VehicleState, observe
+from foreride.files.errors import InputError
+from foreride.road.envelope import wheel_profile
+from foreride.road.features import HalfSineBump
+from foreride.road.profile import Road
+from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.plant import Plant
+from foreride.vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
+from foreride.vehicle.state import VehicleState, observe
 
 
 def moving_car(name: str = "half", y_max_m: float = 3.5) -> VehicleState:

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from road.envelope import WheelProfile
-from vehicle import equations
-from vehicle.parameters import load_vehicle
-from vehicle.state import observe, road_under
+from foreride.road.envelope import WheelProfile
+from foreride.vehicle import equations
+from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.state import observe, road_under
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 RAMP = WheelProfile(0.0, 1.0, np.array([0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3]))

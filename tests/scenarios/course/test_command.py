@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.cases import Case
-from scenarios.cli import main
-from scenarios.commands import perception
+from foreride.scenarios.cases import Case
+from foreride.scenarios.cli import main
+from foreride.scenarios.commands import perception
 
 SHORT = """
 title: A short drive

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from road.features import ExpansionJoint, HalfSineBump
-from road.profile import Road
-from scenarios.cases import Case
-from scenarios.closed_loop import Run
-from scenarios.course.judge import EVALUATION_DISTANCE_M, encounters, false_tracks
-from scenarios.course.summary import summarise
-from scenarios.loading import load
-from scenarios.preview_log import collect
+from foreride.road.features import ExpansionJoint, HalfSineBump
+from foreride.road.profile import Road
+from foreride.scenarios.cases import Case
+from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.course.judge import EVALUATION_DISTANCE_M, encounters, false_tracks
+from foreride.scenarios.course.summary import summarise
+from foreride.scenarios.loading import load
+from foreride.scenarios.preview_log import collect
 
 SPEED = 10.0
 BUMP = HalfSineBump(50.0, 0.08, 0.4)

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from files.errors import InputError
-from scenarios.course.roads import COURSES, LOOKS, MIXED, course
-from scenarios.loading import load
-from vehicle.speed import SpeedProfile
+from foreride.files.errors import InputError
+from foreride.scenarios.course.roads import COURSES, LOOKS, MIXED, course
+from foreride.scenarios.loading import load
+from foreride.vehicle.speed import SpeedProfile
 
 BASE = load("mixed_40")
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from scenarios.cli import main
-from scenarios.course.table import error_table, use_table
+from foreride.scenarios.cli import main
+from foreride.scenarios.course.table import error_table, use_table
 
 SHORT = """
 title: A short drive
