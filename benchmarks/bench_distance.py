@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from foreride.files.atomic import write_text  # noqa: E402
+from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.cross_ratio import distance, marks_of  # noqa: E402
 from foreride.preview.distance import locate  # noqa: E402
 from foreride.preview.edge_bias import edge_bias  # noqa: E402

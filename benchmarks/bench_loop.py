@@ -9,7 +9,7 @@ import resource
 from pathlib import Path
 from statistics import median
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.loading import load

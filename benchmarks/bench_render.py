@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.road.appearance import Appearance
 from foreride.road.camera import Camera, CameraMount, pose_of
 from foreride.road.dataset import VIEWS_PER_ROAD, Job, render_road

@@ -26,7 +26,7 @@ from benchmarks.bench_mpc import random_situations
 from foreride.controller.base import Timing
 from foreride.controller.mpc import PredictiveController
 from foreride.controller.qp import Solution, solve_box
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.vehicle.parameters import load_vehicle
 
 TOLERANCE = 0.01

@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 from scipy.stats import qmc
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 
 FOLDER = Path(__file__).parents[1] / "scenarios" / "library" / "sets"
 RANGES: dict[str, dict[str, tuple[float, float]]] = {

@@ -19,8 +19,8 @@ import numpy as np
 from benchmarks.tables.command import command
 from foreride.detector.dataset import image_paths, read_labels
 from foreride.detector.imagefile import read_image
-from foreride.files.atomic import write_bytes
 from foreride.files.errors import InputError
+from foreride.files.writing.atomic import write_bytes
 from foreride.preview.distance import depression, distance_of, row_of
 from foreride.road.camera import Camera
 

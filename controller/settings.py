@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked, Share
+from foreride.files.reading.ranges import Checked, Share
 from foreride.vehicle.quantities import Damping
 
 Horizon = Annotated[float, Interval(ge=0.02, le=1.0), "s"]

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from foreride.controller.settings import ControllerSettings
-from foreride.files import strict
+from foreride.files.reading import strict
 
 FOLDER = Path(__file__).parent / "tuned"
 

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from foreride.detector.backends import BACKENDS, installed, open_network
 from foreride.detector.progress import Progress
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.numbers import is_integer, within
-from foreride.files.targets import check_files
+from foreride.files.reading.numbers import is_integer, within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 
 GRAPHS = ("plain", "optimised")
 PRECISIONS = ("fp32", "fp16", "int8")

@@ -10,9 +10,9 @@ from torch import Tensor, nn
 
 from foreride.detector.detection import CLASS_NAMES
 from foreride.detector.models import Network, build
-from foreride.files.atomic import write_bytes
 from foreride.files.errors import InputError, shown
-from foreride.files.reading import read_bytes
+from foreride.files.reading.regular_file import read_bytes
+from foreride.files.writing.atomic import write_bytes
 
 M = TypeVar("M", bound=nn.Module)
 CHECKPOINT_LIMIT = 2 << 30

@@ -10,10 +10,10 @@ from torch.utils.flop_counter import FlopCounterMode
 
 from foreride.detector.blocks import VoVGSCSPC
 from foreride.detector.models import MODELS, Network, build
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.targets import check_files
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 
 PAPER_COMPLEXITY = {
     "yolo11n": (2.58, 6.3),

@@ -9,13 +9,13 @@ from pathlib import Path
 from foreride.detector.dataset import image_paths, read_labels
 from foreride.detector.detection import CLASS_NAMES
 from foreride.detector.imagefile import read_image
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.folder import atomic_folder, check_folder
-from foreride.files.reading import reading
-from foreride.files.strict_json import read_json
-from foreride.files.targets import check_files
+from foreride.files.reading.regular_file import reading
+from foreride.files.reading.strict_json import read_json
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import atomic_folder, check_folder
+from foreride.files.writing.targets import check_files
 
 COCO_LIMIT = 512 << 20
 """Maximum size of an annotation file, 512 MiB, read within a minute."""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from foreride.detector.detection import CLASS_NAMES
 from foreride.detector.metrics import IOU_LEVELS, ImageResult, average_precision, pooled, precision_recall
-from foreride.files.atomic import write_bytes
 from foreride.files.errors import InputError
-from foreride.files.reading import reading
-from foreride.files.strict_json import read_json_lines
+from foreride.files.reading.regular_file import reading
+from foreride.files.reading.strict_json import read_json_lines
+from foreride.files.writing.atomic import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from foreride.detector.detection import CLASS_NAMES
 from foreride.detector.imagefile import read_image
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.reading import read_bytes, read_text
-from foreride.files.strict_json import read_json_lines
+from foreride.files.reading.regular_file import read_bytes, read_text
+from foreride.files.reading.strict_json import read_json_lines
 
 SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".webp")
 MAX_DISTANCE_M = 1e6

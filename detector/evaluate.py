@@ -31,14 +31,14 @@ from foreride.detector.nms import MIN_CONFIDENCE
 from foreride.detector.progress import Progress
 from foreride.detector.report import report
 from foreride.detector.runtime import Detector
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.folder import claim
-from foreride.files.images import read_pixels
-from foreride.files.numbers import within
-from foreride.files.sharing import shared_name
-from foreride.files.targets import check_files
+from foreride.files.reading.images import read_pixels
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import claim
+from foreride.files.writing.sharing import shared_name
+from foreride.files.writing.targets import check_files
 
 Change = Callable[[str, NDArray[np.uint8]], NDArray[np.uint8]]
 

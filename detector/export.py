@@ -31,10 +31,10 @@ from foreride.detector.models import Network
 from foreride.detector.parity import parity
 from foreride.detector.quantize import quantized, to_half_precision
 from foreride.detector.rewrite import rewrite
-from foreride.files.atomic import write_bytes
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.targets import check_files
+from foreride.files.writing.atomic import write_bytes
+from foreride.files.writing.targets import check_files
 
 OPSET = 17
 PRECISIONS = ("fp32", "fp16", "int8", "int8-conv")

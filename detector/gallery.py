@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from foreride.detector.breakdown import EvaluatedImage
 from foreride.detector.pictures import missed_mask, png, sheet, tile
-from foreride.files.atomic import write_bytes
+from foreride.files.writing.atomic import write_bytes
 
 COLUMNS, TILES = 4, 24
 

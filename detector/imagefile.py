@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from PIL import ExifTags, Image
 
 from foreride.files.errors import InputError
-from foreride.files.images import IMAGE_LIMIT, decode
-from foreride.files.reading import read_bytes
+from foreride.files.reading.images import IMAGE_LIMIT, decode
+from foreride.files.reading.regular_file import read_bytes
 
 _UPRIGHT = 1
 

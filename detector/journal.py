@@ -16,10 +16,10 @@ from foreride.detector.deploy import Deployed
 from foreride.detector.pictures import png, sheet, tile
 from foreride.detector.schedule import Stage
 from foreride.detector.trainer import TERMS, Trainer, match_whole_image, validate
-from foreride.files.atomic import write_bytes, write_text
 from foreride.files.errors import InputError
-from foreride.files.reading import read_text, reading
-from foreride.files.strict_json import JSON_LIMIT, parse_json
+from foreride.files.reading.regular_file import read_text, reading
+from foreride.files.reading.strict_json import JSON_LIMIT, parse_json
+from foreride.files.writing.atomic import write_bytes, write_text
 
 LOG_INTERVAL_STEPS = 20  # steps between two points of the loss curves
 TILES, COLUMNS = 12, 4

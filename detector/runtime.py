@@ -13,8 +13,8 @@ from foreride.detector.detection import CLASS_NAMES, Detections
 from foreride.detector.edges import refine
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
-from foreride.files.numbers import whole
-from foreride.files.reading import read_bytes
+from foreride.files.reading.numbers import whole
+from foreride.files.reading.regular_file import read_bytes
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32

@@ -27,11 +27,11 @@ from foreride.detector.models import MODELS
 from foreride.detector.schedule import DECAYS, parse_stages
 from foreride.detector.store import load_cached_dataset
 from foreride.detector.trainer import Settings, Trainer
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.folder import claim
-from foreride.files.sharing import shared_name
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import claim
+from foreride.files.writing.sharing import shared_name
 
 KIND = "training"
 """Of run folders of trainings, in their marker."""

@@ -12,10 +12,10 @@ import numpy as np
 import yaml
 from annotated_types import Interval
 
-from foreride.files import strict
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError, shown
-from foreride.files.ranges import Checked
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked
+from foreride.files.writing.atomic import write_text
 from foreride.preview.edge_bias import Bias
 from foreride.preview.shape import KINDS
 

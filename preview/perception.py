@@ -7,7 +7,7 @@ import numpy as np
 from annotated_types import Interval
 
 from foreride.detector.detection import Detections
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
 from foreride.road.camera import Camera, CameraPose, project
 from foreride.road.features import Feature

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias
 from foreride.road.checks import check_choice
 

@@ -7,7 +7,7 @@ import numpy as np
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked, Share
+from foreride.files.reading.ranges import Checked, Share
 from foreride.road.checks import check_choice
 
 LIGHTS = ("noon", "overcast", "sunset", "night")

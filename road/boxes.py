@@ -7,12 +7,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError, shown
-from foreride.files.images import read_pixels
-from foreride.files.reading import read_text
-from foreride.files.targets import check_files
+from foreride.files.reading.images import read_pixels
+from foreride.files.reading.regular_file import read_text
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 
 NAMES = ("speed_bump", "pothole")
 WIDTH_PX = 640  # reference width: box sizes are scaled to an image of this width

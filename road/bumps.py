@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.road.checks import check_choice, check_number
 from foreride.road.quantities import Height, Lateral, Length, Position, Ramp, Taper
 

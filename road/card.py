@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 
-from foreride.files import marker
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError, printable, shortened
-from foreride.files.reading import reading
-from foreride.files.strict_json import read_json, read_json_lines
+from foreride.files.reading.regular_file import reading
+from foreride.files.reading.strict_json import read_json, read_json_lines
+from foreride.files.writing import marker
+from foreride.files.writing.atomic import write_text
 from foreride.road.boxes import NAMES, box_statistics, table
 from foreride.road.render import MAX_HIDDEN
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.road.features import Feature, ManholeCover, Pothole, SpeedCushion
 
 Placement = Literal["left", "right", "both"]

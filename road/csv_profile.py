@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.reading import read_text
+from foreride.files.reading.regular_file import read_text
 
 TRACK_M = 1.5
 CSV_LIMIT = 256 << 20

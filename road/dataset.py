@@ -12,11 +12,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from foreride.files.atomic import write_text
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
-from foreride.files.folder import claim
-from foreride.files.numbers import within
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import claim
 from foreride.road.boxes import NAMES
 from foreride.road.card import real_statistics, write_card
 from foreride.road.labelled import SPLITS, VIEWS_PER_ROAD, Job, render_road

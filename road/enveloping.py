@@ -7,7 +7,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 
 
 @dataclass(frozen=True)

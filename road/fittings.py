@@ -8,7 +8,7 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.road.checks import check_number
 from foreride.road.quantities import Lateral, Position, Ramp
 

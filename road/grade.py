@@ -8,7 +8,7 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 
 MAX_GRADE = 0.3
 _MAX_FEATURE_HEIGHT_M = 0.3  # greatest height of a feature over the alignment

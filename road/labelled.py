@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.files.atomic import write_bytes, write_text
+from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.road.appearance import Appearance, random_appearance
 from foreride.road.camera import Camera, CameraPose
 from foreride.road.features import Feature

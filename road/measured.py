@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.reading import read_bytes, reading
+from foreride.files.reading.regular_file import read_bytes, reading
 from foreride.road import csv_profile, opencrg
 
 MAX_POINTS = 50_000_000

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.files.errors import InputError, printable, shortened
-from foreride.files.reading import read_bytes
+from foreride.files.reading.regular_file import read_bytes
 
 HALF_WIDTH_M = 10.0  # lateral limit: neither wheels nor cameras need data beyond it
 CRG_LIMIT = 512 << 20

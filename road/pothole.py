@@ -7,7 +7,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from foreride.files.ranges import Checked, Seed
+from foreride.files.reading.ranges import Checked, Seed
 from foreride.road.checks import check_number
 from foreride.road.quantities import Height, Lateral, Length, Position, Ramp
 from foreride.road.rim import Rim, irregular_rim

@@ -9,7 +9,7 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.road.chain import Chain
 from foreride.road.features import Feature, Step
 from foreride.road.grade import GradeChange, check_order, grade_height

@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
-from foreride.files.ranges import Checked, Seed
+from foreride.files.reading.ranges import Checked, Seed
 from foreride.road.checks import check_choice
 
 ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
-from foreride.files import strict
 from foreride.files.errors import InputError, shown
-from foreride.files.ranges import Checked
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked
 
 Finite = Annotated[float, Interval(ge=-1e12, le=1e12), "the field's own unit"]
 Spread = Annotated[float, Interval(ge=0.0, le=1e12), "the field's own unit"]

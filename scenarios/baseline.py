@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from foreride.files import strict
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError, shortened, shown
-from foreride.files.numbers import is_integer
-from foreride.files.strict_json import read_json
+from foreride.files.reading import strict
+from foreride.files.reading.numbers import is_integer
+from foreride.files.reading.strict_json import read_json
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.loading import load
 from foreride.scenarios.regression import Tolerance

@@ -12,8 +12,8 @@ from foreride.controller.clairvoyant import Optimum, optimise
 from foreride.controller.model import KILO
 from foreride.controller.tuned import tuned_settings
 from foreride.controller.whole_drive import DriveInputs, WholeDriveObjective
-from foreride.files.atomic import write_bytes
 from foreride.files.cache import cached
+from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.cases import Case
 from foreride.scenarios.clock import TICKS_PER_SECOND, due, ticks
 from foreride.scenarios.oracle import OracleErrors

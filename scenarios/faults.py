@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from annotated_types import Interval
 
-from foreride.files.ranges import Checked, Share
+from foreride.files.reading.ranges import Checked, Share
 from foreride.preview.horizon import RoadPreview
 from foreride.vehicle.sensors import Measurement
 

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from foreride.controller.tuned import tuned_mapping
-from foreride.files import strict
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.numbers import is_integer
-from foreride.files.reading import read_text, reading
-from foreride.files.yaml12 import parse
+from foreride.files.reading import strict
+from foreride.files.reading.numbers import is_integer
+from foreride.files.reading.regular_file import read_text, reading
+from foreride.files.reading.yaml12 import parse
 from foreride.scenarios import road_block
 from foreride.scenarios.schema import Scenario
 from foreride.vehicle.parameters import load_vehicle

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from foreride.files.ranges import Checked, Share
+from foreride.files.reading.ranges import Checked, Share
 from foreride.preview.horizon import RoadPreview, oracle_preview
 from foreride.road.envelope import WheelProfile, wheel_profile
 from foreride.road.enveloping import Enveloping

@@ -9,14 +9,14 @@ import numpy as np
 import pyarrow as pa
 
 from foreride.detector.detection import Detections
-from foreride.files import strict
 from foreride.files.errors import InputError
-from foreride.files.images import decode
-from foreride.files.marker import verified
-from foreride.files.parquet import table_from
-from foreride.files.reading import reading
-from foreride.files.scratch import is_scratch
-from foreride.files.strict_json import parse_json
+from foreride.files.reading import strict
+from foreride.files.reading.images import decode
+from foreride.files.reading.parquet import table_from
+from foreride.files.reading.regular_file import reading
+from foreride.files.reading.strict_json import parse_json
+from foreride.files.writing.marker import verified
+from foreride.files.writing.scratch import is_scratch
 from foreride.scenarios.cases import Case
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.closed_loop import Run

@@ -6,8 +6,8 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from foreride.files import strict
 from foreride.files.errors import InputError, shown
+from foreride.files.reading import strict
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.report.table import COLUMNS
 from foreride.scenarios.runfolder import row

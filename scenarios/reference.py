@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from foreride.comfort import METRICS
-from foreride.files import strict
-from foreride.files.atomic import write_text
-from foreride.files.ranges import numbers_in
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import numbers_in
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cli import parser
 from foreride.scenarios.schema import Scenario
 from foreride.vehicle.audit import energy_audit

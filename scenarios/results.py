@@ -11,12 +11,12 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from foreride.files.atomic import write_bytes, writing
 from foreride.files.errors import InputError
-from foreride.files.folder import claim
-from foreride.files.parquet import read_table
-from foreride.files.reading import read_bytes, reading
-from foreride.files.strict_json import JSON_LIMIT, parse_json
+from foreride.files.reading.parquet import read_table
+from foreride.files.reading.regular_file import read_bytes, reading
+from foreride.files.reading.strict_json import JSON_LIMIT, parse_json
+from foreride.files.writing.atomic import write_bytes, writing
+from foreride.files.writing.folder import claim
 
 KIND = "sweep"
 """ObstacleTemplate of result folders in their marker."""

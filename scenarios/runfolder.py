@@ -16,9 +16,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from foreride.files.folder import atomic_folder
-from foreride.files.names import joined
-from foreride.files.sharing import shared_name, shared_target
+from foreride.files.writing.folder import atomic_folder
+from foreride.files.writing.names import joined
+from foreride.files.writing.sharing import shared_name, shared_target
 from foreride.preview.memory import to_text as memory_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run

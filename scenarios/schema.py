@@ -1,4 +1,4 @@
-"""Scenario schema: frozen dataclasses of a scenario file, read strictly by `files.strict`."""
+"""Scenario schema: frozen dataclasses of a scenario file, read strictly by `files.reading.strict`."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 from annotated_types import Interval
 
 from foreride.controller.settings import ControllerSettings
-from foreride.files import strict
 from foreride.files.errors import InputError
-from foreride.files.names import check_name
-from foreride.files.ranges import Checked, Seed
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked, Seed
+from foreride.files.writing.names import check_name
 from foreride.preview.perception import BoxErrors
 from foreride.preview.settings import Settings as EstimatorSettings
 from foreride.road.appearance import Appearance

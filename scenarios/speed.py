@@ -7,7 +7,7 @@ from typing import Annotated
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.speed import SpeedProfile
 
 KM_H = 1 / 3.6

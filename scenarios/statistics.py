@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.files.errors import InputError
-from foreride.files.sharing import shared_target
+from foreride.files.writing.sharing import shared_target
 
 Row = Mapping[str, Any]
 """Summary row of one run, as returned by `scenarios.runfolder.row`."""

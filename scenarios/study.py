@@ -13,11 +13,11 @@ from annotated_types import Interval
 from numpy.typing import NDArray
 
 from foreride.controller.registry import uses_preview
-from foreride.files import strict
 from foreride.files.errors import InputError, shown
-from foreride.files.ranges import Checked, Seed
-from foreride.files.reading import read_text
-from foreride.files.yaml12 import parse
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked, Seed
+from foreride.files.reading.regular_file import read_text
+from foreride.files.reading.yaml12 import parse
 from foreride.scenarios.axis import Axis, Scalar, read_axis, scalar
 from foreride.scenarios.cases import Case
 from foreride.scenarios.loading import load

@@ -12,7 +12,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from foreride.files.errors import InputError, shown
-from foreride.files.sharing import shared_name, shared_target, without_folders
+from foreride.files.writing.sharing import shared_name, shared_target, without_folders
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.commands.tables import flat
 from foreride.scenarios.parallel import WorkerDied

@@ -11,7 +11,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ from itertools import pairwise
 from typing import Any, ClassVar
 
 from foreride.files.errors import InputError, shown
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
 from foreride.vehicle.quantities import Current, StrutForce, StrutSpeed
 

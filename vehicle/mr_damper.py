@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.quantities import SignedForce, Viscous
 
 Bend = Annotated[float, Interval(ge=-100.0, le=100.0), "1"]

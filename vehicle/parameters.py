@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, overload
 
-from foreride.files import strict
 from foreride.files.errors import InputError
+from foreride.files.reading import strict
 from foreride.vehicle.corner import GRAVITY_M_S2, Corner
 from foreride.vehicle.full_car import FullCar
 from foreride.vehicle.half_car import HalfCar

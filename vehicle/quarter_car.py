@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.actuator import Actuator
 from foreride.vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_damping_order
 from foreride.vehicle.damper import Damper, IdealDamper

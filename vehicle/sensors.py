@@ -21,7 +21,7 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
-from foreride.files.ranges import Checked
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.parameters import GRAVITY_M_S2
 from foreride.vehicle.state import VehicleState
 

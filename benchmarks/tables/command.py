@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import wraps
 
 from foreride.files.errors import InputError
-from foreride.files.numbers import is_integer
+from foreride.files.reading.numbers import is_integer
 
 
 def command(run: Callable[[Sequence[str] | None], object]) -> Callable[..., int]:

@@ -23,8 +23,8 @@ from foreride.detector.metrics import match_detections, summarise
 from foreride.detector.nms import MIN_CONFIDENCE
 from foreride.detector.progress import Progress
 from foreride.detector.runtime import WEIGHTS, Detector
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
+from foreride.files.writing.atomic import write_text
 
 PRECISIONS = ("fp32", "fp16", "int8")
 

@@ -32,7 +32,7 @@ from foreride.detector.models import Network
 from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU, select
 from foreride.detector.progress import Progress
 from foreride.detector.schedule import Stage, parse_stages
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 
 OURS = ("sbp-yolo", "yolo11n")
 ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)

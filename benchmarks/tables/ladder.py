@@ -18,7 +18,7 @@ from foreride.detector.complexity import parameters
 from foreride.detector.curves import read_history
 from foreride.detector.models import build
 from foreride.detector.schedule import Stage, parse_stages
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 
 LADDER = {
     "yolo11n": ["--model", "yolo11n"],

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables.command import command
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.closed_loop import simulate

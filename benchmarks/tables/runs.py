@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from rich.progress import track
 
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.strict_json import read_json
+from foreride.files.reading.strict_json import read_json
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.runfolder import environment, row, scenario_hash, to_json

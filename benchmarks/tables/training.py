@@ -7,11 +7,11 @@ from pathlib import Path
 from foreride.detector.schedule import Stage
 from foreride.detector.train import KIND
 from foreride.detector.train import main as train
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.folder import claim
-from foreride.files.scratch import MARKER
-from foreride.files.strict_json import read_json
+from foreride.files.reading.strict_json import read_json
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import claim
+from foreride.files.writing.scratch import MARKER
 
 
 def settings_of(stage: Stage, args: argparse.Namespace) -> dict:

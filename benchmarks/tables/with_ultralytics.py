@@ -18,10 +18,10 @@ from foreride.detector.dataset import image_paths
 from foreride.detector.detection import CLASS_NAMES, Detections
 from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU
 from foreride.detector.schedule import Stage
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.numbers import is_integer
-from foreride.files.reading import read_text
+from foreride.files.reading.numbers import is_integer
+from foreride.files.reading.regular_file import read_text
+from foreride.files.writing.atomic import write_text
 
 YOLOS = {
     "yolov5n": "yolov5n.yaml",

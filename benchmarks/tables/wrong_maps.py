@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.road.profile import Road
 
 _STEP_M = 0.05

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from foreride.controller.registry import CLAIRVOYANT
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound import bound
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import commands, simulate

@@ -9,11 +9,11 @@ import numpy as np
 import yaml
 from rich.progress import track
 
-from foreride.files import strict
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError, shown
-from foreride.files.images import read_pixels
-from foreride.files.numbers import is_integer
+from foreride.files.reading import strict
+from foreride.files.reading.images import read_pixels
+from foreride.files.reading.numbers import is_integer
+from foreride.files.writing.atomic import write_text
 from foreride.road.checkerboard import (
     MIN_VIEWS,
     Board,

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import (
     add_case_options,

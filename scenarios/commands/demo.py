@@ -2,8 +2,8 @@
 
 import argparse
 
-from foreride.files.atomic import write_text
-from foreride.files.numbers import within
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import cases
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.commands.options import add_output_options, console, simulate_all

@@ -14,9 +14,9 @@ from foreride.controller.base import Timing
 from foreride.controller.observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.detector.runtime import Detector
-from foreride.files.atomic import write_text
 from foreride.files.cache import cached, writable
 from foreride.files.compiled import CACHE, PACKAGES, SOURCE
+from foreride.files.writing.atomic import write_text
 from foreride.preview.horizon import flat_preview
 from foreride.road.appearance import Appearance
 from foreride.road.camera import Camera, CameraMount, pose_of

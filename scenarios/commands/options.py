@@ -19,11 +19,11 @@ from rich.progress import (
 from rich.text import Text
 
 from foreride.controller.settings import ControllerSettings
-from foreride.files import strict, yaml12
 from foreride.files.errors import InputError, shown
-from foreride.files.numbers import is_integer, within
-from foreride.files.reading import read_text
-from foreride.files.sharing import shared_target
+from foreride.files.reading import strict, yaml12
+from foreride.files.reading.numbers import is_integer, within
+from foreride.files.reading.regular_file import read_text
+from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.cases import PERCEPTIONS, Case, cases, distinct
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.named_files import check_case_files

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from foreride.files.folder import check_folder, claim
-from foreride.files.targets import check_files
+from foreride.files.writing.folder import check_folder, claim
+from foreride.files.writing.targets import check_files
 from foreride.scenarios import runfolder
 from foreride.scenarios.cases import Case
 from foreride.scenarios.runfolder import folder_name

@@ -4,8 +4,8 @@ import argparse
 from itertools import product
 from typing import Any
 
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.commands.options import (

@@ -6,9 +6,9 @@ from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.targets import check_files
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.baseline import REFERENCE, Baseline, BaselineEntry, read, relative_name, write
 from foreride.scenarios.commands.options import (  # fmt: skip
     add_case_options,

@@ -8,11 +8,11 @@ from rich.progress import track
 
 from foreride.detector.detection import Detections
 from foreride.detector.runtime import Detector
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.folder import atomic_folder, check_folder
-from foreride.files.names import component
-from foreride.files.numbers import within
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import atomic_folder, check_folder
+from foreride.files.writing.names import component
 from foreride.road.camera import pose_of
 from foreride.road.render import Frame, Scene
 from foreride.scenarios.commands.options import add_field_options, add_output_options, console, overrides_of

@@ -7,9 +7,9 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.targets import check_files
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.commands.options import console, progress_bar
 from foreride.scenarios.report.budget import error_budget_section

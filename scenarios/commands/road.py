@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.road.facts import TrackSummary, list_features, summarise_track
 from foreride.road.measured import FORMATS, read_surface
 from foreride.road.profile import Road

@@ -2,7 +2,7 @@
 
 import argparse
 
-from foreride.files.names import component
+from foreride.files.writing.names import component
 from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,

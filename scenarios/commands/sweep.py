@@ -5,11 +5,11 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.folder import alone, claim
-from foreride.files.names import component
-from foreride.files.sharing import shared_name
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import alone, claim
+from foreride.files.writing.names import component
+from foreride.files.writing.sharing import shared_name
 from foreride.scenarios.commands.options import console, jobs_of, progress_bar
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.parallel import WorkerDied

@@ -10,8 +10,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from foreride.files.atomic import write_bytes, write_text
-from foreride.files.sharing import shared_target
+from foreride.files.writing.atomic import write_bytes, write_text
+from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.commands.options import console
 from foreride.scenarios.report.table import comparison, latex, markdown
 from foreride.scenarios.runfolder import environment, to_json

@@ -3,11 +3,11 @@
 import argparse
 
 from foreride.controller.tuned import TUNED_CONTROLLERS
-from foreride.files import strict
-from foreride.files.atomic import write_text
 from foreride.files.errors import InputError
-from foreride.files.numbers import within
-from foreride.files.targets import check_files
+from foreride.files.reading import strict
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,

@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.progress import track
 
-from foreride.files.atomic import write_text
+from foreride.files.writing.atomic import write_text
 from foreride.scenarios.commands.options import console, verdict
 from foreride.scenarios.runfolder import environment, to_json
 from foreride.scenarios.validation.areas import count, run_all

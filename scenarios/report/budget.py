@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from foreride.files.errors import InputError, shortened
-from foreride.files.strict_json import read_json
+from foreride.files.reading.strict_json import read_json
 from foreride.scenarios.report.markup import text
 from foreride.scenarios.report.sections import bar_of, table, with_small
 

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from foreride.files.atomic import write_bytes
 from foreride.files.errors import printable
+from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.report.window import event_window
 

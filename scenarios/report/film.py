@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 
 from foreride.detector.detection import CLASS_NAMES, Detections
-from foreride.files.atomic import replaced
 from foreride.files.errors import InputError
+from foreride.files.writing.atomic import replaced
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.report.sideview import View, draw

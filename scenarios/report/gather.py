@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from foreride.files.errors import InputError, shown
-from foreride.files.strict_json import read_json
+from foreride.files.reading.strict_json import read_json
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run, simulate
 from foreride.scenarios.readback import is_run, read

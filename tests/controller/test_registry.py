@@ -10,7 +10,7 @@ from foreride.controller.own import load_user_controller
 from foreride.controller.registry import CONTROLLERS, build, uses_preview
 from foreride.controller.settings import ControllerSettings
 from foreride.files.errors import InputError
-from foreride.files.strict import structure
+from foreride.files.reading.strict import structure
 from foreride.vehicle.damper import MrBoucWenDamper
 from foreride.vehicle.parameters import control_model, load_vehicle
 from tests.controller.cars import estimate, step_preview

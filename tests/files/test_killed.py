@@ -9,16 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from foreride.files import exchange, marker
-from foreride.files.atomic import write_text
-from foreride.files.folder import atomic_folder
-from foreride.files.scratch import is_scratch, old_name, parent_lock
+from foreride.files.writing import exchange, marker
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import atomic_folder
+from foreride.files.writing.scratch import is_scratch, old_name, parent_lock
 
 WRITER = """
 import sys
 from pathlib import Path
-from foreride.files.atomic import write_text
-from foreride.files.folder import atomic_folder
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import atomic_folder
 
 place = Path(sys.argv[1])
 print("ready", flush=True)
@@ -68,7 +68,9 @@ def test_remains_are_removed_and_said_but_not_those_of_the_living(
     with atomic_folder(tmp_path / "living", "run") as draft:
         draft.write("half", "x")
         (scratch,) = (path for path in tmp_path.iterdir() if is_scratch(path.name))
-        program = "import sys; from pathlib import Path; from foreride.files.atomic import write_text\n"
+        program = (
+            "import sys; from pathlib import Path; from foreride.files.writing.atomic import write_text\n"
+        )
         program += "write_text(Path(sys.argv[1]), 'x')"
         command = [sys.executable, "-c", program, str(tmp_path / "new.txt")]
         subprocess.run(command, check=True)
@@ -82,7 +84,7 @@ def test_a_folder_moved_aside_is_put_back(tmp_path: Path, capsys: pytest.Capture
     with atomic_folder(tmp_path / "in" / "run", "run") as draft:
         draft.write("one", "x")
     os.rename(tmp_path / "in" / "run", old_name(tmp_path / "in" / "run"))
-    program = "import sys; from pathlib import Path; from foreride.files.scratch import parent_lock\n"
+    program = "import sys; from pathlib import Path; from foreride.files.writing.scratch import parent_lock\n"
     program += "with parent_lock(Path(sys.argv[1])): pass"
     command = [sys.executable, "-c", program, str(tmp_path / "in" / "x")]
     told = subprocess.run(command, check=True, capture_output=True, text=True).stderr

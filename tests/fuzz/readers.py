@@ -355,7 +355,7 @@ def _frame_file(folder: Path) -> Path:
 
 
 def _run(path: Path) -> object:
-    from foreride.files.marker import seal
+    from foreride.files.writing.marker import seal
     from foreride.scenarios.readback import read
     from foreride.scenarios.runfolder import KIND
 
@@ -398,7 +398,7 @@ def _part_file(folder: Path) -> Path:
 
 
 def _results(path: Path) -> object:
-    from foreride.files.marker import seal
+    from foreride.files.writing.marker import seal
     from foreride.scenarios.results import KIND, Results, load_results
 
     if path.is_file():

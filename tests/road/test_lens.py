@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from foreride.files import strict
 from foreride.files.errors import InputError
+from foreride.files.reading import strict
 from foreride.road.appearance import Appearance
 from foreride.road.camera import Camera, CameraMount, ground_point, pose_of, project
 from foreride.road.features import HalfSineBump, Pothole

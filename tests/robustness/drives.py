@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from foreride.files import strict
 from foreride.files.errors import InputError
+from foreride.files.reading import strict
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.commands.bound import ACTUATORS

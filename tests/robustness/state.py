@@ -8,9 +8,9 @@ import cv2
 import pyarrow.parquet as pq
 import yaml
 
-from foreride.files.marker import MARKER, verified
-from foreride.files.marker import read as read_marker
-from foreride.files.scratch import is_scratch
+from foreride.files.writing.marker import MARKER, verified
+from foreride.files.writing.marker import read as read_marker
+from foreride.files.writing.scratch import is_scratch
 
 State = dict[str, dict[str, bytes]]
 """Content of the files of each unit: a folder that is written as one, or a single file; by path."""

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yaml
 
-from foreride.files import strict
+from foreride.files.reading import strict
 from foreride.road.camera import Camera
 from foreride.scenarios.cli import main
 from foreride.scenarios.schema import CameraSetup

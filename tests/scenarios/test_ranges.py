@@ -10,9 +10,9 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import pytest
 
 from foreride.controller.settings import ControllerSettings
-from foreride.files import strict
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked, Number, number_of, numbers_in
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked, Number, number_of, numbers_in
 from foreride.preview.memory import Memory
 from foreride.scenarios.axis import Axis
 from foreride.scenarios.loading import load, names

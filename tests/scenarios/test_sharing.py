@@ -13,7 +13,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from foreride.files.sharing import shared_name, shared_target, without_folders
+from foreride.files.writing.sharing import shared_name, shared_target, without_folders
 from foreride.scenarios.cli import main
 from foreride.scenarios.runfolder import environment
 

@@ -7,8 +7,8 @@ import pytest
 
 from foreride.controller.settings import ControllerSettings
 from foreride.controller.tuned import TUNED_CONTROLLERS, tuned_settings
-from foreride.files import strict
 from foreride.files.errors import InputError
+from foreride.files.reading import strict
 from foreride.scenarios.cli import main
 from foreride.scenarios.loading import load
 from foreride.scenarios.tuning import SEARCH_RANGES, SearchRange, search_ranges, tune

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from foreride.files import strict
 from foreride.files.errors import InputError
+from foreride.files.reading import strict
 from foreride.vehicle.corner import CORNER_FIELDS
 from foreride.vehicle.linear import natural_frequencies_hz
 from foreride.vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle

@@ -6,8 +6,8 @@ import pytest
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.ranges import Checked, Number, Share, numbers_in
-from foreride.files.strict import structure
+from foreride.files.reading.ranges import Checked, Number, Share, numbers_in
+from foreride.files.reading.strict import structure
 
 Mass = Annotated[float, Interval(ge=1.0, le=50.0), "kg"]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from foreride.files.errors import SHOWN_LENGTH, InputError, printable, shown
-from foreride.files.reading import read_bytes, read_text, reading
+from foreride.files.reading.regular_file import read_bytes, read_text, reading
 
 
 def refusal(path: Path | str, **options: int) -> str:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from foreride.files import exchange, marker
 from foreride.files.errors import InputError
-from foreride.files.folder import atomic_folder, check_folder, claim
+from foreride.files.writing import exchange, marker
+from foreride.files.writing.folder import atomic_folder, check_folder, claim
 
 
 def write(path: Path, kind: str = "run", **files: str) -> None:

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from foreride.files.errors import InputError
-from foreride.files.reading import DATA_LIMIT, read_bytes, reading
+from foreride.files.reading.regular_file import DATA_LIMIT, read_bytes, reading
 
 MAX_CELLS = 200_000_000
 """Maximum rows times columns, 1.6 GB of float64."""

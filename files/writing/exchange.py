@@ -5,7 +5,7 @@ import errno
 import os
 from pathlib import Path
 
-from foreride.files.scratch import old_name
+from foreride.files.writing.scratch import old_name
 
 _RENAME_EXCHANGE = 2
 _AT_FDCWD = -100
@@ -45,7 +45,7 @@ def exchange(one: Path, other: Path) -> bool:
 
 
 def step_aside(scratch: Path, target: Path) -> None:
-    """Swap in three steps; `files.scratch` restores the old folder if a kill leaves none."""
+    """Swap in three steps; `files.writing.scratch` restores the old folder if a kill leaves none."""
     old = old_name(target)
     os.rename(target, old)
     try:

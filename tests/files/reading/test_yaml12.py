@@ -1,7 +1,7 @@
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.files.yaml12 import parse
+from foreride.files.reading.yaml12 import parse
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.reading import reading
+from foreride.files.reading.regular_file import reading
 
 MAX_NODES = 200_000
 MAX_DEPTH = 50

@@ -1,7 +1,7 @@
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.files.numbers import is_integer, whole, within
+from foreride.files.reading.numbers import is_integer, whole, within
 
 
 @pytest.mark.parametrize("text", ["", "-1", "+1", "1.0", "1_0", " 1", "²", "٣", "1" * 11, "1" * 5000])

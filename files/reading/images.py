@@ -20,7 +20,7 @@ from PIL import (
 )
 
 from foreride.files.errors import InputError
-from foreride.files.reading import read_bytes, reading
+from foreride.files.reading.regular_file import read_bytes, reading
 
 IMAGE_LIMIT = 256 << 20
 """Maximum size of an image file: 256 MiB."""

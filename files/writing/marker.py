@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from foreride.files.errors import InputError, printable, shown
-from foreride.files.reading import read_bytes, read_text
-from foreride.files.scratch import MARKER, is_scratch
+from foreride.files.reading.regular_file import read_bytes, read_text
+from foreride.files.writing.scratch import MARKER, is_scratch
 
 VERSION = 1
 

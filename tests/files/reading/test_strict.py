@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
-from foreride.files.strict import read, structure, to_mapping
-from foreride.files.yaml12 import parse
+from foreride.files.reading.strict import read, structure, to_mapping
+from foreride.files.reading.yaml12 import parse
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from foreride.files.atomic import replaced, write_bytes, write_text
 from foreride.files.errors import InputError
+from foreride.files.writing.atomic import replaced, write_bytes, write_text
 
 
 @pytest.fixture
@@ -81,7 +81,7 @@ def test_a_pipe_is_written_to(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["/dev/stdout", "own"])
 def test_own_output_is_added_to(tmp_path: Path, name: str) -> None:
     file = tmp_path / "own"
-    program = "import sys; from pathlib import Path; from foreride.files.atomic import write_text\n"
+    program = "import sys; from pathlib import Path; from foreride.files.writing.atomic import write_text\n"
     program += "print('before'); write_text(Path(sys.argv[1]), 'this\\n'); print('after')"
     with file.open("w") as stream:
         place = name if name.startswith("/") else str(file)

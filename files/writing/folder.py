@@ -7,13 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from foreride.files import marker
-from foreride.files.atomic import write_text, writing
 from foreride.files.errors import InputError, printable, shown
-from foreride.files.exchange import put
-from foreride.files.marker import Marker
-from foreride.files.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
-from foreride.files.targets import check_parent
+from foreride.files.writing import marker
+from foreride.files.writing.atomic import write_text, writing
+from foreride.files.writing.exchange import put
+from foreride.files.writing.marker import Marker
+from foreride.files.writing.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
+from foreride.files.writing.targets import check_parent
 
 DERIVED = ("report.html",)
 """Files derived from others in a folder, and removed with them."""

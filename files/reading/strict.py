@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.reading import read_text, reading
-from foreride.files.yaml12 import is_plain, parse
+from foreride.files.reading.regular_file import read_text, reading
+from foreride.files.reading.yaml12 import is_plain, parse
 
 _LONGEST_NAME = 100  # longer names get no suggestion: comparison is quadratic in the length
 _LEAVES = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from foreride.files.errors import InputError, shown
-from foreride.files.reading import read_text, reading
+from foreride.files.reading.regular_file import read_text, reading
 
 JSON_LIMIT = 64 << 20
 """Maximum size of a JSON file of results: 64 MiB, read in seconds."""

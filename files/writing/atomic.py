@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from foreride.files.errors import InputError, printable
-from foreride.files.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
+from foreride.files.writing.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
 
 
 def write_bytes(path: Path, data: bytes) -> None:

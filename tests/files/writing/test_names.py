@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
-from foreride.files.names import MAX_LENGTH, check_name, component, joined
+from foreride.files.writing.names import MAX_LENGTH, check_name, component, joined
 
 TEXTS = st.text(max_size=300) | st.text(alphabet="aA.-_/\\:cno1 ", max_size=12)
 RESERVED = (

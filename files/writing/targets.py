@@ -5,8 +5,8 @@ import stat
 from collections.abc import Iterable
 from pathlib import Path
 
-from foreride.files import marker
 from foreride.files.errors import InputError, printable
+from foreride.files.writing import marker
 
 
 def check_files(*paths: Path | None, inputs: Iterable[Path | None] = ()) -> None:

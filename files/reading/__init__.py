@@ -1,0 +1,1 @@
+"""Reading of data files: bounded, strict, and with one-line errors."""

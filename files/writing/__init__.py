@@ -1,0 +1,1 @@
+"""Writing of files and folders: atomic, locked, marked, and never over the user's own."""
