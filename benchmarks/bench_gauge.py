@@ -25,11 +25,11 @@ from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
 from foreride.preview.settings import Settings  # noqa: E402
 from foreride.preview.stereo import second_pose  # noqa: E402
-from foreride.road.appearance import Appearance  # noqa: E402
-from foreride.road.camera import Camera, CameraMount, pose_of  # noqa: E402
-from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole  # noqa: E402
-from foreride.road.profile import Road  # noqa: E402
-from foreride.road.render import Scene  # noqa: E402
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of  # noqa: E402
+from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole  # noqa: E402
+from foreride.road.render.appearance import Appearance  # noqa: E402
+from foreride.road.render.scene import Scene  # noqa: E402
+from foreride.road.road import Road  # noqa: E402
 
 START_M, FEATURE_M, FRONT_M, END_M = 15.0, 40.0, 1.25, 2.0
 SPEED_M_S, TICK_S, FRAME_TICKS, BASE_M = 10.0, 0.005, 10, 0.2

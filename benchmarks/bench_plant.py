@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.batch import Fleet
 from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from foreride.vehicle.parameters import Car, load_vehicle

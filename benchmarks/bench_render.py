@@ -13,14 +13,14 @@ import cv2
 import numpy as np
 
 from foreride.files.writing.atomic import write_text
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraMount, pose_of
-from foreride.road.dataset import VIEWS_PER_ROAD, Job, render_road
-from foreride.road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
-from foreride.road.profile import Road
-from foreride.road.render import Scene
-from foreride.road.roughness import Roughness
-from foreride.road.surface import BEYOND_END_M, Surface
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.dataset.generate import VIEWS_PER_ROAD, Job, render_road
+from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.render.appearance import Appearance
+from foreride.road.render.ground_map import BEYOND_END_M, Surface
+from foreride.road.render.scene import Scene
+from foreride.road.road import Road
+from foreride.road.roughness.iso8608 import Roughness
 
 FEATURES = (
     Pothole(6.0, 0.08, 0.6, 0.6, y_m=-0.75),

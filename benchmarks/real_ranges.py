@@ -22,7 +22,7 @@ from foreride.detector.imagefile import read_image
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
 from foreride.preview.distance import depression, distance_of, row_of
-from foreride.road.camera import Camera
+from foreride.road.camera.pinhole import Camera
 
 TILE_PX = (420, 280)
 COLUMNS = 4

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from foreride.road.camera import Camera, CameraMount, pose_of, project
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
 
 Array = np.ndarray
 MARKS_M = (5.0, 10.0, 25.0)  # ahead of the camera

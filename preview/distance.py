@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from foreride.road.camera import Camera, CameraPose, ground_point, rays
+from foreride.road.camera.pinhole import Camera, CameraPose, ground_point, rays
 
 Array = np.ndarray
 

@@ -21,7 +21,7 @@ from foreride.preview.settings import Settings
 from foreride.preview.track import Track
 from foreride.preview.tracker import Tracker
 from foreride.preview.view import rectify_frame
-from foreride.road.camera import Camera, CameraMount, pose_of
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 
 _OBJECT_MARGIN_M = 0.3  # margin around an object within which a wheel may be on it
 

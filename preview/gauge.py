@@ -13,7 +13,7 @@ from foreride.preview.plane import fit_plane
 from foreride.preview.settings import Settings
 from foreride.preview.stereo import coarse, second_pose
 from foreride.preview.track import Track
-from foreride.road.camera import Camera, CameraPose
+from foreride.road.camera.pinhole import Camera, CameraPose
 
 Array = np.ndarray
 _MARGIN_M = 2.0  # road before and behind an object used to find the plane

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from foreride.road.camera import Camera, CameraPose
+from foreride.road.camera.pinhole import Camera, CameraPose
 
 Array = np.ndarray
 _WINDOW_ROWS = 3  # low windows: objects are homogeneous across the road, edges along it must stay sharp

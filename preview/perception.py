@@ -9,9 +9,9 @@ from annotated_types import Interval
 from foreride.detector.detection import Detections
 from foreride.files.reading.ranges import Checked
 from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
-from foreride.road.camera import Camera, CameraPose, project
-from foreride.road.features import Feature
-from foreride.road.profile import Road
+from foreride.road.camera.pinhole import Camera, CameraPose, project
+from foreride.road.features.feature import Feature
+from foreride.road.road import Road
 
 _GRID_ALONG, _GRID_ACROSS = 61, 61
 _MIN_AHEAD_M = 0.3

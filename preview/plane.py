@@ -3,7 +3,7 @@
 import numpy as np
 
 from foreride.preview.parallax import ImageBand, StructureField
-from foreride.road.camera import Camera
+from foreride.road.camera.pinhole import Camera
 
 Array = np.ndarray
 _SAMPLING = (slice(None, None, 2), slice(None, None, 8))

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from foreride.road.envelope import envelope
+from foreride.road.tyre.wheel_profile import envelope
 
 Array = np.ndarray
 TEMPLATE_STEP_M = 0.01

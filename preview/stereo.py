@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from foreride.preview.parallax import ImageBand, place
-from foreride.road.camera import Camera, CameraPose
+from foreride.road.camera.pinhole import Camera, CameraPose
 
 Array = np.ndarray
 _DISPARITIES, _BLOCK = 16, 5

@@ -10,7 +10,7 @@ near the middle.
 import numpy as np
 
 from foreride.detector.detection import CLASS_NAMES
-from foreride.road.camera import Camera, CameraPose, rotation_matrix
+from foreride.road.camera.pinhole import Camera, CameraPose, rotation_matrix
 
 Array = np.ndarray
 _SAMPLES = 9

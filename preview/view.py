@@ -14,7 +14,7 @@ from foreride.preview.path import STRAIGHT, Path
 from foreride.preview.settings import Settings
 from foreride.preview.straighten import straightened
 from foreride.preview.track import Edge, Track
-from foreride.road.camera import Camera, CameraPose
+from foreride.road.camera.pinhole import Camera, CameraPose
 
 Array = np.ndarray
 _MIN_AHEAD_M = 0.5

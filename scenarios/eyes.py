@@ -13,9 +13,9 @@ from foreride.preview.estimator import Estimator
 from foreride.preview.memory import read as read_memory
 from foreride.preview.perception import degrade, true_boxes
 from foreride.preview.stereo import second_pose
-from foreride.road.camera import CameraMount, CameraPose, pose_of
-from foreride.road.envelope import WheelProfile
-from foreride.road.render import Scene
+from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
+from foreride.road.render.scene import Scene
+from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.cases import Case
 from foreride.scenarios.mapped import build_map
 from foreride.scenarios.oracle import build_oracle

@@ -7,7 +7,7 @@ import numpy as np
 from foreride.files.errors import InputError
 from foreride.preview.horizon import RoadPreview
 from foreride.preview.roadmap import RoadMap, map_preview, read, wheel_tracks
-from foreride.road.envelope import WheelProfile
+from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.perception import NoPreview
 from foreride.scenarios.schema import Scenario
 from foreride.vehicle.parameters import Car

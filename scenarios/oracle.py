@@ -10,10 +10,10 @@ from annotated_types import Interval
 
 from foreride.files.reading.ranges import Checked, Share
 from foreride.preview.horizon import RoadPreview, oracle_preview
-from foreride.road.envelope import WheelProfile, wheel_profile
-from foreride.road.enveloping import Enveloping
-from foreride.road.features import Feature, HalfSineBump, Pothole
-from foreride.road.profile import Road
+from foreride.road.features.feature import Feature, HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping
+from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 from foreride.scenarios.perception import NoPreview
 from foreride.vehicle.parameters import Car
 from foreride.vehicle.sensors import Measurement

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from foreride.road.measured import read_surface
+from foreride.road.io.surface_file import read_surface
 
 
 def fill_in(road: Any, folder: Path, track_m: Any) -> Any:

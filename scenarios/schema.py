@@ -13,10 +13,10 @@ from foreride.files.reading.ranges import Checked, Seed
 from foreride.files.writing.names import check_name
 from foreride.preview.perception import BoxErrors
 from foreride.preview.settings import Settings as EstimatorSettings
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraMount
-from foreride.road.enveloping import Enveloping, RigidWheel
-from foreride.road.profile import Road
+from foreride.road.camera.pinhole import Camera, CameraMount
+from foreride.road.render.appearance import Appearance
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 from foreride.scenarios.applicable import require_applicable
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.faults import Fault

@@ -7,7 +7,7 @@ from foreride.preview.elevation import HeightSamples
 from foreride.preview.fit import HEIGHT, LENGTH, X
 from foreride.preview.shape import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
 from foreride.preview.track import Track
-from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
 
 _NEAR_M = 2.0
 _KINDS: dict[type, ObstacleTemplate] = {

@@ -2,9 +2,9 @@
 
 from functools import lru_cache
 
-from foreride.road.envelope import WheelProfile, wheel_profile
-from foreride.road.enveloping import Enveloping
-from foreride.road.profile import Road
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping
+from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 from foreride.scenarios.schema import Scenario
 
 

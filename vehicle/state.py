@@ -16,7 +16,9 @@ Array = NDArray[np.float64]
 
 
 class EffectiveProfile(Protocol):
-    """Protocol of the effective road profile under one wheel, such as `road.envelope.WheelProfile`."""
+    """Protocol of the effective road profile under one wheel, such as
+    `road.tyre.wheel_profile.WheelProfile`.
+    """
 
     def height(self, x: Any, /) -> Any:
         """Height (m) at x along the road (m); a float for a float, (n,) for (n,)."""

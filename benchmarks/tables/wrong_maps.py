@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from foreride.files.writing.atomic import write_text
-from foreride.road.profile import Road
+from foreride.road.road import Road
 
 _STEP_M = 0.05
 _TRACK_M = 0.75

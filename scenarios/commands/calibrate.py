@@ -14,7 +14,7 @@ from foreride.files.reading import strict
 from foreride.files.reading.images import read_pixels
 from foreride.files.reading.numbers import is_integer
 from foreride.files.writing.atomic import write_text
-from foreride.road.checkerboard import (
+from foreride.road.camera.calibration import (
     MIN_VIEWS,
     Board,
     Calibration,

@@ -6,9 +6,9 @@ import importlib
 from foreride.files.errors import InputError
 
 MODULES = {
-    "data": ("foreride.road.dataset", "render a labelled image set"),
-    "card": ("foreride.road.card", "write a rendered set's README.md"),
-    "boxes": ("foreride.road.boxes", "box sizes of labelled folders"),
+    "data": ("foreride.road.dataset.generate", "render a labelled image set"),
+    "card": ("foreride.road.dataset.dataset_card", "write a rendered set's README.md"),
+    "boxes": ("foreride.road.dataset.label_statistics", "box sizes of labelled folders"),
     "convert": ("foreride.detector.convert", "own images from and to YOLO and COCO formats"),
     "train": ("foreride.detector.train", "train SBP-YOLO or a rival (extra: training)"),
     "eval": ("foreride.detector.evaluate", "precision, recall and mAP on a folder of images"),

@@ -18,11 +18,11 @@ from foreride.files.cache import cached, writable
 from foreride.files.compiled import CACHE, PACKAGES, SOURCE
 from foreride.files.writing.atomic import write_text
 from foreride.preview.horizon import flat_preview
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraMount, pose_of
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
-from foreride.road.render import Scene
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.render.appearance import Appearance
+from foreride.road.render.scene import Scene
+from foreride.road.road import Road
 from foreride.scenarios.commands.options import add_output_options, console, verdict
 from foreride.scenarios.loading import load, names
 from foreride.scenarios.runfolder import to_json, versions

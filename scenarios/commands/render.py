@@ -13,8 +13,8 @@ from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import atomic_folder, check_folder
 from foreride.files.writing.names import component
-from foreride.road.camera import pose_of
-from foreride.road.render import Frame, Scene
+from foreride.road.camera.pinhole import pose_of
+from foreride.road.render.scene import Frame, Scene
 from foreride.scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.eyes import load_detector

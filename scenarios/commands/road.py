@@ -7,9 +7,9 @@ from pathlib import Path
 from rich.table import Table
 
 from foreride.files.writing.atomic import write_text
-from foreride.road.facts import TrackSummary, list_features, summarise_track
-from foreride.road.measured import FORMATS, read_surface
-from foreride.road.profile import Road
+from foreride.road.io.surface_file import FORMATS, read_surface
+from foreride.road.road import Road
+from foreride.road.summary import TrackSummary, list_features, summarise_track
 from foreride.scenarios.commands.options import console
 from foreride.scenarios.loading import load
 from foreride.scenarios.runfolder import to_json

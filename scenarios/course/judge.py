@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foreride.road.features import Feature
+from foreride.road.features.feature import Feature
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.perception import Event

@@ -7,11 +7,11 @@ from itertools import cycle
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.road.appearance import Appearance
-from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
-from foreride.road.grade import GradeChange
-from foreride.road.profile import Road
-from foreride.road.roughness import Roughness
+from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.render.appearance import Appearance
+from foreride.road.road import Road
+from foreride.road.roughness.iso8608 import Roughness
+from foreride.road.vertical_alignment import GradeChange
 from foreride.scenarios.schema import Scenario
 from foreride.scenarios.speed import KM_H, SpeedPoint
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from foreride.road.camera import CameraPose, pose_of, project
-from foreride.road.render import Scene
+from foreride.road.camera.pinhole import CameraPose, pose_of, project
+from foreride.road.render.scene import Scene
 from foreride.scenarios.closed_loop import Run, random_streams
 from foreride.scenarios.eyes import true_mount
 

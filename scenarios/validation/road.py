@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from scipy.signal import csd, welch
 from scipy.special import k1
 
-from foreride.road.enveloping import RigidWheel, TandemCam
-from foreride.road.iri import iri, response, transition
-from foreride.road.roughness import REFERENCE_N0, STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.road.roughness.iri import iri, response, transition
+from foreride.road.roughness.iso8608 import REFERENCE_N0, STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.road.tyre.contact_models import RigidWheel, TandemCam
 from foreride.scenarios.validation.check import Check, Checks, relative
 
 LENGTH_M = 8000.0

@@ -14,9 +14,9 @@ from foreride.controller.base import Controller, Timing
 from foreride.controller.observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.preview.horizon import distance_grid, oracle_preview
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import Feature, FlatTopHump, HalfSineBump, Pothole
-from foreride.road.profile import Road
+from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.parameters import Car, load_vehicle
 from foreride.vehicle.plant import Plant
 from foreride.vehicle.state import VehicleState

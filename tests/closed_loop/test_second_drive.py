@@ -4,8 +4,8 @@ import hashlib
 from dataclasses import replace
 
 from foreride.preview.memory import write
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.course.judge import encounters

@@ -8,10 +8,10 @@ import pytest
 from foreride.controller.base import Estimate, Timing
 from foreride.controller.observer import Observer, exact_estimate
 from foreride.controller.sensor_watch import SensorMonitor
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump, Pothole
-from foreride.road.profile import Road
-from foreride.road.roughness import Roughness
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.roughness.iso8608 import Roughness
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.equations import motion, rattle
 from foreride.vehicle.parameters import Car, load_vehicle
 from foreride.vehicle.plant import Plant

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from foreride.road.measured import read_surface
+from foreride.road.io.surface_file import read_surface
 from foreride.scenarios.cli import main
 from foreride.scenarios.loading import load
 

@@ -62,7 +62,7 @@ def _without_work() -> None:
 
     import foreride.scenarios.bound
     import foreride.scenarios.commands.sweep
-    from foreride.road.render import Scene
+    from foreride.road.render.scene import Scene
     from foreride.scenarios.driver import MultirateLoop
 
     for owner, name in (

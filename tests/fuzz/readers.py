@@ -81,7 +81,7 @@ $$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$
 
 
 def _road(path: Path) -> object:
-    from foreride.road.measured import read_surface
+    from foreride.road.io.surface_file import read_surface
 
     return read_surface(path)
 
@@ -228,13 +228,13 @@ def _evaluated(path: Path) -> object:
 
 
 def _card(path: Path) -> object:
-    from foreride.road.card import write_card
+    from foreride.road.dataset.dataset_card import write_card
 
     return write_card(path.parent if path.name == "dataset.json" else path.parent.parent, {})
 
 
 def _boxes(path: Path) -> object:
-    from foreride.road.boxes import box_statistics
+    from foreride.road.dataset.label_statistics import box_statistics
 
     return box_statistics(_split_of(path))
 

@@ -11,9 +11,9 @@ from foreride.preview.horizon import RoadPreview
 from foreride.preview.memory import Memory
 from foreride.preview.perception import BoxErrors, degrade, true_boxes
 from foreride.preview.settings import Settings
-from foreride.road.camera import Camera, CameraMount, pose_of
-from foreride.road.envelope import WheelProfile, wheel_profile
-from foreride.road.profile import Road
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 
 AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)

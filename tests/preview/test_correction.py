@@ -6,8 +6,8 @@ from foreride.preview.correction import WheelStrikeDetector
 from foreride.preview.settings import Settings
 from foreride.preview.shape import BUMP, POTHOLE, TABLE, tyre_profile
 from foreride.preview.track import Edge, Track, first_fits
-from foreride.road.features import HalfSineBump, Pothole
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import Drive, drive
 
 SETTINGS = Settings()

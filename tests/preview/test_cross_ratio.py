@@ -11,9 +11,9 @@ from foreride.preview.fit import DirectMeasurement, X
 from foreride.preview.perception import true_boxes
 from foreride.preview.settings import Settings
 from foreride.preview.view import rectify_frame
-from foreride.road.camera import Camera, CameraMount, pose_of, project
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()

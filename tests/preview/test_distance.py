@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.preview.distance import depression, depression_sigma, distance_of, locate, row_of
-from foreride.road.camera import Camera, CameraPose, ground_point, project
+from foreride.road.camera.pinhole import Camera, CameraPose, ground_point, project
 
 CAMERA = Camera()
 angles = st.floats(-0.03, 0.03)

@@ -11,11 +11,11 @@ from foreride.preview.estimator import Estimator
 from foreride.preview.gauge import HeightGauge, _sigma_inflation
 from foreride.preview.settings import Settings
 from foreride.preview.stereo import second_pose
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraMount, pose_of
-from foreride.road.features import Feature, HalfSineBump, Pothole
-from foreride.road.profile import Road
-from foreride.road.render import Scene
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.features.feature import Feature, HalfSineBump, Pothole
+from foreride.road.render.appearance import Appearance
+from foreride.road.render.scene import Scene
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Reading, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()

@@ -3,9 +3,9 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.preview.horizon import RoadPreview, distance_grid, flat_preview, oracle_preview
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 
 ROAD = Road(40.0, (HalfSineBump(20.0, 0.08, 0.4),))
 

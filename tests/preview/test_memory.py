@@ -16,8 +16,8 @@ from foreride.preview.recall import expectations, recall, remember
 from foreride.preview.settings import Settings
 from foreride.preview.shape import POTHOLE
 from foreride.preview.tracker import Tracker
-from foreride.road.features import HalfSineBump, Pothole
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import Drive, drive
 
 BUMP = RememberedObject("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from foreride.files.errors import InputError
 from foreride.preview.motion import EgoMotion
 from foreride.preview.settings import Settings
-from foreride.road.grade import GradeChange, grade_height
+from foreride.road.vertical_alignment import GradeChange, grade_height
 from tests.preview.kinematic_drive import Reading
 
 AXLES = (1.25, -1.45)

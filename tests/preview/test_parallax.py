@@ -9,11 +9,11 @@ import pytest
 from foreride.preview.parallax import ImageBand, band, match, place
 from foreride.preview.plane import fit_plane
 from foreride.preview.stereo import coarse, second_pose
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from foreride.road.features import WattsHump
-from foreride.road.profile import Road
-from foreride.road.render import Frame, Scene
+from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
+from foreride.road.features.feature import WattsHump
+from foreride.road.render.appearance import Appearance
+from foreride.road.render.scene import Frame, Scene
+from foreride.road.road import Road
 
 CAMERA, MOUNT = Camera(), CameraMount()
 ROWS, COLUMNS = (215, 340), (120, 520)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from foreride.detector.detection import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.path import Path, curvature
-from foreride.road.camera import Camera, CameraMount, pose_of, project
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
 from tests.preview.kinematic_drive import Reading, unbiased
 
 bends = st.floats(-0.05, 0.05)

@@ -4,11 +4,11 @@ import pytest
 from foreride.detector.detection import Detections
 from foreride.files.errors import InputError
 from foreride.preview.perception import BoxErrors, degrade, true_boxes
-from foreride.road.appearance import Appearance
-from foreride.road.camera import Camera, CameraPose
-from foreride.road.features import HalfSineBump, Pothole, WattsHump
-from foreride.road.profile import Road
-from foreride.road.render import Scene
+from foreride.road.camera.pinhole import Camera, CameraPose
+from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
+from foreride.road.render.appearance import Appearance
+from foreride.road.render.scene import Scene
+from foreride.road.road import Road
 
 CAMERA = Camera()
 POSE = CameraPose(0.0, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)

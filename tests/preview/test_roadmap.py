@@ -7,9 +7,9 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.preview.roadmap import map_preview, read, wheel_tracks
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import WattsHump
-from foreride.road.profile import Road
+from foreride.road.features.feature import WattsHump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 
 HUMP = Road(60.0, (WattsHump(30.0, 0.09, 3.6),))
 

@@ -12,9 +12,9 @@ from foreride.preview.shape import (
     tyre_profile,
     unit_profile,
 )
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import FlatTopHump, HalfSineBump, Pothole, WattsHump
-from foreride.road.profile import Road
+from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 
 
 @pytest.mark.parametrize("kind", KINDS)

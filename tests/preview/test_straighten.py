@@ -4,10 +4,10 @@ import pytest
 from foreride.preview.estimator import Estimator
 from foreride.preview.perception import true_boxes
 from foreride.preview.straighten import straightened
-from foreride.road.camera import Camera, CameraMount, CameraPose, pose_of, project
-from foreride.road.features import HalfSineBump, Pothole
-from foreride.road.lens import NO_DISTORTION
-from foreride.road.profile import Road
+from foreride.road.camera.distortion import NO_DISTORTION
+from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
 BARREL = (-0.3, 0.1, 0.001, -0.0005, -0.01)

@@ -4,9 +4,9 @@ import pytest
 from foreride.detector.detection import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.perception import true_boxes
-from foreride.road.camera import Camera, CameraMount, pose_of
-from foreride.road.features import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
-from foreride.road.profile import Road
+from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
+from foreride.road.road import Road
 from tests.preview.kinematic_drive import Reading, unbiased
 
 BUMP = HalfSineBump(40.0, 0.08, 0.4, -1.2, 1.2)

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from foreride.road.camera import Camera, CameraPose, ground_point
-from foreride.road.checkerboard import Board
+from foreride.road.camera.calibration import Board
+from foreride.road.camera.pinhole import Camera, CameraPose, ground_point
 
 BOARD = Board(9, 6, 0.03)
 _PAPER = 40  # texture pixels a square

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.road.camera import Camera
+from foreride.road.camera.pinhole import Camera
 from tests.detector.roads import write as write_images
 from tests.fuzz.readers import STUDY
 from tests.road.boards import photograph, poses

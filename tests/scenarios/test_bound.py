@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
 from foreride.scenarios.bound import START_CONTROLLERS, _key, _start_case, bound, drive_inputs
 from foreride.scenarios.cases import Case
 from foreride.scenarios.cli import main

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from foreride.files.reading import strict
-from foreride.road.camera import Camera
+from foreride.road.camera.pinhole import Camera
 from foreride.scenarios.cli import main
 from foreride.scenarios.schema import CameraSetup
 from tests.road.boards import photograph, poses

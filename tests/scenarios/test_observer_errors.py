@@ -7,9 +7,9 @@ import pytest
 
 from foreride.controller.base import Estimate
 from foreride.controller.observer import exact_estimate
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.loading import load

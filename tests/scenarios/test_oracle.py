@@ -8,10 +8,10 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.preview.horizon import RoadPreview, oracle_preview
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
-from foreride.road.roughness import Roughness
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.roughness.iso8608 import Roughness
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.scenarios.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
 from foreride.vehicle.parameters import load_vehicle
 

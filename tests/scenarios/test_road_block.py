@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.road.enveloping import RigidWheel, TandemCam
+from foreride.road.tyre.contact_models import RigidWheel, TandemCam
 from foreride.scenarios.loading import load
 
 HEAD = "title: t\nspeed_kmh: 30\nvehicle: {model: half}\n"

@@ -6,7 +6,7 @@ import pytest
 from foreride.preview.calibration import Calibration
 from foreride.preview.settings import Settings
 from foreride.preview.track import Edge, Track, first_fits
-from foreride.road.features import HalfSineBump, Pothole, WattsHump
+from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.scenarios.told import track_corrector
 
 FEATURES = (HalfSineBump(30.0, 0.08, 0.5), WattsHump(60.0, 0.09, 3.6), Pothole(31.0, 0.06, 0.7, 0.6))

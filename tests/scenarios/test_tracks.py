@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from foreride.road.envelope import wheel_profile
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.scenarios.loading import load, names
 from foreride.scenarios.tracks import wheel_profiles
 

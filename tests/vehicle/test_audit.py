@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.road.envelope import WheelProfile
+from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.vehicle.actuator import FullyActive, SlowActive
 from foreride.vehicle.audit import energy_audit
 from foreride.vehicle.damper import MrTanhDamper

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.road.envelope import WheelProfile
+from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.vehicle.batch import Fleet
 from foreride.vehicle.damper import ValveDamper
 from foreride.vehicle.parameters import load_vehicle

@@ -5,9 +5,9 @@ import control
 import numpy as np
 import pytest
 
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.linear import linear_twin, natural_frequencies_hz
 from foreride.vehicle.parameters import Car, load_vehicle
 from foreride.vehicle.plant import STEP_S, Plant

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from foreride.files.errors import InputError
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump, Pothole
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle import equations
 from foreride.vehicle.actuator import SlowActive
 from foreride.vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle

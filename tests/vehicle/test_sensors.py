@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.road.envelope import wheel_profile
-from foreride.road.features import HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import HalfSineBump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.parameters import load_vehicle
 from foreride.vehicle.plant import Plant
 from foreride.vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors

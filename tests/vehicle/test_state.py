@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from foreride.road.envelope import WheelProfile
+from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.vehicle import equations
 from foreride.vehicle.parameters import load_vehicle
 from foreride.vehicle.state import observe, road_under

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.road.features import ExpansionJoint, HalfSineBump
-from foreride.road.profile import Road
+from foreride.road.features.feature import ExpansionJoint, HalfSineBump
+from foreride.road.road import Road
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.course.judge import EVALUATION_DISTANCE_M, encounters, false_tracks

@@ -1,0 +1,1 @@
+"""Pinhole camera: intrinsics, mounting, lens distortion, projection and calibration."""

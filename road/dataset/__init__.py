@@ -1,0 +1,1 @@
+"""Labelled image sets rendered from random roads, in YOLO layout."""

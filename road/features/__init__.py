@@ -1,0 +1,1 @@
+"""Discrete obstacles of a road: bumps, humps, potholes, joints, covers, steps, and rows of them."""

@@ -1,0 +1,67 @@
+"""Repeated features: copies of one feature along the road, in either wheel track or in both."""
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from annotated_types import Interval
+
+from foreride.files.errors import InputError
+from foreride.files.reading.ranges import Checked
+from foreride.road.features.feature import Feature, ManholeCover, Pothole, SpeedCushion
+
+Placement = Literal["left", "right", "both"]
+
+
+@dataclass(frozen=True)
+class Chain(Checked):
+    """Repetition of a feature: `count` copies, `spacing_m` from start to start.
+
+    Args:
+        feature: the first copy, placed as it says unless `tracks` says otherwise.
+        tracks: wheel tracks of the copies, in turn ("left", "right" or "both", at y = +-track_m / 2).
+            Potholes, covers and cushions are centred there, "both" makes two of one; all else is cut to that
+            half of the road, "both" leaves it whole. Empty: all as the feature says.
+
+    Each copy of a pothole has a rim of its own, from the feature's seed and its number.
+    """
+
+    feature: Feature
+    count: Annotated[int, Interval(ge=1, le=10_000), "copies"] = 1
+    spacing_m: Annotated[float, Interval(ge=0.0, le=10_000.0), "m"] = 0.0
+    tracks: tuple[Placement, ...] = ()
+    track_m: Annotated[float, Interval(ge=0.5, le=4.0), "m"] = 1.5
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.count > 1 and self.spacing_m == 0:
+            raise InputError(f"spacing_m must be > 0 for count = {self.count}, got {self.spacing_m!r}")
+
+    def features(self) -> tuple[Feature, ...]:
+        """All copies, ordered by position."""
+        copies: list[Feature] = []
+        for number in range(self.count):
+            copy = replace(self.feature, start_m=self.feature.start_m + number * self.spacing_m)
+            for placed in self._placed(copy, self.tracks[number % len(self.tracks)] if self.tracks else None):
+                if isinstance(placed, Pothole):
+                    placed = replace(placed, seed=self.feature.seed + len(copies))  # type: ignore[union-attr]
+                copies.append(placed)
+        return tuple(copies)
+
+    def _placed(self, feature: Feature, track: Placement | None) -> list[Feature]:
+        if track is None:
+            return [feature]
+        sides = {"left": [1], "right": [-1], "both": [1, -1]}[track]
+        if isinstance(feature, Pothole | ManholeCover):
+            return [replace(feature, y_m=side * self.track_m / 2) for side in sides]
+        if isinstance(feature, SpeedCushion):
+            half = (feature.y_max_m - feature.y_min_m) / 2
+            middles = [side * self.track_m / 2 for side in sides]
+            return [replace(feature, y_min_m=y - half, y_max_m=y + half) for y in middles]
+        if track == "both":
+            return [feature]
+        if feature.y_min_m >= 0 or feature.y_max_m <= 0:
+            raise InputError(
+                f"tracks: {track} cuts the feature at y = 0, but it spans {feature.y_min_m:g} to "
+                f"{feature.y_max_m:g} m"
+            )
+        return [replace(feature, y_min_m=0.0) if track == "left" else replace(feature, y_max_m=0.0)]

@@ -1,0 +1,1 @@
+"""Readers of road surface files: CSV profiles and ASAM OpenCRG."""

@@ -1,0 +1,120 @@
+"""Measured road surfaces from files: CSV profiles and ASAM OpenCRG."""
+
+import hashlib
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from foreride.files.errors import InputError
+from foreride.files.reading.regular_file import read_bytes, reading
+from foreride.road.io import csv_profile, opencrg
+
+MAX_POINTS = 50_000_000
+MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres
+MAX_LENGTH_M = 100_000.0
+MAX_PLACE_M = 1e7
+MIN_STEP_M = 1e-6
+"""Minimum spacing of stations and of lines (m); a smaller one indicates a mistake of units."""
+FORMATS = (".csv", ".crg")
+
+
+class MeasuredSurface(NamedTuple):
+    """Measured heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0.
+
+    sha256: hash of the file from which it was read.
+    """
+
+    x_m: NDArray[np.float64]
+    y_m: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    sha256: str = ""
+
+    def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """Bilinear height (m), broadcast over x and y; constant beyond the outermost stations and lines."""
+        z = self.heights
+        i, s = _cell(self.x_m, x)
+        if len(self.y_m) == 1:
+            return np.broadcast_arrays(z[0, i] + s * (z[0, i + 1] - z[0, i]), np.asarray(y, float))[0].copy()
+        j, t = _cell(self.y_m, y)
+        near = z[j, i] + s * (z[j, i + 1] - z[j, i])
+        far = z[j + 1, i] + s * (z[j + 1, i + 1] - z[j + 1, i])
+        return near + t * (far - near)
+
+    @property
+    def length_m(self) -> float:
+        return float(self.x_m[-1])
+
+
+def read_surface(path: Path | str) -> MeasuredSurface:
+    """Surface from a .csv or .crg file, shifted to start at x = 0 with a mean height of 0.
+
+    Raises InputError, in one line, for a file that cannot be read or does not describe a surface, that is
+    larger than `csv_profile.CSV_LIMIT` or `opencrg.CRG_LIMIT`, or has more than MAX_POINTS heights.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(f"{path}: a road file must end in {' or '.join(FORMATS)}")
+    with reading(path):
+        status = path.stat()
+    return _read(path, status.st_mtime_ns, status.st_size)
+
+
+def surface(
+    x: NDArray[np.float64], y: NDArray[np.float64], heights: NDArray[np.float64], source: str
+) -> MeasuredSurface:
+    """Checked surface from raw coordinates, shifted to start at x = 0 with a mean height of 0.
+
+    Args:
+        x: (n,) stations; y: (m,) lines, positive left; heights: (m, n); all in m.
+        source: name of the origin for error messages.
+    """
+    if len(x) < 2:
+        raise InputError(f"{source}: a profile needs at least 2 stations, got {len(x)}")
+    if heights.size > MAX_POINTS:
+        raise InputError(f"{source}: has {heights.size} points, allowed are {MAX_POINTS}")
+    for name, values in (("stations", x), ("lateral positions", y)):
+        _check_places(values, f"{source}: {name}")
+    missing = np.argwhere(~np.isfinite(heights))
+    if len(missing):
+        line, station = missing[0]
+        raise InputError(f"{source}: no height at x = {x[station]:g} m, y = {y[line]:g} m")
+    if x[-1] - x[0] > MAX_LENGTH_M:
+        raise InputError(f"{source}: is {x[-1] - x[0]:g} m long, allowed are {MAX_LENGTH_M:g} m")
+    with np.errstate(over="ignore", invalid="ignore"):
+        heights = heights - heights[:, 0].mean()
+    relief = float(np.abs(heights).max())
+    if not relief <= MAX_RELIEF_M:
+        raise InputError(
+            f"{source}: heights depart from the start by {relief:g} m, allowed are {MAX_RELIEF_M:g} m; "
+            "are they in metres, with the grade removed?"
+        )
+    heights.setflags(write=False)
+    return MeasuredSurface(x - x[0], y, heights)
+
+
+def _check_places(values: NDArray[np.float64], name: str) -> None:
+    if not np.all(np.abs(values) <= MAX_PLACE_M) or not np.all(np.diff(values) > 0):
+        raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m")
+    least = float(np.diff(values).min(initial=np.inf))
+    if least < MIN_STEP_M:
+        raise InputError(f"{name} must lie at least {MIN_STEP_M:g} m apart, got {least:g} m")
+
+
+@lru_cache(maxsize=4)
+def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
+    """Surface of one file, cached until the file changes."""
+    is_csv = path.suffix.lower() == ".csv"
+    data = read_bytes(path, csv_profile.CSV_LIMIT if is_csv else opencrg.CRG_LIMIT)
+    read = csv_profile.read if is_csv else opencrg.read
+    found = surface(*read(path), str(path))
+    return found._replace(sha256=hashlib.sha256(data).hexdigest())
+
+
+def _cell(grid: NDArray[np.float64], at: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Index of the grid cell and position 0..1 in it, clipped to the grid."""
+    inside = np.clip(np.asarray(at, float), grid[0], grid[-1])
+    cell = np.clip(np.searchsorted(grid, inside, side="right").astype(np.int64) - 1, 0, len(grid) - 2)
+    return cell, (inside - grid[cell]) / (grid[cell + 1] - grid[cell])

@@ -1,0 +1,91 @@
+"""Image sensor: linear radiance to 8-bit pixels, with rain, bonnet, blur, exposure, noise and tone curve."""
+
+import cv2
+import numpy as np
+
+from foreride.files.jit import njit
+from foreride.road.render.appearance import Appearance
+
+_CURVE_TOP = 4.0
+_CURVE_STEPS = 4096
+
+
+def tone_curve() -> np.ndarray:
+    """Tone curve (4097,) uint8: linear exposure 0..4 to sRGB-like code with a soft shoulder."""
+    linear = np.linspace(0, _CURVE_TOP, _CURVE_STEPS + 1)
+    code = (1 - np.exp(-1.5 * linear)) ** (1 / 2.2)
+    contrast = 0.6 * code + 0.4 * code * code * (3 - 2 * code)
+    return np.rint(255 * np.clip(contrast, 0, 1)).astype(np.uint8)
+
+
+def noise_pool(rng: np.random.Generator) -> np.ndarray:
+    """Pool of standard normal numbers, which every frame reads from an offset of its own."""
+    return rng.standard_normal(1 << 20, dtype=np.float32)
+
+
+def bonnet_row(look: Appearance, width: int, height: int) -> np.ndarray:
+    """(width,) first row of each column that the bonnet hides; `height` where it hides nothing."""
+    if look.bonnet == 0:
+        return np.full(width, height)
+    across = (np.arange(width) + 0.5) / width * 2 - 1
+    return np.rint(height * (1 - look.bonnet * (1 - 0.35 * across**2))).astype(int)
+
+
+def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None:
+    """Paint a dark glossy bonnet below `rows` that reflects a little of the sky (`sheen`, rgb)."""
+    depth = np.arange(image.shape[0])[:, None] - rows[None]
+    hidden = depth >= 0
+    gloss = 0.04 + 0.12 * np.exp(-depth[hidden] / (0.03 * image.shape[0]))
+    image[hidden] = gloss[:, None] * sheen
+
+
+def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray) -> None:
+    """Rain streaks: falling drops, blurred by their motion."""
+    height, width = image.shape[:2]
+    veil = np.zeros((height, width), np.float32)
+    for _ in range(int(rng.integers(60, 160))):
+        x, y = int(rng.integers(width)), int(rng.integers(-10, height))
+        length = int(rng.integers(6, 22))
+        cv2.line(
+            veil,
+            (x, y),
+            (x + int(rng.normal(0, 2)), y + length),
+            float(rng.uniform(0.06, 0.2)),
+            1,
+            cv2.LINE_AA,
+        )
+    image += veil[..., None] * brightness
+
+
+def develop(
+    image: np.ndarray,
+    look: Appearance,
+    exposure: float,
+    pool: np.ndarray,
+    rng: np.random.Generator,
+    curve: np.ndarray,
+) -> np.ndarray:
+    """Sensor model: lens blur, exposure, shot and read noise, tone curve; returns (H, W, 3) uint8."""
+    if look.blur_px > 0.2:
+        image = cv2.GaussianBlur(image, (0, 0), look.blur_px)
+    gains = exposure * np.array([1 + look.warmth, 1.0, 1 - look.warmth], np.float32)
+    out = np.empty(image.shape, np.uint8)
+    _expose(image, gains, np.float32(look.noise), pool, int(rng.integers(pool.size)), curve, out)
+    return out
+
+
+@njit(nogil=True)
+def _expose(image, gains, noise, pool, offset, curve, out):  # type: ignore[no-untyped-def]
+    rows, cols, _ = image.shape
+    size = pool.size
+    index = offset
+    for r in range(rows):
+        for c in range(cols):
+            grey = pool[index]
+            index = (index + 1) % size
+            for q in range(3):
+                value = image[r, c, q] * gains[q]
+                sigma = noise * np.sqrt(0.1 + max(value, 0.0))
+                value += sigma * (0.8 * grey + 0.6 * pool[(index * 7 + q * 331) % size])
+                place = value * (_CURVE_STEPS / _CURVE_TOP)
+                out[r, c, q] = curve[int(min(max(place, 0.0), float(_CURVE_STEPS)))]

@@ -1,0 +1,1 @@
+"""Objects beside and on the road: vehicles, people, trees, poles and houses."""

@@ -1,0 +1,1 @@
+"""Layers of the ground map: pavement, markings, obstacles, damage and deposits."""

@@ -1,0 +1,1 @@
+"""Tyre-road contact: the effective road height under a wheel."""

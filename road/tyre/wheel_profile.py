@@ -1,0 +1,123 @@
+"""Effective road height under each wheel: the tyre-enveloped profile on a uniform grid."""
+
+from dataclasses import dataclass, field
+from math import floor
+from typing import overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from foreride.files.errors import InputError
+from foreride.road.checks import check_number
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping, RigidWheel
+
+WHEEL_RADIUS_M = 0.31
+PATCH_M = 0.1
+STEP_M = 0.005
+MARGIN_M = 10.0  # extra length before the start and beyond the end, for axles and previews
+
+
+@dataclass(frozen=True, eq=False)
+class WheelProfile:
+    """Effective road height under one wheel on a uniform grid, linear between grid points.
+
+    x0_m: x of the first grid point; step_m: spacing; heights: (n,) m, n >= 2. Constant beyond both ends.
+    """
+
+    x0_m: float
+    step_m: float
+    heights: NDArray[np.float64]
+    _table: list[float] = field(init=False, repr=False)
+    _rises: NDArray[np.float64] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        heights = np.asarray(self.heights)
+        if heights.ndim != 1 or len(heights) < 2 or not np.all(np.isfinite(heights)):
+            raise InputError(f"heights must be (n,) finite values, n >= 2, got shape {heights.shape}")
+        check_number("x0_m", self.x0_m, -1e6, 1e6)
+        check_number("step_m", self.step_m, 0.0, 10.0, open_low=True)
+        object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
+        object.__setattr__(self, "_rises", np.diff(heights))
+
+    @overload
+    def height(self, x: float) -> float: ...
+    @overload
+    def height(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def height(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Effective height (m) at x (m), a float for a float and an array for an array."""
+        if not isinstance(x, float | int):
+            return self._heights(np.asarray(x, float))
+        table = self._table
+        position = (x - self.x0_m) / self.step_m
+        if position <= 0.0:
+            return table[0]
+        if position >= len(table) - 1:
+            return table[-1]
+        index = int(position)
+        low = table[index]
+        return low + (position - index) * (table[index + 1] - low)
+
+    @overload
+    def slope(self, x: float) -> float: ...
+    @overload
+    def slope(self, x: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def slope(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Slope dz/dx at x; at a grid point that of the cell ahead, 0 beyond the ends."""
+        if not isinstance(x, float | int):
+            return self._slopes(np.asarray(x, float))
+        table = self._table
+        index = floor((x - self.x0_m) / self.step_m)
+        if index < 0 or index >= len(table) - 1:
+            return 0.0
+        return (table[index + 1] - table[index]) / self.step_m
+
+    def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        last = len(self.heights) - 1
+        position = np.minimum(np.maximum((x - self.x0_m) / self.step_m, 0.0), last)
+        index = np.minimum(position.astype(np.int64), last - 1)
+        return self.heights.take(index) + (position - index) * self._rises.take(index)
+
+    def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        last = len(self.heights) - 1
+        index = np.floor((x - self.x0_m) / self.step_m).astype(np.int64)
+        inside = (index >= 0) & (index < last)
+        index = np.clip(index, 0, last - 1)
+        return np.where(inside, (self.heights[index + 1] - self.heights[index]) / self.step_m, 0.0)
+
+
+def envelope(
+    heights: ArrayLike, step_m: float, radius_m: float = WHEEL_RADIUS_M, patch_m: float = PATCH_M
+) -> NDArray[np.float64]:
+    """Effective height of a rigid wheel: its envelope, then the mean over the contact patch.
+
+    Args:
+        heights: (..., n) road heights (m) every `step_m` along x; taken as constant beyond both ends.
+        radius_m: radius of the wheel; 0 for no envelope.
+        patch_m: length of the moving average; 0 for none.
+
+    Returns: (..., n) effective heights.
+    """
+    return RigidWheel(patch_m).effective_height(heights, step_m, radius_m)
+
+
+def wheel_profile(
+    road: Road,
+    y_m: float,
+    radius_m: float = WHEEL_RADIUS_M,
+    enveloping: Enveloping | None = None,
+    step_m: float = STEP_M,
+) -> WheelProfile:
+    """Effective height along the wheel track y = y_m, from MARGIN_M before the road to MARGIN_M beyond it.
+
+    `enveloping` is the tyre's enveloping model, by default a rigid wheel with a contact patch of PATCH_M.
+    """
+    check_number("y_m", y_m, -50.0, 50.0)
+    check_number("radius_m", radius_m, 0.0, 2.0)
+    check_number("step_m", step_m, 0.0005, 0.1)
+    count = int(np.ceil((road.length_m + 2 * MARGIN_M) / step_m)) + 1
+    x = step_m * np.arange(count) - MARGIN_M
+    tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
+    heights = tyre.effective_height(road.height(x, y_m), step_m, radius_m)
+    heights.setflags(write=False)
+    return WheelProfile(-MARGIN_M, step_m, heights)

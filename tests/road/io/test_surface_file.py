@@ -1,0 +1,159 @@
+import os
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from foreride.files.errors import InputError
+from foreride.road.io.surface_file import MeasuredSurface, read_surface, surface
+from foreride.road.road import FADE_IN_M, Road
+
+GOOD = "# drive of Tuesday\nx_m,left_m,right_m\n10,0.10,0.30\n10.5,0.12,0.30  # crack\n12,0.10,0.34\n"
+
+
+def written(folder, text, name="road.csv"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def outcome(path):
+    """Error message of a refused file, or "surface"; any other error passes through."""
+    try:
+        assert isinstance(read_surface(path), MeasuredSurface)
+    except InputError as error:
+        return str(error)
+    return "surface"
+
+
+def test_csv_begins_at_zero_and_is_bilinear(tmp_path):
+    found = read_surface(written(tmp_path, GOOD))
+    np.testing.assert_array_equal(found.x_m, [0, 0.5, 2])
+    np.testing.assert_array_equal(found.y_m, [-0.75, 0.75])
+    np.testing.assert_allclose(found.heights, [[0.1, 0.1, 0.14], [-0.1, -0.08, -0.1]])
+    assert found.height(0.25, 0.75) == pytest.approx(-0.09)
+    assert found.height(1.25, 0.0) == pytest.approx((0.12 - 0.09) / 2)
+    np.testing.assert_allclose(found.height([-5.0, 99.0], 9.0), [-0.1, -0.1])
+    assert found.height(np.zeros((4, 1)), np.zeros(3)).shape == (4, 3)
+
+
+def test_csv_with_one_line_or_lines_by_place(tmp_path):
+    one = read_surface(written(tmp_path, "x_m,z_m\n0,0\n1,0.1\n"))
+    np.testing.assert_allclose(one.height([[0.5]], [-3.0, 0.0, 3.0]), [[0.05] * 3])
+    three = read_surface(written(tmp_path, "x_m,y=1,y=-1,y=0\n0,0,0,0\n1,0.1,0.3,0.2\n", "three.csv"))
+    np.testing.assert_array_equal(three.y_m, [-1, 0, 1])
+    assert three.height(1.0, 0.5) == pytest.approx(0.15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "is empty; the first line must be x_m followed by"),
+        ("x,z\n0,0\n1,0\n", "header must be x_m followed by .*got 'x,z'"),
+        ("x_m,z_m,z_m\n0,0,0\n", "header must be"),
+        ("x_m,y=a\n0,0\n", "header must be"),
+        ("x_m,y=1,y=1\n0,0,0\n", "header must be"),
+        ("x_m,z_m\n", "has a header, but no stations"),
+        ("x_m,z_m\n0,0\n", "needs at least 2 stations, got 1"),
+        ("x_m,z_m\n0,0\n1\n", "line 3 has 1 values, the header 2"),
+        ("x_m,z_m\n0,0\n\n1,high\n", "line 4: z_m must be a finite number, got 'high'"),
+        ("x_m,z_m\n0,0\n1,nan\n", "line 3: z_m must be a finite number, got 'nan'"),
+        ("x_m,z_m\n1,0\n0,0\n", "stations must be finite and ascend"),
+        ("x_m,z_m\n0,0\n1,120\n", "heights depart from the start by 120 m.*in metres"),
+    ],
+)
+def test_malformed_csv_is_told_in_one_line_with_the_file(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with pytest.raises(InputError, match=message) as caught:
+        read_surface(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_unreadable_files_are_told(tmp_path):
+    with pytest.raises(InputError, match=r"none\.csv: cannot be read \(No such file"):
+        read_surface(tmp_path / "none.csv")
+    with pytest.raises(InputError, match=r"road\.txt: a road file must end in \.csv or \.crg"):
+        read_surface(written(tmp_path, GOOD, "road.txt"))
+    (tmp_path / "binary.csv").write_bytes(b"x_m,z_m\n\xff\xfe")
+    with pytest.raises(InputError, match=r"binary\.csv: is not UTF-8 text"):
+        read_surface(tmp_path / "binary.csv")
+
+
+def test_changed_file_is_read_again(tmp_path):
+    path = written(tmp_path, GOOD)
+    before = read_surface(path)
+    path.write_text(GOOD.replace("0.12", "0.22"))
+    os.utime(path, (1, 1))
+    assert read_surface(path).heights[1, 1] == pytest.approx(before.heights[1, 1] + 0.1)
+
+
+def test_road_from_a_file_fades_in_pins_its_content_and_stays_after_its_end(tmp_path):
+    path = written(tmp_path, "x_m,z_m\n0,7.0\n5,7.0\n6,7.1\n30,7.2\n")
+    road = Road(25.0, file=str(path))
+    np.testing.assert_allclose(road.height([-3, 0, FADE_IN_M, 6, 18, 99], 0.0), [0, 0, 0, 0.1, 0.15, 0.2])
+    assert not road.is_flat_between_features
+    assert Road(25.0, file=str(path), file_sha256=road.file_sha256) == road
+    path.write_text("x_m,z_m\n0,7.0\n30,7.1\n")
+    os.utime(path, (1, 1))
+    with pytest.raises(InputError, match=r"^file_sha256 .*the file has changed"):
+        Road(25.0, file=str(path), file_sha256=road.file_sha256)
+    with pytest.raises(InputError, match=r"^length_m must be <= 30 m \(end of .*road\.csv\), got 31"):
+        Road(31.0, file=str(path))
+
+
+@given(
+    x=st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=12, unique=True).map(sorted),
+    seed=st.integers(0, 99),
+)
+def test_surface_meets_its_points_and_stays_between_them(x, seed):
+    x = np.array(x)
+    if np.diff(x).min() < 1e-6:
+        return
+    rng = np.random.default_rng(seed)
+    y = np.sort(rng.uniform(-3, 3, 3))
+    heights = rng.normal(size=(3, len(x)))
+    found = surface(x, y, heights, "test")
+    np.testing.assert_allclose(found.height(found.x_m[None], y[:, None]), found.heights, atol=1e-9)
+    inside = found.height(rng.uniform(-5, x[-1] - x[0] + 5, 50), rng.uniform(-4, 4, 50))
+    assert found.heights.min() - 1e-9 <= inside.min() <= inside.max() <= found.heights.max() + 1e-9
+
+
+@settings(max_examples=150, deadline=None)
+@given(text=st.text(alphabet='x_mz,y=-+.0123456789e#\n" naif\t\r;', max_size=200))
+def test_any_text_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / "fuzzed.csv"
+    path.write_text(text)
+    os.utime(path, ns=(1, hash(text) & 0xFFFFFFFFFFF))
+    assert outcome(path).count("\n") == 0
+
+
+@settings(max_examples=100, deadline=None)
+@given(place=st.integers(0, len(GOOD) - 1), insert=st.text(max_size=4))
+def test_a_mutated_profile_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, place, insert):
+    text = GOOD[:place] + insert + GOOD[place + 1 :]
+    path = tmp_path_factory.getbasetemp() / "mutated.csv"
+    path.write_text(text, encoding="utf-8", errors="surrogatepass")
+    os.utime(path, ns=(1, hash(text) & 0xFFFFFFFFFFF))
+    assert outcome(path).count("\n") == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x_m,z_m\n0,0\n1,1e300\n2,-1e300\n", "heights depart from the start by"),
+        ("x_m,z_m\n0,0\n1,1.7e308\n2,1.7e308\n", "heights depart from the start by"),
+        ("x_m,z_m\n0,0\n1e-300,0\n1,0\n", "stations must lie at least 1e-06 m apart, got 1e-300 m"),
+        ("x_m,z_m\n-1e308,0\n1e308,0\n", "stations must be finite and ascend, within"),
+        ("x_m,z_m\n0,0\n1_0,0\n", "must be a finite number, got '1_0'"),
+        ("x_m,z_m\n0,0\n1,inf\n", "must be a finite number, got 'inf'"),
+        ("x_m,z_m\n0,0\n1,²\n", "must be a finite number"),
+    ],
+)
+def test_absurd_numbers_are_refused_without_a_warning(tmp_path, text, message):
+    path = written(tmp_path, text)
+    with warnings.catch_warnings(record=True) as told, pytest.raises(InputError, match=message):
+        read_surface(path)
+    assert not told
