@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from foreride.detector.detection import Detections  # noqa: E402
+from foreride.detector.detections import Detections  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
 from foreride.preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402

@@ -17,8 +17,8 @@ import cv2
 import numpy as np
 
 from benchmarks.tables.command import command
-from foreride.detector.dataset import image_paths, read_labels
-from foreride.detector.imagefile import read_image
+from foreride.detector.data.image_io import read_image
+from foreride.detector.data.yolo_folder import image_paths, read_labels
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
 from foreride.preview.distance import depression, distance_of, row_of

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 
 NMS_IOU = 0.45
 """IoU above which the lower-scoring box of a class is dropped (0.5: 0.9 points of mAP50 less)."""

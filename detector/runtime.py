@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.detector.backends import Run, open_network, open_session, require
-from foreride.detector.detection import CLASS_NAMES, Detections
-from foreride.detector.edges import refine
+from foreride.detector.detections import CLASS_NAMES, Detections
+from foreride.detector.edge_refinement import refine
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.numbers import whole
@@ -136,7 +136,10 @@ def _up(length: float) -> int:
 
 
 def read_metadata(path: Path) -> dict[str, str]:
-    """Metadata of a model file. Raises InputError unless it has the interface of `detector.export`."""
+    """Metadata of a model file.
+
+    Raises InputError unless it has the interface of `detector.export.to_onnx`.
+    """
     read_bytes(path, MODEL_LIMIT)
     session = open_session(path)
     inputs = [(i.name, i.type) for i in session.get_inputs()]

@@ -1,7 +1,7 @@
 """Detector edge bias: systematic shift of the rows of detected boxes, by class.
 
 Bumps: measured on drives toward `bump_8x40_30` and `hump_flat_30` (seeds 0 and 1, from 15 m on), with rows
-refined by `detector.edges`. Potholes: medians over rendered validation images.
+refined by `detector.edge_refinement`. Potholes: medians over rendered validation images.
 """
 
 from typing import Annotated

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.files.errors import InputError
 from foreride.preview.compose import compose
 from foreride.preview.correction import WheelStrikeDetector

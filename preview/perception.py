@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.files.reading.ranges import Checked
 from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
 from foreride.road.camera.pinhole import Camera, CameraPose, project

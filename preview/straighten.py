@@ -9,7 +9,7 @@ near the middle.
 
 import numpy as np
 
-from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.detections import CLASS_NAMES
 from foreride.road.camera.pinhole import Camera, CameraPose, rotation_matrix
 
 Array = np.ndarray

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.preview.body import PlaneUpdate
 from foreride.preview.calibration import Calibration, Gaussian
 from foreride.preview.cross_ratio import Marks, distance, distance_sigma

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.calibration import Gaussian
 from foreride.preview.distance import depression, depression_sigma, locate, row_of
 from foreride.preview.edge_bias import edge_bias

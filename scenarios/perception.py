@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.files.own_code import place, say_once, told
 from foreride.preview.estimator import Estimator

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pyarrow as pa
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.images import decode

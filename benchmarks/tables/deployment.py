@@ -3,8 +3,8 @@
 `python -m benchmarks.tables.deployment --data DIR --calibrate DIR [--json FILE]`
 
 DIR holds images/ and labels/; INT8 is calibrated on other images than those of the evaluation. All rows read
-the same images, and are timed in turn (see `foreride.detector.bench`). Losses are in points of mAP50 against
-the first row; times are relative to the first row, too. Needs the extra training.
+the same images, and are timed in turn (see `foreride.detector.export.benchmark`). Losses are in points of
+mAP50 against the first row; times are relative to the first row, too. Needs the extra training.
 """
 
 import argparse
@@ -17,13 +17,13 @@ import numpy as np
 
 from benchmarks.tables.command import command
 from foreride.detector.backends import BACKENDS, installed, require
-from foreride.detector.bench import Case, measure, prepare
-from foreride.detector.dataset import image_paths, read_samples
-from foreride.detector.metrics import match_detections, summarise
+from foreride.detector.data.yolo_folder import image_paths, read_samples
+from foreride.detector.evaluation.average_precision import match_detections, summarise
+from foreride.detector.export.benchmark import Case, measure, prepare
 from foreride.detector.nms import MIN_CONFIDENCE
-from foreride.detector.progress import Progress
 from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.files.errors import InputError
+from foreride.files.progress import Progress
 from foreride.files.writing.atomic import write_text
 
 PRECISIONS = ("fp32", "fp16", "int8")

@@ -21,17 +21,17 @@ from numpy.typing import NDArray
 from benchmarks.tables import dfine, with_ultralytics
 from benchmarks.tables.command import command, parse_words
 from benchmarks.tables.training import check_same_settings, record_settings, settings_of, train_ours
-from foreride.detector.checkpoint import load_network
-from foreride.detector.complexity import parameters
-from foreride.detector.crops import whole_view
-from foreride.detector.dataset import Sample, read_samples
-from foreride.detector.deploy import Deployed
-from foreride.detector.detection import Detections
-from foreride.detector.metrics import match_detections, summarise
-from foreride.detector.models import Network
+from foreride.detector.data.crops import whole_view
+from foreride.detector.data.yolo_folder import Sample, read_samples
+from foreride.detector.detections import Detections
+from foreride.detector.evaluation.average_precision import match_detections, summarise
+from foreride.detector.network.checkpoint import load_network
+from foreride.detector.network.complexity import parameters
+from foreride.detector.network.deployed import Deployed
+from foreride.detector.network.models import Network
 from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU, select
-from foreride.detector.progress import Progress
-from foreride.detector.schedule import Stage, parse_stages
+from foreride.detector.training.schedule import Stage, parse_stages
+from foreride.files.progress import Progress
 from foreride.files.writing.atomic import write_text
 
 OURS = ("sbp-yolo", "yolo11n")

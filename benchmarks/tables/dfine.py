@@ -12,13 +12,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from foreride.detector.checkpoint import Average, load, save
-from foreride.detector.dataset import read_samples
-from foreride.detector.detection import CLASS_NAMES, Detections
-from foreride.detector.loader import Batch, batches
-from foreride.detector.progress import Progress
-from foreride.detector.schedule import Stage, rate_factor
+from foreride.detector.data.yolo_folder import read_samples
+from foreride.detector.detections import CLASS_NAMES, Detections
+from foreride.detector.network.checkpoint import Average, load, save
+from foreride.detector.training.batches import Batch, batches
+from foreride.detector.training.schedule import Stage, rate_factor
 from foreride.files.errors import InputError
+from foreride.files.progress import Progress
 
 RATE, WEIGHT_DECAY, CLIP, WARM_UP = 4e-4, 1e-4, 0.1, 2000
 """From the authors' configuration for size N; the rate is half of theirs, as a batch is 16, not 128."""

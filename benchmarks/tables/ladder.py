@@ -14,10 +14,10 @@ from pathlib import Path
 
 from benchmarks.tables.command import command, parse_words
 from benchmarks.tables.training import check_same_settings, settings_of, train_ours
-from foreride.detector.complexity import parameters
-from foreride.detector.curves import read_history
-from foreride.detector.models import build
-from foreride.detector.schedule import Stage, parse_stages
+from foreride.detector.evaluation.plots import read_history
+from foreride.detector.network.complexity import parameters
+from foreride.detector.network.models import build
+from foreride.detector.training.schedule import Stage, parse_stages
 from foreride.files.writing.atomic import write_text
 
 LADDER = {

@@ -4,9 +4,9 @@ import argparse
 import json
 from pathlib import Path
 
-from foreride.detector.schedule import Stage
-from foreride.detector.train import KIND
-from foreride.detector.train import main as train
+from foreride.detector.training.schedule import Stage
+from foreride.detector.training.train import KIND
+from foreride.detector.training.train import main as train
 from foreride.files.errors import InputError
 from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text

@@ -14,10 +14,10 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from foreride.detector.dataset import image_paths
-from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.data.yolo_folder import image_paths
+from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU
-from foreride.detector.schedule import Stage
+from foreride.detector.training.schedule import Stage
 from foreride.files.errors import InputError
 from foreride.files.reading.numbers import is_integer
 from foreride.files.reading.regular_file import read_text

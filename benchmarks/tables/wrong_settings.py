@@ -8,7 +8,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.settings import Settings
 

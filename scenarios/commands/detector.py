@@ -9,16 +9,16 @@ MODULES = {
     "data": ("foreride.road.dataset.generate", "render a labelled image set"),
     "card": ("foreride.road.dataset.dataset_card", "write a rendered set's README.md"),
     "boxes": ("foreride.road.dataset.label_statistics", "box sizes of labelled folders"),
-    "convert": ("foreride.detector.convert", "own images from and to YOLO and COCO formats"),
-    "train": ("foreride.detector.train", "train SBP-YOLO or a rival (extra: training)"),
-    "eval": ("foreride.detector.evaluate", "precision, recall and mAP on a folder of images"),
-    "export": ("foreride.detector.export", "write ONNX from trained weights (extra: training)"),
+    "convert": ("foreride.detector.data.yolo_coco", "own images from and to YOLO and COCO formats"),
+    "train": ("foreride.detector.training.train", "train SBP-YOLO or a rival (extra: training)"),
+    "eval": ("foreride.detector.evaluation.evaluate", "precision, recall and mAP on a folder of images"),
+    "export": ("foreride.detector.export.to_onnx", "write ONNX from trained weights (extra: training)"),
     "bench": (
-        "foreride.detector.bench",
+        "foreride.detector.export.benchmark",
         "time models, graphs, precisions, backends and threads (extra: training)",
     ),
     "models": (
-        "foreride.detector.complexity",
+        "foreride.detector.network.complexity",
         "parameters and operations beside the paper's (extra: training)",
     ),
 }

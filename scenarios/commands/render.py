@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from rich.progress import track
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.detector.runtime import Detector
 from foreride.files.errors import InputError
 from foreride.files.reading.numbers import within

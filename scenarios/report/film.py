@@ -6,7 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.detector.detection import CLASS_NAMES, Detections
+from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import replaced
 from foreride.scenarios.clock import TICKS_PER_SECOND

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.signal import welch
 
 from foreride.comfort import frequency_weighting
-from foreride.detector.detection import CLASS_NAMES
+from foreride.detector.detections import CLASS_NAMES
 from foreride.files.errors import printable
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.closed_loop import Run

@@ -18,10 +18,10 @@ import torch
 
 from benchmarks.tables import dfine
 from benchmarks.tables.detectors import main
-from foreride.detector.assigner import GroundTruth
-from foreride.detector.dataset import read_labels
-from foreride.detector.loader import Batch, batches
-from foreride.detector.schedule import Stage
+from foreride.detector.data.yolo_folder import read_labels
+from foreride.detector.training.assigner import GroundTruth
+from foreride.detector.training.batches import Batch, batches
+from foreride.detector.training.schedule import Stage
 from tests.detector import roads
 
 

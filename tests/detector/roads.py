@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.detector.dataset import Sample
+from foreride.detector.data.yolo_folder import Sample
 
 
 def draw(rng: np.random.Generator, width: int = 128, height: int = 96) -> tuple[np.ndarray, np.ndarray]:

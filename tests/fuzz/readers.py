@@ -155,7 +155,7 @@ def picture(suffix: str) -> bytes:
 
 
 def _image(path: Path) -> object:
-    from foreride.detector.imagefile import read_image
+    from foreride.detector.data.image_io import read_image
 
     return read_image(path)
 
@@ -208,20 +208,20 @@ def _split_of(path: Path) -> Path:
 
 
 def _labels(path: Path) -> object:
-    from foreride.detector.dataset import read_labels
+    from foreride.detector.data.yolo_folder import read_labels
 
     return read_labels(path)
 
 
 def _records(path: Path) -> object:
-    from foreride.detector.dataset import read_records
+    from foreride.detector.data.yolo_folder import read_records
 
     return read_records(path.parent)
 
 
 def _evaluated(path: Path) -> object:
-    from foreride.detector.detection import Detections
-    from foreride.detector.evaluate import evaluate
+    from foreride.detector.detections import Detections
+    from foreride.detector.evaluation.evaluate import evaluate
 
     found = Detections(BOXES[0], SCORES[0].max(1), np.array([0, 1]))
     return evaluate(_split_of(path), lambda image: found, 0.5)
@@ -252,7 +252,7 @@ def _coco_file(folder: Path) -> Path:
 
 
 def _coco(path: Path) -> object:
-    from foreride.detector.convert import read_coco
+    from foreride.detector.data.yolo_coco import read_coco
 
     return read_coco(path, path.parent, {})
 
@@ -263,7 +263,7 @@ HISTORY = {"passes": 10, "size": "64x64", "loss": {"box": 1.0}, "map50": 0.5, "m
 
 
 def _curves(path: Path) -> object:
-    from foreride.detector.curves import write_curves
+    from foreride.detector.evaluation.plots import write_curves
 
     return write_curves(path.parent)
 
@@ -271,7 +271,7 @@ def _curves(path: Path) -> object:
 def _weights_file(folder: Path) -> Path:
     import torch
 
-    from foreride.detector.checkpoint import save_weights
+    from foreride.detector.network.checkpoint import save_weights
 
     torch.manual_seed(0)
     save_weights(folder / "weights.pt", torch.nn.Linear(2, 2), {"model": "linear", "passes": 1})
@@ -281,7 +281,7 @@ def _weights_file(folder: Path) -> Path:
 def _weights(path: Path) -> object:
     import torch
 
-    from foreride.detector.checkpoint import load_weights
+    from foreride.detector.network.checkpoint import load_weights
 
     return load_weights(path, torch.nn.Linear(2, 2))
 

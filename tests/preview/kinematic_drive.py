@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.horizon import RoadPreview
 from foreride.preview.memory import Memory

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.cross_ratio import Marks, distance, distance_sigma, marks_of
 from foreride.preview.distance import depression, distance_of
 from foreride.preview.estimator import Estimator

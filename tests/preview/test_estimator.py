@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.detector.detection import Detections, no_detections
+from foreride.detector.detections import Detections, no_detections
 from foreride.files.errors import InputError
 from foreride.preview.estimator import Estimator
 from foreride.preview.perception import degrade, true_boxes

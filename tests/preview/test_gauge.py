@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.elevation import HeightRows
 from foreride.preview.estimator import Estimator
 from foreride.preview.gauge import HeightGauge, _sigma_inflation

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.path import Path, curvature
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.preview.perception import BoxErrors, degrade, true_boxes
 from foreride.road.camera.pinhole import Camera, CameraPose

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.perception import true_boxes
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import foreride.scenarios.eyes as eyes
-from foreride.detector.detection import Detections
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run, simulate

@@ -1,0 +1,99 @@
+"""Data augmentation for training: crop or mosaic, flip, light, weather, blur and noise."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from foreride.detector.data.crops import TrainingView, part_view
+from foreride.detector.data.litter import litter
+from foreride.detector.data.mosaic import mosaic_view
+from foreride.detector.data.weather import fog, rain, snow
+from foreride.detector.data.yolo_folder import Sample
+from foreride.files.errors import InputError
+
+
+@dataclass(frozen=True)
+class Augmentation:
+    """Probabilities of optional augmentations; crops, flips, light, slight blur and noise are always applied.
+
+    mosaic: share of the views made of four images, but none in the last `plain_last` of all passes, so that
+        training ends on unmodified images (Ge et al., YOLOX, arXiv 2107.08430, section 2.1)
+    weather: share of the views with rain, snow or fog (as arXiv 2508.01339, section 3.2)
+    litter: share of the views with leaves, paper and stones on the road
+    """
+
+    mosaic: float = 0.0
+    weather: float = 0.0
+    litter: float = 0.0
+    plain_last: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("mosaic", "weather", "litter", "plain_last"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise InputError(f"{name} must be in 0..1, got {getattr(self, name)}")
+
+    def at(self, done: float) -> "Augmentation":
+        """Augmentation at a training progress of 0..1."""
+        return self if done < 1 - self.plain_last else replace(self, mosaic=0.0)
+
+
+DEFAULT_AUGMENTATION = Augmentation()
+
+
+def training_view(
+    samples: Sequence[Sample],
+    index: int,
+    width: int,
+    height: int,
+    rng: Generator,
+    how: Augmentation = DEFAULT_AUGMENTATION,
+    min_height_px: float = 2.0,
+) -> TrainingView:
+    """Random training view of samples[index], or a mosaic of it with three others."""
+    if how.mosaic and rng.random() < how.mosaic:
+        chosen = [samples[i] for i in (index, *rng.integers(len(samples), size=3))]
+        shuffled = [chosen[i] for i in rng.permutation(4)]
+        image, classes, boxes = mosaic_view(shuffled, width, height, rng, min_height_px)
+    else:
+        image, classes, boxes = part_view(samples[index], width, height, rng, min_height_px)
+    if rng.random() < 0.5:
+        image = image[:, ::-1]
+        boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
+    if how.litter and rng.random() < how.litter:
+        image = litter(image, rng.random() ** 2, rng)
+    image = _light(image, rng)
+    if how.weather and rng.random() < how.weather:
+        effect = (rain, snow, fog)[rng.integers(3)]
+        image = effect(image, rng.random(), rng)
+    return TrainingView(_sensor(image, rng), classes, boxes)
+
+
+def _light(image: NDArray, rng: Generator) -> NDArray:
+    """Photometric jitter: gamma, contrast, brightness and colour cast as one table per channel."""
+    levels = np.arange(256) / 255
+    gamma, contrast, shift = np.exp(rng.normal(0, 0.2)), np.exp(rng.normal(0, 0.2)), rng.normal(0, 0.06)
+    cast = np.exp(rng.normal(0, 0.04, 3))
+    curve = ((levels**gamma)[:, None] * cast - 0.5) * contrast + 0.5 + shift
+    table = (curve.clip(0, 1) * 255).astype(np.uint8)
+    image = cv2.LUT(np.ascontiguousarray(image), table[None])
+    if rng.random() < 0.1:
+        image = cv2.cvtColor(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
+    return image.astype(np.uint8, copy=False)
+
+
+def _sensor(image: NDArray, rng: Generator) -> NDArray[np.uint8]:
+    """Sensor artefacts: defocus or motion blur, and noise, each in some of the views."""
+    kind = rng.random()
+    if kind < 0.06:
+        image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.4, 1.2))
+    elif kind < 0.12:
+        length = int(rng.integers(2, 5))
+        image = cv2.blur(image, (1, length) if rng.random() < 0.5 else (length, 1))
+    if rng.random() < 0.15:
+        noise = rng.integers(-8, 9, (*image.shape[:2], 1), dtype=np.int16)
+        image = (image + noise).clip(0, 255)
+    return image.astype(np.uint8, copy=False)

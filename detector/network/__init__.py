@@ -1,0 +1,1 @@
+"""Network of SBP-YOLO: blocks, heads, models of the paper's ladder, and their checkpoints."""

@@ -1,0 +1,1 @@
+"""Training: target assignment, losses, schedule, distillation and the training loop."""

@@ -1,0 +1,119 @@
+"""Knowledge distillation from a larger network: logits (BCKD) and features (CWD), as in arXiv 2508.01339.
+
+BCKD: Yang et al., Bridging Cross-task Protocol Inconsistency for Distillation in Dense Object Detection,
+ICCV 2023. CWD: Shu et al., Channel-wise Knowledge Distillation for Dense Prediction, ICCV 2021.
+"""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import binary_cross_entropy_with_logits, kl_div
+
+from foreride.detector.network.heads import Predictions, decode
+from foreride.detector.network.iou import ciou
+from foreride.detector.network.models import Network
+from foreride.detector.training.assigner import GroundTruth, assign
+
+
+@dataclass(frozen=True)
+class DistillationWeights:
+    """Weights of the distillation terms; 0 disables a term.
+
+    temperature: temperature of CWD's distributions over positions.
+    """
+
+    logits: float = 0.5
+    features: float = 0.5
+    box: float = 7.5
+    temperature: float = 1.0
+
+
+class FeatureAdapter(nn.Module):
+    """Feature adapter: the student's neck maps in the teacher's channels (1×1 convolution, plain norm)."""
+
+    def __init__(self, student: tuple[int, ...], teacher: tuple[int, ...]):
+        super().__init__()
+        self.fits = nn.ModuleList(nn.Conv2d(s, t, 1) for s, t in zip(student, teacher, strict=True))
+        self.norms = nn.ModuleList(nn.BatchNorm2d(t, affine=False) for t in teacher)
+        self.teacher_norms = nn.ModuleList(nn.BatchNorm2d(t, affine=False) for t in teacher)
+
+    def forward(self, student: list[Tensor], teacher: list[Tensor], temperature: float = 1.0) -> Tensor:
+        """Mean CWD distance over the maps."""
+        pairs = zip(self.fits, self.norms, self.teacher_norms, student, teacher, strict=True)
+        losses = [cwd(norm(fit(s)), other(t), temperature) for fit, norm, other, s, t in pairs]
+        return torch.stack(losses).mean()
+
+
+def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
+    """Channel-wise distillation loss τ²/(B·C) Σ KL(softmax(teacher/τ) ‖ softmax(student/τ)) over positions.
+
+    student, teacher: (B, C, H, W).
+    """
+    ours, theirs = (x.float().flatten(2) / temperature for x in (student, teacher))
+    total = kl_div(ours.log_softmax(2), theirs.log_softmax(2), reduction="sum", log_target=True)
+    return total * temperature**2 / (student.shape[0] * student.shape[1])
+
+
+def bckd(
+    student: Predictions, teacher: Predictions, truths: GroundTruth, points: Tensor, stride: Tensor
+) -> Tensor:
+    """Unweighted box and class terms (2,) of the logit distillation.
+
+    Class: Σ |σ_t − σ_s| · BCE(s, σ_t) over all points and classes. Box: Σ (1 − CIoU(student, teacher)) ·
+    max_c |σ_t − σ_s| over the student's foreground. Both over the sum of the target scores.
+    """
+    truths = truths.where(truths.classes >= 0)
+    matched = assign(student, points, stride, truths)
+    total = matched.score.sum().clamp(min=1)
+    logits, sure = student.class_logits.float(), teacher.class_logits.float().sigmoid()
+    gap = (sure - logits.sigmoid()).abs().detach()
+    label = (binary_cross_entropy_with_logits(logits, sure, reduction="none") * gap).sum()
+    at, scale = points[matched.anchor], stride[matched.anchor]
+    ours, theirs = (
+        decode(p.box_logits(matched.image, matched.anchor), at, scale) for p in (student, teacher)
+    )
+    box = ((1 - ciou(ours, theirs)) * gap[matched.image, matched.anchor].amax(1)).sum()
+    return torch.stack((box, label)) / total
+
+
+class Distillation:
+    """Distillation loss of a student from a frozen teacher.
+
+    Records the inputs of the blocks of both necks (the concatenations) while the networks run.
+    """
+
+    def __init__(self, student: Network, teacher: Network, weights: DistillationWeights):
+        self.teacher, self.weights = teacher.eval().requires_grad_(False), weights
+        blocks, others = _neck(student), _neck(teacher)
+        self.aligned = FeatureAdapter(tuple(map(_width, blocks)), tuple(map(_width, others)))
+        self.maps: dict[nn.Module, Tensor] = {}
+        self.pairs = list(zip(blocks, others, strict=True))
+        for block in (*blocks, *others):
+            block.register_forward_pre_hook(self._keep)
+
+    def _keep(self, block: nn.Module, inputs: tuple[Tensor, ...]) -> None:
+        self.maps[block] = inputs[0]
+
+    def __call__(
+        self, images: Tensor, predictions: Predictions, truths: GroundTruth, points: Tensor, stride: Tensor
+    ) -> Tensor:
+        """Weighted terms (2,), logits and features, of the student's predictions for the images."""
+        with torch.no_grad():
+            teacher = self.teacher(images)
+        box, label = bckd(predictions, teacher, truths, points, stride)
+        ours, theirs = ([self.maps[b] for b in side] for side in zip(*self.pairs, strict=True))
+        logits = self.weights.logits * (self.weights.box * box + label)
+        features = self.weights.features * self.aligned(ours, theirs, self.weights.temperature)
+        return torch.stack((logits, features))
+
+
+def _neck(network: Network) -> list[nn.Module]:
+    """Neck blocks that read concatenations: layers 12, 15, 18, 21, 24 and 27."""
+    names = ("top4", "top3", "top2", "out3", "out4", "out5")
+    return [getattr(network, name) for name in names if hasattr(network, name)]
+
+
+def _width(block: nn.Module) -> int:
+    """Number of input channels of a block."""
+    return next(m.in_channels for m in block.modules() if isinstance(m, nn.Conv2d))

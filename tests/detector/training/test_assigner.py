@@ -1,0 +1,89 @@
+"""Task-aligned assignment: every object gets points, and ties are resolved as documented."""
+
+import pytest
+
+pytest.importorskip("torch")
+
+import torch
+from hypothesis import given
+from hypothesis import strategies as st
+
+from foreride.detector.network.heads import Predictions, anchor_points
+from foreride.detector.training.assigner import GroundTruth, assign, candidates, rank_in_group
+
+STRIDES = (4, 8, 16, 32)
+POINTS, STRIDE = anchor_points(384, 640, STRIDES)
+
+
+def truths(*rows: tuple[int, int, list[float]]) -> GroundTruth:
+    image, classes, boxes = zip(*rows, strict=True)
+    return GroundTruth(torch.tensor(image), torch.tensor(classes), torch.tensor(boxes, dtype=torch.float32))
+
+
+def blank() -> tuple[torch.Tensor, torch.Tensor]:
+    return torch.zeros(1, len(POINTS), 64), torch.zeros(1, len(POINTS), 2)
+
+
+def everywhere(box_logits: torch.Tensor, class_logits: torch.Tensor) -> Predictions:
+    """Predictions with these logits, (B, N, 64) and (B, N, classes): an identity for a branch."""
+    branch = torch.nn.Conv2d(64, 64, 1, bias=False)
+    branch.weight.data = torch.eye(64)[..., None, None]
+    return Predictions(class_logits, [box_logits], [branch])
+
+
+@given(st.floats(100, 360), st.floats(2, 8), st.floats(0, 100), st.floats(200, 540))
+def test_a_wide_thin_bump_has_candidates_on_every_level(y: float, h: float, x: float, w: float) -> None:
+    near = candidates(torch.tensor([[x, y, x + w, y + h]]), POINTS, STRIDE)[0]
+    for stride in STRIDES:
+        assert near[stride == STRIDE].any()
+
+
+@given(st.floats(100, 360), st.floats(2, 8), st.floats(0, 100), st.floats(200, 540))
+def test_a_wide_thin_bump_is_taught_to_some_point(y: float, h: float, x: float, w: float) -> None:
+    matched = assign(everywhere(*blank()), POINTS, STRIDE, truths((0, 0, [x, y, x + w, y + h])))
+    assert 1 <= len(matched.anchor) <= 10
+    assert matched.score.max() > 0
+
+
+@given(st.floats(2, 60), st.floats(200, 540))
+def test_a_box_is_left_to_levels_with_rows_finer_than_it_is_high(h: float, w: float) -> None:
+    matched = assign(everywhere(*blank()), POINTS, STRIDE, truths((0, 0, [50, 200, 50 + w, 200 + h])))
+    assert STRIDE[matched.anchor].max() <= max(h, min(STRIDES))
+
+
+def test_each_point_learns_one_object_of_its_own_image() -> None:
+    wanted = truths((0, 0, [0, 100, 300, 110]), (0, 1, [100, 90, 140, 120]), (1, 1, [400, 300, 440, 310]))
+    torch.manual_seed(0)
+    guess = everywhere(torch.randn(2, len(POINTS), 64), torch.randn(2, len(POINTS), 2))
+    matched = assign(guess, POINTS, STRIDE, wanted)
+    where = (matched.image * len(POINTS) + matched.anchor).tolist()
+    assert len(set(where)) == len(where)
+    assert torch.equal(matched.image, wanted.image[matched.truth])
+    assert set(matched.truth.tolist()) == {0, 1, 2}
+
+
+def test_the_best_point_gets_the_best_overlap_as_its_score() -> None:
+    wanted = truths((0, 1, [200, 150, 260, 210]))
+    box_logits, class_logits = blank()
+    matched = assign(everywhere(box_logits, class_logits), POINTS, STRIDE, wanted)
+    assert 0 < matched.score.max() <= 1
+    assert (matched.score >= 0).all()
+    class_logits[0, matched.anchor[0], 1] = 5.0  # a point with a higher score is better aligned
+    again = assign(everywhere(box_logits, class_logits), POINTS, STRIDE, wanted)
+    assert again.score[again.anchor == matched.anchor[0]].item() == again.score.max()
+
+
+def test_no_object_no_assignment() -> None:
+    none = GroundTruth(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
+    assert len(assign(everywhere(*blank()), POINTS, STRIDE, none).anchor) == 0
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from([0.0, 0.5, 1.0, 2.0])), max_size=30))
+def test_rank_within_groups(pairs: list[tuple[int, float]]) -> None:
+    group = torch.tensor([g for g, _ in pairs], dtype=torch.long)
+    value = torch.tensor([v for _, v in pairs])
+    expected = [
+        sum(h == g and (w > v or (w == v and j < i)) for j, (h, w) in enumerate(pairs))
+        for i, (g, v) in enumerate(pairs)
+    ]
+    assert rank_in_group(group, value).tolist() == expected
