@@ -20,16 +20,16 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from foreride.files.writing.atomic import write_text  # noqa: E402
-from foreride.preview.cross_ratio import distance, marks_of  # noqa: E402
-from foreride.preview.distance import locate  # noqa: E402
 from foreride.preview.edge_bias import edge_bias  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
-from foreride.preview.perception import BoxErrors, degrade, true_boxes  # noqa: E402
+from foreride.preview.geometry.cross_ratio import distance, marks_of  # noqa: E402
+from foreride.preview.geometry.ground_distance import locate  # noqa: E402
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of  # noqa: E402
 from foreride.road.features.feature import HalfSineBump  # noqa: E402
 from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
+from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes  # noqa: E402
 from foreride.vehicle.parameters import load_vehicle  # noqa: E402
 from foreride.vehicle.plant import Plant  # noqa: E402
 from foreride.vehicle.sensors import Sensors  # noqa: E402

@@ -23,8 +23,8 @@ sys.path.insert(0, str(ROOT))
 from foreride.detector.detections import Detections  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
+from foreride.preview.height.stereo import second_pose  # noqa: E402
 from foreride.preview.settings import Settings  # noqa: E402
-from foreride.preview.stereo import second_pose  # noqa: E402
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of  # noqa: E402
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole  # noqa: E402
 from foreride.road.render.appearance import Appearance  # noqa: E402

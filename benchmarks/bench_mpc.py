@@ -18,7 +18,7 @@ from foreride.controller.base import Estimate, Timing
 from foreride.controller.mpc import PredictiveController
 from foreride.controller.qp import solve_box
 from foreride.files.writing.atomic import write_text
-from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.parameters import Car, load_vehicle
 

@@ -21,7 +21,7 @@ from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import image_paths, read_labels
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
-from foreride.preview.distance import depression, distance_of, row_of
+from foreride.preview.geometry.ground_distance import depression, distance_of, row_of
 from foreride.road.camera.pinhole import Camera
 
 TILE_PX = (420, 280)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from foreride.controller.base import Estimate
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 
 MATCH_LENGTH_M = 0.5
 """Length of the measured road that is compared with the preview, m."""

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 
 
 @dataclass(frozen=True)

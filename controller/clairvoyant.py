@@ -16,7 +16,7 @@ from foreride.controller.base import Estimate, Stateless
 from foreride.controller.limits import plan_limits
 from foreride.controller.model import KILO
 from foreride.controller.whole_drive import WholeDriveObjective
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 RELATIVE_TOLERANCE = 1e-8

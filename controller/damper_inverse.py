@@ -10,7 +10,7 @@ import numpy as np
 
 from foreride.controller.base import Controller, Estimate
 from foreride.controller.corners import corners
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
 from foreride.vehicle.damper import IdealDamper
 from foreride.vehicle.parameters import Car

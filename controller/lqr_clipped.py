@@ -16,7 +16,7 @@ from foreride.controller.comfort_filter import ComfortFilter
 from foreride.controller.corners import corners
 from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import LqrSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.linear import linear_twin
 from foreride.vehicle.parameters import Car
 

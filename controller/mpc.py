@@ -19,7 +19,7 @@ from foreride.controller.settings import MpcSettings
 from foreride.controller.terminal import terminal_cost
 from foreride.controller.time_grid import TimeGrid
 from foreride.controller.wheelbase import WheelbasePreview
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 PreviewSource = Literal["none", "wheelbase", "preview"]

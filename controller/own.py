@@ -11,7 +11,7 @@ from foreride.controller.base import Controller, Estimate, Timing
 from foreride.controller.limits import command_limits
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.own_code import load, place, say_once, told, waiting_for
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 

@@ -7,7 +7,7 @@ from foreride.controller.damper_inverse import equivalent_settings
 from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import FixedSettings, PassiveSettings
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 

@@ -10,7 +10,7 @@ from foreride.controller.base import Estimate
 from foreride.controller.correlation import Correlation
 from foreride.controller.residual import Residual, Strike
 from foreride.controller.settings import GateSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 INCONSISTENT = "inconsistent preview"

@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 
 from foreride.controller.settings import GateSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 
 FORGET_M = 0.1
 """Distance constant of the sums."""

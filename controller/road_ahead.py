@@ -7,7 +7,7 @@ import numpy as np
 from foreride.controller.alignment import PreviewAlignment
 from foreride.controller.base import Estimate
 from foreride.controller.settings import RoadSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 
 _STANDSTILL_M_S = 0.1
 """Speed below which the road is taken not to move under the wheels."""

@@ -15,7 +15,7 @@ from foreride.controller.preview_gate import PreviewGate
 from foreride.controller.sensor_watch import ALL_SILENT
 from foreride.controller.settings import SupervisorSettings
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 

@@ -17,7 +17,7 @@ from foreride.controller.base import Estimate, Stateless, Timing
 from foreride.controller.corners import corners
 from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import ShAddSettings, TwoStateSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.equations import FLOATS, body_acceleration
 from foreride.vehicle.parameters import Car
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from foreride.controller.base import Estimate, Timing
 from foreride.controller.corners import corners
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import Car
 
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
-from foreride.preview.shape import tyre_profile
-from foreride.preview.track import Track
+from foreride.preview.tracking.obstacle_templates import tyre_profile
+from foreride.preview.tracking.track import Track
 
 _MIN_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
 

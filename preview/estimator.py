@@ -8,19 +8,19 @@ import numpy as np
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.files.errors import InputError
 from foreride.preview.compose import compose
-from foreride.preview.correction import WheelStrikeDetector
-from foreride.preview.cross_ratio import marks_of
-from foreride.preview.fit import LENGTH, X
-from foreride.preview.gauge import HeightGauge
-from foreride.preview.horizon import RoadPreview, distance_grid
-from foreride.preview.memory import Memory
-from foreride.preview.motion import EgoMotion, Measurement
-from foreride.preview.path import Path
-from foreride.preview.recall import expectations, recall, remember
+from foreride.preview.ego_motion.ego_motion import EgoMotion, Measurement
+from foreride.preview.ego_motion.path import Path
+from foreride.preview.geometry.cross_ratio import marks_of
+from foreride.preview.height.height_measurement import HeightGauge
+from foreride.preview.prior_drives.memory_file import Memory
+from foreride.preview.prior_drives.recall import expectations, recall, remember
+from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.preview.settings import Settings
-from foreride.preview.track import Track
-from foreride.preview.tracker import Tracker
-from foreride.preview.view import rectify_frame
+from foreride.preview.tracking.gauss_newton import LENGTH, X
+from foreride.preview.tracking.observation import rectify_frame
+from foreride.preview.tracking.track import Track
+from foreride.preview.tracking.tracker import Tracker
+from foreride.preview.tracking.wheel_strike import WheelStrikeDetector
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 
 _OBJECT_MARGIN_M = 0.3  # margin around an object within which a wheel may be on it

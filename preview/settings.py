@@ -43,7 +43,7 @@ class Settings(Checked):
     max_boxes: Annotated[int, Interval(ge=1, le=1000), "boxes"] = 48  # newest boxes kept per track
 
     # Geometry (priors of the fit)
-    # Ranging method: fit of all boxes, or `preview.cross_ratio` of the last one
+    # Ranging method: fit of all boxes, or `preview.geometry.cross_ratio` of the last one
     distance: Distance = "fit"
     pitch_sigma_deg: Angle = 0.04  # noise of the ego pitch at exposure
     offset_sigma_deg: Angle = 0.24  # prior of the mounting pitch

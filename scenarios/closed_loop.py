@@ -10,7 +10,7 @@ import numpy as np
 from foreride.comfort.metrics import ride_metrics
 from foreride.controller.clairvoyant import PlanReplay
 from foreride.controller.registry import CLAIRVOYANT
-from foreride.preview.memory import Memory
+from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.bound import bound
 from foreride.scenarios.cases import Case
 from foreride.scenarios.clock import TICKS_PER_SECOND

@@ -10,9 +10,8 @@ import numpy as np
 
 from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.preview.estimator import Estimator
-from foreride.preview.memory import read as read_memory
-from foreride.preview.perception import degrade, true_boxes
-from foreride.preview.stereo import second_pose
+from foreride.preview.height.stereo import second_pose
+from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
 from foreride.road.render.scene import Scene
 from foreride.road.tyre.wheel_profile import WheelProfile
@@ -20,6 +19,7 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.mapped import build_map
 from foreride.scenarios.oracle import build_oracle
 from foreride.scenarios.perception import DetectorPerception, Exposure, NoPreview, Perception
+from foreride.scenarios.perceptions.box_errors import degrade, true_boxes
 from foreride.scenarios.schema import Scenario
 from foreride.scenarios.told import track_corrector
 from foreride.vehicle.state import VehicleState

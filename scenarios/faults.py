@@ -8,7 +8,7 @@ import numpy as np
 from annotated_types import Interval
 
 from foreride.files.reading.ranges import Checked, Share
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.sensors import Measurement
 
 LATE_ANSWER = "late answer"

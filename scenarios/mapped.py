@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview
-from foreride.preview.roadmap import RoadMap, map_preview, read, wheel_tracks
+from foreride.preview.prior_drives.road_map import RoadMap, map_preview, read, wheel_tracks
+from foreride.preview.road_preview import RoadPreview
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.perception import NoPreview
 from foreride.scenarios.schema import Scenario

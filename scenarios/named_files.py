@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 
 from foreride.controller.own import is_user_controller, load_user_controller
-from foreride.preview.memory import read as read_memory
+from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.scenarios.cases import Case
 from foreride.scenarios.eyes import load_detector
 from foreride.scenarios.mapped import read_map

@@ -9,7 +9,7 @@ import numpy as np
 from annotated_types import Interval
 
 from foreride.files.reading.ranges import Checked, Share
-from foreride.preview.horizon import RoadPreview, oracle_preview
+from foreride.preview.road_preview import RoadPreview, oracle_preview
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping

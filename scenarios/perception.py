@@ -18,8 +18,8 @@ from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.files.own_code import place, say_once, told
 from foreride.preview.estimator import Estimator
-from foreride.preview.horizon import RoadPreview
-from foreride.preview.memory import Memory
+from foreride.preview.prior_drives.memory_file import Memory
+from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.told import TrackCorrection
 from foreride.vehicle.sensors import Measurement

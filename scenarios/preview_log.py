@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 
 RATE_HZ = 20
 STEP_M = 0.1

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from foreride.files.writing.folder import atomic_folder
 from foreride.files.writing.names import joined
 from foreride.files.writing.sharing import shared_name, shared_target
-from foreride.preview.memory import to_text as memory_text
+from foreride.preview.prior_drives.memory_file import to_text as memory_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.preview_log import PreviewLog

@@ -11,7 +11,6 @@ from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Seed
 from foreride.files.writing.names import check_name
-from foreride.preview.perception import BoxErrors
 from foreride.preview.settings import Settings as EstimatorSettings
 from foreride.road.camera.pinhole import Camera, CameraMount
 from foreride.road.render.appearance import Appearance
@@ -21,6 +20,7 @@ from foreride.scenarios.applicable import require_applicable
 from foreride.scenarios.clock import TICKS_PER_SECOND
 from foreride.scenarios.faults import Fault
 from foreride.scenarios.oracle import OracleErrors
+from foreride.scenarios.perceptions.box_errors import BoxErrors
 from foreride.scenarios.speed import KM_H, SpeedPoint, profile
 from foreride.vehicle.parameters import Car
 from foreride.vehicle.sensors import SensorNoise
@@ -81,8 +81,9 @@ class Detection(Checked):
 class MapSetup(Checked):
     """Road map for the perception `map`.
 
-    file: .csv or .crg (see `preview.roadmap`), found beside the scenario's. localisation_sigma_m: standard
-    deviation of the car's position on the map, m; the error is drawn once per drive.
+    file: .csv or .crg (see `preview.prior_drives.road_map`), found beside the scenario's.
+    localisation_sigma_m: standard deviation of the car's position on the map, m; the error is drawn once per
+    drive.
     """
 
     file: str

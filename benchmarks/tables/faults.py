@@ -18,7 +18,7 @@ from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from foreride.controller.base import Estimate
 from foreride.controller.mpc import PredictiveController
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.schema import Scenario
 from foreride.scenarios.sets import load_all

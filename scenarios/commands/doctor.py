@@ -17,7 +17,7 @@ from foreride.detector.runtime import Detector
 from foreride.files.cache import cached, writable
 from foreride.files.compiled import CACHE, PACKAGES, SOURCE
 from foreride.files.writing.atomic import write_text
-from foreride.preview.horizon import flat_preview
+from foreride.preview.road_preview import flat_preview
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.render.appearance import Appearance

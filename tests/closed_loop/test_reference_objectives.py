@@ -13,7 +13,7 @@ from foreride.comfort.metrics import ride_metrics
 from foreride.controller.base import Controller, Timing
 from foreride.controller.observer import exact_estimate
 from foreride.controller.registry import build
-from foreride.preview.horizon import distance_grid, oracle_preview
+from foreride.preview.road_preview import distance_grid, oracle_preview
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile

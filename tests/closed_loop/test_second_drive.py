@@ -3,7 +3,7 @@
 import hashlib
 from dataclasses import replace
 
-from foreride.preview.memory import write
+from foreride.preview.prior_drives.memory_file import write
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.scenarios.cases import Case

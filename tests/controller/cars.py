@@ -3,7 +3,7 @@
 import numpy as np
 
 from foreride.controller.base import Estimate
-from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.parameters import Car
 

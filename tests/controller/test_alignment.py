@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.alignment import NO_SHIFT, PreviewAlignment, PreviewShift
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
 

@@ -9,7 +9,7 @@ from foreride.controller.base import Controller, Estimate
 from foreride.controller.damper_inverse import EquivalentDamping, equivalent_settings
 from foreride.controller.passive import passive
 from foreride.controller.registry import build
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
 from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from foreride.vehicle.equations import rest_state

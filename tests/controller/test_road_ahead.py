@@ -5,7 +5,7 @@ import pytest
 
 from foreride.controller.road_ahead import RoadReference, moved
 from foreride.controller.settings import RoadSettings
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
 

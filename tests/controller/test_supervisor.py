@@ -15,7 +15,7 @@ from foreride.controller.settings import ControllerSettings, SupervisorSettings
 from foreride.controller.supervisor import FallbackSupervisor
 from foreride.controller.tuned import tuned_settings
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview
+from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.parameters import load_vehicle
 from tests.controller.cars import estimate, step_preview
 

@@ -87,7 +87,7 @@ def _road(path: Path) -> object:
 
 
 def _map(path: Path) -> object:
-    from foreride.preview.roadmap import read
+    from foreride.preview.prior_drives.road_map import read
 
     return read(path)
 
@@ -116,7 +116,14 @@ def _vehicle(path: Path) -> object:
 
 
 def _memory_file(folder: Path) -> Path:
-    from foreride.preview.memory import TEMPLATE_BY_NAME, Memory, Mounting, RememberedObject, RowBias, write
+    from foreride.preview.prior_drives.memory_file import (
+        TEMPLATE_BY_NAME,
+        Memory,
+        Mounting,
+        RememberedObject,
+        RowBias,
+        write,
+    )
 
     mounting = Mounting(0.01, 0.02, 1e-4, 0.0, 1e-4)
     bump = RememberedObject(
@@ -128,7 +135,7 @@ def _memory_file(folder: Path) -> Path:
 
 
 def _memory(path: Path) -> object:
-    from foreride.preview.memory import read
+    from foreride.preview.prior_drives.memory_file import read
 
     return read(path)
 

@@ -7,13 +7,13 @@ import numpy as np
 
 from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
-from foreride.preview.horizon import RoadPreview
-from foreride.preview.memory import Memory
-from foreride.preview.perception import BoxErrors, degrade, true_boxes
+from foreride.preview.prior_drives.memory_file import Memory
+from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
+from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes
 
 AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.preview.calibration import Gaussian
 from foreride.preview.compose import compose
-from foreride.preview.fit import HEIGHT, X
-from foreride.preview.horizon import RoadPreview, distance_grid
+from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.preview.settings import Settings
-from foreride.preview.shape import tyre_profile
-from foreride.preview.track import Edge, Track, first_fits
+from foreride.preview.tracking.gauss_newton import HEIGHT, X
+from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.obstacle_templates import tyre_profile
+from foreride.preview.tracking.track import Edge, Track, first_fits
 
 SETTINGS, DISTANCE_M = Settings(), distance_grid()
 AXLES_M, WHEELS_Y_M = (1.2, -1.4), (0.7, 0.7)

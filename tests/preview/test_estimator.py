@@ -6,10 +6,10 @@ import pytest
 from foreride.detector.detections import Detections, no_detections
 from foreride.files.errors import InputError
 from foreride.preview.estimator import Estimator
-from foreride.preview.perception import degrade, true_boxes
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.road.road import Road
+from foreride.scenarios.perceptions.box_errors import degrade, true_boxes
 from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Drive, Reading, box_errors, drive, unbiased
 
 EXACT = box_errors(pixel_sigma=0.0, miss_probability=0.0)

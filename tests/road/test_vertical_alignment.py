@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
-from foreride.preview.perception import true_boxes
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.render.appearance import Appearance
@@ -16,6 +15,7 @@ from foreride.road.render.raycast import FAR_M
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
 from foreride.road.vertical_alignment import MAX_GRADE, GradeChange, grade_at, grade_height
+from foreride.scenarios.perceptions.box_errors import true_boxes
 
 UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
 

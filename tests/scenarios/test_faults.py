@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.preview.horizon import flat_preview
+from foreride.preview.road_preview import flat_preview
 from foreride.scenarios.faults import Faults, LateAnswers, PreviewFault, SensorFault
 from foreride.vehicle.sensors import Measurement
 

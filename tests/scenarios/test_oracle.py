@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.preview.horizon import RoadPreview, oracle_preview
+from foreride.preview.road_preview import RoadPreview, oracle_preview
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness

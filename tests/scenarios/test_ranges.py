@@ -13,7 +13,7 @@ from foreride.controller.settings import ControllerSettings
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Number, number_of, numbers_in
-from foreride.preview.memory import Memory
+from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.axis import Axis
 from foreride.scenarios.loading import load, names
 from foreride.scenarios.reference import blocks

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from foreride.preview.calibration import Calibration
 from foreride.preview.settings import Settings
-from foreride.preview.track import Edge, Track, first_fits
+from foreride.preview.tracking.mounting_filter import Calibration
+from foreride.preview.tracking.track import Edge, Track, first_fits
 from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.scenarios.told import track_corrector
 

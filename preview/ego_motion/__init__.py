@@ -1,0 +1,1 @@
+"""Ego motion at sensor rate: odometry, heave and pitch, roll, path and changes of grade."""

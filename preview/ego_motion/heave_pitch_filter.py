@@ -1,0 +1,133 @@
+"""Heave and pitch of the sprung mass relative to the local road plane: a Kalman filter.
+
+Gyro and accelerometers drive the prediction; their offsets are states of the filter. Rattle space and tyre
+deflection give the height of the road under each axle, given the motion. That height is the road plane plus
+roughness, so its weight depends on the recent roughness: on a smooth road it corrects the body at once, on a
+rough one only the drift of the inertial signals, so that during the second in which an object approaches the
+frame does not follow the roughness under the wheels. Where the grade changes it does (`grade_watch`).
+"""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from foreride.preview.ego_motion.grade_change_detector import GradeChangeDetector
+from foreride.preview.settings import Settings
+
+HEAVE, RATE, PITCH, GYRO, ACCELEROMETER = range(5)
+"""State: heave (m) and its rate, pitch (rad), offsets of gyro (rad/s) and accelerometer (m/s²)."""
+
+_RISE_S = 0.1
+_MAX_RISE_RATIO = 2.5  # clipping limit of a rise, over the usual rise: an edge is no roughness
+_PLANE_OFFSET_SIGMA_M, _PLANE_GRADE_SIGMA = (
+    0.02,
+    0.01,
+)  # sigmas of the plane's height (m) and grade when the wheels leave it
+_GRADE_AHEAD_SIGMA = 0.02  # sigma of the grade ahead when the wheels have just left the plane
+_SETTLING_SHARE = (
+    0.3  # share of these sigmas added per span while the plane settles: the rear axle arrives later
+)
+_SETTLING_SIGMA_RATIO = (
+    4.0  # sigma of a span's mean height while the plane settles, over the road's usual rise
+)
+
+
+class PlaneUpdate(NamedTuple):
+    """Update of the road plane: change of heave (m) and pitch (rad) of the body relative to it."""
+
+    heave_m: float
+    pitch_rad: float
+
+
+class HeavePitchFilter:
+    """Kalman filter of heave and pitch: state (5,) and covariance.
+
+    axle_x_m: position of each axle, front first; one axle for a quarter car, which has no pitch.
+    """
+
+    def __init__(self, axle_x_m: np.ndarray, settings: Settings) -> None:
+        self.settings = settings
+        self.state = np.zeros(5)
+        sigmas = [
+            settings.heave_sigma_m,
+            10.0 * settings.heave_sigma_m,  # per second: body modes at one to two hertz
+            np.deg2rad(settings.body_pitch_sigma_deg),
+            np.deg2rad(settings.gyro_offset_sigma_deg_s),
+            settings.accelerometer_offset_sigma_m_s2,
+        ]
+        self.covariance = np.diag(np.square(sigmas))
+        self.roughness_m = settings.least_roughness_m
+        self._past: deque[np.ndarray] = deque()
+        self._grade_detector = GradeChangeDetector(settings)
+        self._observation = np.zeros((len(axle_x_m), 5))  # observation matrix: body height over each axle
+        self._observation[:, HEAVE] = 1.0
+        self._observation[:, PITCH] = -np.asarray(axle_x_m) if len(axle_x_m) > 1 else 0.0
+
+    def predict(self, step: float, acceleration: float, pitch_rate: float) -> None:
+        """Prediction over `step` seconds with mean readings at the centre of gravity (m/s², rad/s)."""
+        s, settings = self.state, self.settings
+        specific = acceleration - s[ACCELEROMETER]
+        s[HEAVE] += step * (s[RATE] + 0.5 * step * specific)
+        s[RATE] += step * specific
+        s[PITCH] += step * (pitch_rate - s[GYRO]) if len(self._observation) > 1 else 0.0
+        forward = np.eye(5)
+        forward[HEAVE, RATE] = step
+        forward[RATE, ACCELEROMETER] = forward[PITCH, GYRO] = -step
+        self.covariance = forward @ self.covariance @ forward.T
+        self.covariance[RATE, RATE] += settings.accelerometer_noise_m_s2**2 * step
+        self.covariance[PITCH, PITCH] += np.deg2rad(settings.gyro_noise_deg_s) ** 2 * step
+
+    def level(self, deflection: np.ndarray, step: float, speed_m_s: float = 0.0) -> PlaneUpdate | None:
+        """Correction of the road heights under the axles to the road plane.
+
+        deflection: (axles,) body over road, m. On a rough road successive heights are correlated and say
+        little of the plane, so the weight of a reading falls with the running root mean square of the rise of
+        the road in `_RISE_S`. Returns the update of the plane if its grade was found to have changed.
+        """
+        turn = self._detect_plane_update(deflection, step, speed_m_s)
+        self._correct(deflection, self.settings.level_ratio * self.roughness_m)
+        self._past.append(self.road_m(deflection))
+        if step > 0 and len(self._past) > max(1, round(_RISE_S / step)):
+            rise = self._past[-1] - self._past.popleft()
+            share = min(1.0, step / self.settings.roughness_memory_s)
+            rise_m2 = min(float(np.mean(rise**2)), (_MAX_RISE_RATIO * self.roughness_m) ** 2)
+            square = self.roughness_m**2 + share * (rise_m2 - self.roughness_m**2)
+            self.roughness_m = max(self.settings.least_roughness_m, square**0.5)
+        return turn
+
+    @property
+    def grade_sigma(self) -> float:
+        """Standard deviation of the grade ahead after a detected change of grade; 0 when settled."""
+        return _GRADE_AHEAD_SIGMA * self._grade_detector.unsettled
+
+    def _detect_plane_update(
+        self, deflection: np.ndarray, step: float, speed_m_s: float
+    ) -> PlaneUpdate | None:
+        mean_m = self._grade_detector.add(self.road_m(deflection), step, self.roughness_m)
+        if mean_m is None:
+            return None
+        if self._grade_detector.fresh:
+            self.roughness_m = self._grade_detector.roughness_m
+        share = 1.0 if self._grade_detector.fresh else _SETTLING_SHARE
+        loose = {HEAVE: _PLANE_OFFSET_SIGMA_M, RATE: speed_m_s * _PLANE_GRADE_SIGMA}
+        if len(self._observation) > 1:
+            loose[PITCH] = _PLANE_GRADE_SIGMA
+        for entry, sigma in loose.items():
+            self.covariance[entry, entry] += (share * sigma) ** 2
+        before = self.state.copy()
+        self._correct(self._observation @ before - mean_m, _SETTLING_SIGMA_RATIO * self.roughness_m)
+        self._past.clear()  # rises between heights over the old and the new plane are not roughness
+        moved = self.state - before
+        return PlaneUpdate(float(moved[HEAVE]), float(moved[PITCH]))
+
+    def _correct(self, deflection: np.ndarray, sigma_m: float) -> None:
+        for row, measured in zip(self._observation, deflection, strict=True):
+            along = self.covariance @ row
+            gain = along / (row @ along + sigma_m**2)
+            self.state += gain * (measured - row @ self.state)
+            self.covariance -= np.outer(gain, along)
+
+    def road_m(self, deflection: np.ndarray) -> np.ndarray:
+        """Height of the road under each axle, m."""
+        return self._observation @ self.state - deflection

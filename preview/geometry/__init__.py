@@ -1,0 +1,1 @@
+"""Distance on the ground from image rows."""

@@ -1,0 +1,1 @@
+"""Heights of tracked objects measured in images: stereo, and plane plus parallax."""

@@ -1,0 +1,1 @@
+"""Prior knowledge of a road: maps, and the memory that an earlier drive left."""

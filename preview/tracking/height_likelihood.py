@@ -1,0 +1,176 @@
+"""Height-profile likelihood: height samples of the last frames and their normal equations for a shape.
+
+A sample belongs to a line of sight: the point where it would meet the road plane, and the height over the
+plane at which it ended instead. A shape z(x) = H p((x - X) / L) is seen where the line meets it first, so
+crests hide the road behind them and rims the floor of holes. Errors common to many samples are marginalised
+with Gaussian priors (Schur complement): offset and slope of the plane that a frame found; offset and slope of
+the ground at the object in all frames; the ramp length of a table; and a common shift of all positions.
+"""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from foreride.preview.tracking.obstacle_templates import RAMP, TABLE, ObstacleTemplate, unit_profile
+
+Array = np.ndarray
+_FRAMES = 8
+_CORRELATION = 1.5  # variance inflation: windows overlap, and frames see the same texture
+_MIN_SIGMA_M = 0.003
+_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
+_OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
+_RAMP_SIGMA = 0.018  # sigma of a table's ramp length, as a share of its length
+_ROBUST = 3.0  # residual in standard deviations with half weight
+_CREST_SIGMA_RATIO = (
+    3.0  # sigma at a crest, over the spread within the smear: windows are biased to one side of it
+)
+_PROFILE_POINTS = np.linspace(0.0, 1.0, 25)
+_SMEAR_POINTS = np.array([-0.33, 0.0, 0.33])  # positions within a sample's smear
+_STEP = np.array([0.01, 0.01, 0.002, 0.01])  # by X, L, H, ramp: wide enough to bridge jumps
+_STEPS = np.concatenate([np.zeros((1, 4)), np.kron(np.diag(_STEP), [[1.0], [-1.0]])])
+_SHARED, _FRAME = slice(6, 10), slice(10, 12)  # marginalised columns of a table
+
+
+class HeightRows(NamedTuple):
+    """Height samples, arrays (n,).
+
+    x_m: intersection of the line of sight with the plane. z_m, sigma_m: height over the plane at which it
+    ends. smear_m: length of road averaged by the sample. slant: forward run of the line of sight per metre of
+    fall.
+    """
+
+    x_m: Array
+    z_m: Array
+    sigma_m: Array
+    smear_m: Array
+    slant: Array
+
+
+class NearEdge(NamedTuple):
+    """Intersection of a box's bottom edge with the plane that its frame found.
+
+    x_m, sigma_m: position; low_m: change of position per rad of bottom-edge bias.
+    """
+
+    x_m: float
+    sigma_m: float
+    low_m: float
+
+
+@dataclass
+class HeightSamples:
+    """Height samples of the newest frames.
+
+    shift_sigma_m: standard deviation of the common shift of all positions. absolute: True if positions are
+    triangulated (stereo), False if they rest on the plane under the wheels.
+    """
+
+    shift_sigma_m: float
+    absolute: bool = True
+    frames: deque[HeightRows] = field(default_factory=lambda: deque(maxlen=_FRAMES))
+    edges: deque[NearEdge] = field(default_factory=lambda: deque(maxlen=_FRAMES))
+
+    def add(self, rows: HeightRows, edge: NearEdge | None = None) -> None:
+        """Add a frame, its variance inflated."""
+        sigma = np.sqrt(_CORRELATION * (rows.sigma_m**2 + _MIN_SIGMA_M**2))
+        self.frames.append(rows._replace(sigma_m=sigma))
+        if edge is not None:
+            self.edges.append(edge)
+
+
+def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) -> tuple[Array, Array, float]:
+    """Information (6, 6), gradient (6,) and half the squared error of the samples, to be added to a fit.
+
+    state: [X, b, z, L, H, d] of `preview.tracking.gauss_newton`; b and z do not matter here.
+    """
+    rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
+    shape = np.array([state[0], state[3], state[4], RAMP])
+    steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
+    mixed = _smeared_heights(kind, rows, shape + steps)
+    levels = mixed.mean(axis=2)
+    model = levels[0]
+    slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
+    by_x, by_length, by_height = slopes[:3]
+    by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
+    one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
+    residual = rows.z_m - model
+    # State; nuisances (ground, slope, shift, ramp, a frame's ground and slope); residual.
+    columns = [
+        by_x,
+        zero,
+        zero,
+        by_length,
+        by_height,
+        zero,
+        one,
+        behind,
+        by_x,
+        by_ramp,
+        one,
+        behind,
+        residual,
+    ]
+    table = np.stack(columns, axis=1)
+    sigma = np.hypot(rows.sigma_m, _CREST_SIGMA_RATIO * np.abs(mixed[0, :, 1] - model))
+    weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
+    ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
+    squares = [
+        _marginalise((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
+        for part, heavy in zip(np.split(table, ends), np.split(weight, ends), strict=True)
+    ]
+    squares += [_edge_terms(edge, state) for edge in elevation.edges]
+    shared = (_OFFSET_SIGMA_M, _SLOPE_SIGMA, elevation.shift_sigma_m, _RAMP_SIGMA)
+    total = _marginalise(np.sum(squares, axis=0), _SHARED, shared)
+    return total[:6, :6], total[:6, 6], 0.5 * float(total[6, 6]) + float(np.log(sigma / rows.sigma_m).sum())
+
+
+def _edge_terms(edge: NearEdge, state: Array) -> Array:
+    """Contribution of one near edge to the table's square (11, 11): distance from X, shift, edge bias."""
+    residual = edge.x_m + edge.low_m * state[5] - state[0]
+    weight = edge.sigma_m**-2 / (1.0 + (residual / (_ROBUST * edge.sigma_m)) ** 2)
+    line = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
+    return weight * np.outer(line, line)
+
+
+def _marginalise(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
+    """Square of a table with the columns `aside` marginalised; `sigmas`: their prior."""
+    own = square[aside, aside] + np.diag(np.array(sigmas) ** -2.0)
+    rest = np.delete(np.arange(len(square)), aside)
+    cross = square[aside][:, rest]
+    return square[np.ix_(rest, rest)] - cross.T @ np.linalg.solve(own, cross)
+
+
+def seen(
+    kind: ObstacleTemplate,
+    rows: HeightRows,
+    start_m: float,
+    length_m: float,
+    height_m: float,
+    ramp: float = RAMP,
+) -> Array:
+    """Height (n,) at which each line of sight first meets the shape, averaged over the smear; 0 beside it."""
+    return _smeared_heights(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
+
+
+def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) -> Array:
+    """Heights (shapes, n, 3) near, amid and far in the smear that `seen` averages.
+
+    shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
+    """
+    start, length, height, ramp = shapes.T[:, :, None]
+    along = start + _PROFILE_POINTS * length
+    rises = height * unit_profile(kind, _PROFILE_POINTS, length, ramp)
+    # Intersection with the plane of the line of sight through each point; hidden points do not advance it.
+    meets = np.maximum.accumulate(along[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
+    wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
+    after = (meets[:, :, None, :] < wanted[:, :, None]).sum(axis=3)
+    inside = (after > 0) & (after < len(_PROFILE_POINTS))
+    k = np.clip(after, 1, len(_PROFILE_POINTS) - 1)
+    low, high = np.take_along_axis(meets, k - 1, axis=2), np.take_along_axis(meets, k, axis=2)
+    # Over a hidden stretch the height jumps: the far end of the stretch counts.
+    part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
+    number = np.arange(len(shapes))[:, None, None]
+    before = rises[number, k - 1]
+    return np.where(inside, before + part * (rises[number, k] - before), 0.0)

@@ -1,0 +1,244 @@
+"""Track of one object: boxes, fits, lateral extent, class and existence."""
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
+from foreride.preview.settings import Settings
+from foreride.preview.tracking.gauss_newton import (
+    HEIGHT,
+    LENGTH,
+    SHARED,
+    DirectMeasurement,
+    EdgeBearings,
+    Fit,
+    X,
+    fit,
+    start_state,
+    table,
+)
+from foreride.preview.tracking.height_likelihood import HeightSamples
+from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.obstacle_templates import POTHOLE, ObstacleTemplate, chord, templates_of
+from foreride.preview.tracking.plane_residual import strain
+from foreride.preview.tracking.realness import mean_surplus, probability, surplus
+
+Array = np.ndarray
+_DROP_EVIDENCE = 10.0  # log evidence against a kind at which it is dropped
+_MIN_BEARINGS = 8  # before a kind may be dropped
+_MAX_VARIANCE_RATIO = 2.5  # variance ratio above which the boxes contradict a plane road
+_PLANE_UNCHANGED_RAD = 0.002  # threshold below which the plane counts as unchanged
+_SIGMA_INFLATION = 2.0  # sigma inflation per unit above; calibrated for grade changes of 2 %
+LOG_ODDS_LIMIT = 7.0  # so that a vanished object is deleted after half a second
+
+
+@dataclass
+class Edge:
+    """Lateral position of one side of the object, left-positive (m): a scalar Kalman filter."""
+
+    y_m: float
+    variance: float
+
+    def update(self, y_m: float, variance: float) -> None:
+        """Update with one measurement."""
+        gain = self.variance / (self.variance + variance)
+        self.y_m += gain * (y_m - self.y_m)
+        self.variance *= 1.0 - gain
+
+
+class Section(NamedTuple):
+    """Section of an object on a wheel's path: near edge, length and height (or depth), m."""
+
+    start_m: float
+    length_m: float
+    height_m: float
+
+
+@dataclass
+class Track:
+    """Track of an object detected at least once. Positions are on the odometer's axis.
+
+    right, left: lateral edges (y_min, y_max). log_odds: against a chance detection; class_log_odds: of `cls`
+    against the other class. surplus: see `preview.tracking.realness`. precision: probability that a
+    repeatedly detected object with such scores is real; 1 after a wheel strike. fits: by kind. strain:
+    variance ratio, see `preview.tracking.plane_residual`. turned_rad: total rotation of the road plane since
+    the first detection. marked: near edge and sigma by `preview.geometry.cross_ratio`, which then replace
+    those of the fit.
+    """
+
+    identity: int
+    cls: int
+    born_s: float
+    log_odds: float
+    right: Edge
+    left: Edge
+    fits: list[Fit]
+    sights: list[EdgeBearings] = field(default_factory=list)
+    directs: list[DirectMeasurement] = field(default_factory=list)
+    elevation: HeightSamples | None = None
+    last_seen_s: float = 0.0
+    last_seen_x_m: float = 0.0
+    hits: int = 1
+    confirmed: bool = False
+    struck: bool = False
+    strain: float = 0.0
+    surplus: float = 0.0
+    precision: float = 1.0
+    class_log_odds: float = 0.0
+    marked: tuple[float, float] | None = None
+    turned_rad: float = 0.0
+
+    @property
+    def best(self) -> Fit:
+        """Fit of the kind with the highest evidence."""
+        return min(self.fits, key=lambda candidate: candidate.cost)
+
+    @property
+    def existence(self) -> float:
+        """Probability that the object is real.
+
+        Repeated boxes separate it from chance detections; only scores separate it from a look-alike such as a
+        stain.
+        """
+        return float(self.precision / (1.0 + np.exp(-self.log_odds)))
+
+    @property
+    def contradicts_plane(self) -> bool:
+        """True if the boxes contradict a plane road: its grade has changed on the way."""
+        return self.strain > _MAX_VARIANCE_RATIO
+
+    @property
+    def is_of_one_plane(self) -> bool:
+        """True if all boxes belong to one road plane, according to boxes and wheels."""
+        return not self.contradicts_plane and self.turned_rad < _PLANE_UNCHANGED_RAD
+
+    @property
+    def sigma_m(self) -> float:
+        """Standard deviation of the near edge, inflated where the boxes contradict a plane road.
+
+        A stereo pair does not assume a plane road.
+        """
+        if self.elevation is not None and self.elevation.absolute:
+            return self.best.sigma_m
+        return self.best.sigma_m * (1.0 + _SIGMA_INFLATION * max(0.0, self.strain - _MAX_VARIANCE_RATIO))
+
+    @property
+    def start_m(self) -> float:
+        """Position of the near edge."""
+        return float(self.best.state[X])
+
+    @property
+    def end_m(self) -> float:
+        """Position of the far edge."""
+        state = self.best.state
+        return float(state[X] + state[LENGTH])
+
+    @property
+    def centre_y_m(self) -> float:
+        """Lateral position of the middle."""
+        return 0.5 * (self.left.y_m + self.right.y_m)
+
+    @property
+    def depth_is_measured(self) -> bool:
+        """True if a pothole's depth is known beyond its prior: from images or an earlier drive."""
+        return self.elevation is not None or any(known.entry == HEIGHT for known in self.directs)
+
+    @property
+    def height_sigma(self) -> float:
+        """Relative standard deviation of height or depth."""
+        return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
+
+    def update_existence(self, seen: bool, settings: Settings) -> None:
+        """Bayesian update of existence after a frame in which the object should have been visible."""
+        real, false = settings.detection_probability, settings.false_repeat_probability
+        ratio = real / false if seen else (1.0 - real) / (1.0 - false)
+        self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
+
+    def update_score(self, score: float, height_px: float, settings: Settings) -> None:
+        """Update of the score evidence.
+
+        It is skipped for an object proved real by a wheel strike, in this drive or an earlier one.
+        """
+        if self.precision < 1.0:
+            self.surplus = mean_surplus(self.surplus, surplus(score, height_px, self.cls))
+            self.precision = min(settings.precision(self.cls), probability(self.surplus, self.cls))
+
+    def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
+        """Bayesian update of the class; a change of class restarts the fits."""
+        confusion = settings.confusion_probability
+        evidence = math.log((1.0 - confusion) / confusion) * (1.0 if seen_as == self.cls else -1.0)
+        self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
+        if self.class_log_odds < 0:
+            self.cls, self.class_log_odds = seen_as, -self.class_log_odds
+            self.surplus, self.precision = 0.0, settings.precision(seen_as)
+            self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
+            # The position remains valid; remembered sizes belong to the other class.
+            self.directs = [known for known in self.directs if known.entry == X]
+
+    def refit(self, shared: Gaussian, settings: Settings) -> None:
+        """Fit every remaining kind to all sights, starting from its last fit."""
+        del self.sights[: -settings.max_boxes]
+        sights = table(self.sights)
+        fits = [
+            fit(old.kind, sights, old.state, shared, self.directs, settings, 2, self.elevation)
+            for old in self.fits
+        ]
+        least = min(candidate.cost for candidate in fits)
+        sure = len(self.sights) >= _MIN_BEARINGS
+        self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _DROP_EVIDENCE]
+        self.strain = strain(sights, self.best.state)
+
+    def turn(self, x_m: float, turn: PlaneUpdate) -> None:
+        """Transform all sights to a road plane that was updated at odometer reading `x_m`."""
+        self.turned_rad += abs(turn.pitch_rad)
+        for number, sight in enumerate(self.sights):
+            camera_z = sight.camera_z + turn.heave_m + (x_m - sight.camera_x) * turn.pitch_rad
+            bottom, top = sight.bottom + turn.pitch_rad, sight.top + turn.pitch_rad
+            self.sights[number] = sight._replace(camera_z=camera_z, bottom=bottom, top=top)
+
+    def place(self, x_m: float, sigma_m: float) -> None:
+        """Set the near edge to a position from another source than the fit, with its standard deviation."""
+        for number, found in enumerate(self.fits):
+            state, covariance = found.state.copy(), found.covariance.copy()
+            state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
+            covariance[X, X] = sigma_m**2
+            self.fits[number] = found._replace(state=state, covariance=covariance)
+
+    def position_sigma_m(self, x_m: float, settings: Settings) -> float:
+        """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""
+        drift = settings.odometry_sigma * (x_m - self.last_seen_x_m)
+        return float(np.hypot(self.sigma_m, drift))
+
+    def overlap(self, y_m: float) -> float:
+        """Probability that the line y = `y_m` runs over the object."""
+        inside_right = _normal_cdf((y_m - self.right.y_m) / np.sqrt(self.right.variance))
+        inside_left = _normal_cdf((self.left.y_m - y_m) / np.sqrt(self.left.variance))
+        return inside_right * inside_left
+
+    def section(self, y_m: float) -> Section:
+        """Section on the line y = `y_m`; a hole is an ellipse."""
+        length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
+        if self.best.kind is not POTHOLE:
+            return Section(self.start_m, length, height)
+        beside = y_m - self.centre_y_m
+        cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
+        return Section(self.start_m + 0.5 * (length - cut), cut, height)
+
+
+def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:
+    """Initial fits of a new object from the ground position of its first box."""
+    return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in templates_of(cls)]
+
+
+def _normal_cdf(value: float) -> float:
+    return 0.5 * (1.0 + math.erf(value / math.sqrt(2.0)))
+
+
+def _first_fit(kind: ObstacleTemplate, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
+    state = start_state(x_m, shared, kind.length_m, kind.height_m)
+    covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m, 1.0]) ** 2
+    covariance[np.ix_(SHARED, SHARED)] = shared.covariance
+    return Fit(kind, state, covariance, -float(np.log(kind.share)))

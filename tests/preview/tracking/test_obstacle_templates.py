@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+
+from foreride.preview.tracking.obstacle_templates import (
+    BUMP,
+    HUMP,
+    KINDS,
+    POTHOLE,
+    TABLE,
+    chord,
+    templates_of,
+    tyre_profile,
+    unit_profile,
+)
+from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.road import Road
+from foreride.road.tyre.wheel_profile import wheel_profile
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_relief_is_zero_at_both_ends_and_one_at_most(kind):
+    values = kind.sign * unit_profile(kind, np.linspace(0.0, 1.0, 201), kind.length_m)
+    assert values[[0, -1]] == pytest.approx(0.0, abs=1e-12)
+    assert values.max() == pytest.approx(1.0, abs=1e-3)
+    assert values.min() >= -1e-12
+
+
+@pytest.mark.parametrize(
+    ("feature", "kind", "tolerance"),
+    [
+        (HalfSineBump(10.0, 0.08, 0.40), BUMP, 0.001),
+        (Pothole(10.0, 0.08, 0.60, 0.6, y_m=0.75, wall_m=0.06), POTHOLE, 0.002),
+        (WattsHump(10.0), HUMP, 0.001),
+        (FlatTopHump(10.0), TABLE, 0.001),
+    ],
+)
+def test_tyre_profile_is_what_the_road_package_makes_of_the_true_feature(feature, kind, tolerance):
+    truth = wheel_profile(Road(30.0, (feature,)), 0.75)
+    height = feature.depth_m if kind is POTHOLE else feature.height_m
+    x, felt = tyre_profile(kind, feature.length_m, height)
+    np.testing.assert_allclose(felt, truth.height(x + 10.0), atol=tolerance)
+    assert felt[[0, -1]] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_tyre_meets_a_bump_before_its_edge_and_a_hole_after():
+    x, bump = tyre_profile(BUMP, 0.4, 0.08)
+    assert x[np.argmax(bump > 0.005)] < 0.0
+    x, hole = tyre_profile(POTHOLE, 0.6, 0.08)
+    assert x[np.argmax(hole < -0.005)] > 0.0
+
+
+def test_a_detector_class_names_its_kinds():
+    assert templates_of(0) == (BUMP, HUMP, TABLE)
+    assert templates_of(1) == (POTHOLE,)
+
+
+def test_chord_of_an_ellipse():
+    assert chord(0.8, 0.6, 0.0) == pytest.approx(0.8)
+    assert chord(0.8, 0.6, 0.18) == pytest.approx(0.8 * 0.8)  # 3-4-5 triangle
+    assert chord(0.8, 0.6, 0.4) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "lengths", "heights"),
+    [
+        (BUMP, (0.35, 0.39), (0.05, 0.09)),  # Indonesia, PM 14/2021
+        (HUMP, (3.7,), (0.075, 0.10)),  # UK, round-top
+        (HUMP, (3.7,), (0.08, 0.10)),  # Brazil, type A
+        (HUMP, (12 * 0.3048,), (3 * 0.0254, 4 * 0.0254)),  # USA, 12 feet
+    ],
+)
+def test_priors_cover_what_road_design_rules_allow(kind, lengths, heights):
+    """Within two standard deviations."""
+    for length in lengths:
+        assert abs(length - kind.length_m) < 2 * kind.length_sigma_m
+    for height in heights:
+        assert abs(height - kind.height_m) < 2 * kind.height_sigma_m

@@ -1,0 +1,139 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import norm
+
+from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
+from foreride.preview.settings import Settings
+from foreride.preview.tracking.gauss_newton import EdgeBearings
+from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
+
+SETTINGS = Settings()
+
+
+def track(right=-0.3, left=0.3, variance=0.01):
+    fits = first_fits(1, 20.0, 0.5, Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2))
+    return Track(0, 1, 0.0, 0.0, Edge(right, variance), Edge(left, variance), fits)
+
+
+def test_existence_follows_bayes_rule():
+    t = track()
+    t.update_existence(True, SETTINGS)
+    p = SETTINGS.detection_probability
+    q = SETTINGS.false_repeat_probability
+    assert t.existence == pytest.approx(0.5 * p / (0.5 * p + 0.5 * q))
+    t.update_existence(False, SETTINGS)
+    expected = p * (1 - p) / (p * (1 - p) + q * (1 - q))
+    assert t.existence == pytest.approx(expected)
+
+
+def test_existence_can_always_be_lost_again():
+    t = track()
+    for _ in range(100):
+        t.update_existence(True, SETTINGS)
+    for _ in range(10):
+        t.update_existence(False, SETTINGS)
+    assert t.existence < SETTINGS.death_existence
+
+
+def test_a_side_averages_what_it_is_told():
+    edge = Edge(1.0, 0.04)
+    edge.update(2.0, 0.04)
+    assert (edge.y_m, edge.variance) == (1.5, 0.02)
+    edge.update(99.0, np.inf)
+    assert (edge.y_m, edge.variance) == (1.5, 0.02)
+
+
+def test_overlap_is_the_chance_that_the_wheel_runs_between_the_sides():
+    t = track()
+    for y in (-0.5, -0.3, 0.0, 0.35):
+        expected = norm.cdf((y + 0.3) / 0.1) * norm.cdf((0.3 - y) / 0.1)
+        assert t.overlap(y) == pytest.approx(expected, abs=1e-9)
+    assert t.overlap(1.5) < 1e-6
+
+
+def test_boxes_alone_never_make_an_object_certain():
+    """A stain is detected in every frame like a hole; only a wheel strike proves it real."""
+    t = track()
+    t.precision = SETTINGS.precision(1)
+    for _ in range(200):
+        t.update_existence(True, SETTINGS)
+    assert t.existence == pytest.approx(SETTINGS.pothole_real_probability, abs=1e-3)
+    t.precision = 1.0
+    assert t.existence > 0.999
+
+
+def test_the_class_follows_bayes_rule_and_turns_with_the_evidence():
+    t = track()
+    prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
+    for seen in (1, 1, 0, 0):
+        t.classify(seen, prior, SETTINGS)
+    assert (t.cls, t.class_log_odds) == (1, pytest.approx(0.0, abs=1e-12))
+    t.classify(0, prior, SETTINGS)
+    assert (t.cls, t.best.kind.cls) == (0, 0)
+    assert t.class_log_odds == pytest.approx(np.log(0.9 / 0.1))
+    assert t.start_m == pytest.approx(20.0)
+
+
+def test_position_doubt_grows_with_the_way_since_the_last_box():
+    """Odometer error of half a percent: 2.5 cm over 5 m, in addition to the fit's sigma."""
+    t = track()
+    t.last_seen_x_m = 10.0
+    assert t.position_sigma_m(10.0, SETTINGS) == pytest.approx(t.sigma_m)
+    grown = t.position_sigma_m(15.0, SETTINGS) ** 2 - t.sigma_m**2
+    assert grown == pytest.approx((5.0 * SETTINGS.odometry_sigma) ** 2)
+
+
+@given(
+    away=st.floats(3.0, 30.0),
+    driven=st.floats(0.0, 10.0),
+    heave=st.floats(-0.1, 0.1),
+    pitch=st.floats(-0.03, 0.03),
+)
+def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, pitch):
+    """A ray to a point of the old plane meets the same point, which lies off the updated plane.
+
+    A rotation by `pitch` moves points forward by as much as the camera is high: 2 cm at 1.2 m and 1 deg.
+    """
+    camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
+    seen = track()
+    ray = np.arctan2(camera_z, away)
+    seen.sights = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
+    now = camera_x + driven
+    seen.turn(now, PlaneUpdate(heave, pitch))
+    (sight,) = seen.sights
+    ground = heave + (now - x) * pitch
+    met = sight.camera_x + (sight.camera_z - ground) / np.tan(sight.bottom)
+    assert abs(met - x) <= abs(pitch) * (camera_z + 2 * abs(pitch) * away**2 / camera_z) + 1e-9
+    assert sight.top == sight.bottom
+    assert seen.is_of_one_plane == (abs(pitch) < 0.002)
+
+
+def rated(scores, height_px, cls=1):
+    thing = replace(track(), cls=cls, precision=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
+    for score in scores:
+        thing.update_score(score, height_px, SETTINGS)
+    return thing
+
+
+def test_what_scores_like_a_stain_is_not_believed_however_often_it_is_seen():
+    """At 20 px of height the shipped detector gives holes 0.8, covers and patches 0.3."""
+    hole, stain = rated([0.8] * 10, 20.0), rated([0.3] * 50, 20.0)
+    assert hole.existence > SETTINGS.confirm_existence
+    assert stain.existence < SETTINGS.death_existence
+
+
+def test_scores_alone_never_make_an_object_certain():
+    assert rated([1.0] * 100, 20.0).existence <= SETTINGS.pothole_real_probability
+    assert rated([1.0] * 100, 20.0, cls=0).existence <= SETTINGS.bump_real_probability
+
+
+def test_what_a_wheel_has_felt_needs_no_score():
+    thing = rated([0.8], 20.0)
+    thing.precision = 1.0
+    thing.update_score(0.0, 20.0, SETTINGS)
+    assert thing.precision == 1.0

@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+
+from foreride.preview.settings import Settings
+from foreride.preview.tracking.mounting_filter import Calibration
+from foreride.preview.tracking.obstacle_templates import BUMP, POTHOLE, TABLE, tyre_profile
+from foreride.preview.tracking.track import Edge, Track, first_fits
+from foreride.preview.tracking.wheel_strike import WheelStrikeDetector
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
+from tests.preview.kinematic_drive import Drive, drive
+
+SETTINGS = Settings()
+
+
+def track(kind, x, sigma=0.06):
+    prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
+    fits = [f for f in first_fits(kind.cls, x, sigma, prior) if f.kind is kind]
+    found = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
+    found.confirmed = True
+    return found
+
+
+def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
+    """Wheel that has rolled over an object at `true_x` on a road `level` high."""
+    rng = np.random.default_rng(4)
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
+    at, profile = tyre_profile(kind, kind.length_m, kind.height_m)
+    for x in np.arange(true_x - 3.0, true_x + 3.0, step):
+        height = max(float(np.interp(x - true_x, at, profile)), -hang)
+        wheel.update(x, level + height + noise * rng.normal())
+    return wheel
+
+
+@pytest.mark.parametrize("kind", [BUMP, TABLE, POTHOLE])
+@pytest.mark.parametrize("shift", [-0.15, 0.0, 0.1])
+def test_a_strike_tells_where_the_edge_is(kind, shift):
+    assumed = track(kind, 20.0 - shift)
+    wheel = felt(kind, 20.0, noise=0.001)
+    assert wheel.due(assumed)
+    assert wheel.compare(assumed).value == pytest.approx(20.0, abs=0.03)
+
+
+def test_a_wheel_that_hangs_over_the_hole_still_tells():
+    assert felt(POTHOLE, 20.0, hang=0.025).compare(track(POTHOLE, 19.9)).value == pytest.approx(
+        20.0, abs=0.03
+    )
+
+
+def test_no_strike_no_correction():
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
+    rng = np.random.default_rng(1)
+    for x in np.arange(17.0, 23.0, 0.05):
+        wheel.update(x, 0.003 * rng.normal())
+    assert wheel.compare(track(BUMP, 20.0)) is None
+
+
+def test_a_strike_too_far_away_is_another_object():
+    assert felt(BUMP, 20.0).compare(track(BUMP, 20.6)) is None
+
+
+def test_nothing_is_due_before_the_wheel_has_passed():
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
+    wheel.update(19.9, 0.0)
+    assert not wheel.due(track(BUMP, 20.0))
+    wheel.update(21.5, 0.0)
+    assert wheel.due(track(BUMP, 20.0))
+
+
+@pytest.mark.parametrize(
+    "feature",
+    [HalfSineBump(40.0, 0.08, 0.4), Pothole(40.0, 0.05, 0.5, 0.6, y_m=0.75)],
+    ids=lambda feature: feature.kind,
+)
+def test_the_rear_wheel_profits_from_the_front_wheel(feature):
+    """After the front wheel's strike, 1.2 m before the rear wheel, the error is a few centimetres."""
+    shots = [drive(Road(60.0, (feature,)), Drive(seed=s), before_m=-1.5)[0][0] for s in range(5)]
+    assert max(abs(shot.error_m) for shot in shots) < 0.05
+    assert max(shot.sigma_m for shot in shots) < 0.03
