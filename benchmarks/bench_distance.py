@@ -30,10 +30,10 @@ from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
 from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes  # noqa: E402
-from foreride.vehicle.parameters import load_vehicle  # noqa: E402
-from foreride.vehicle.plant import Plant  # noqa: E402
-from foreride.vehicle.sensors import Sensors  # noqa: E402
-from foreride.vehicle.speed import SpeedProfile  # noqa: E402
+from foreride.vehicle.load import load_vehicle  # noqa: E402
+from foreride.vehicle.plant.plant import Plant  # noqa: E402
+from foreride.vehicle.plant.sensors import Sensors  # noqa: E402
+from foreride.vehicle.speed_profile import SpeedProfile  # noqa: E402
 
 METHODS = ("cross-ratio", "pitch and heave", "fit of all boxes")
 BINS_M = (4.0, 6.0, 8.0, 12.0, 18.0, 26.0)

@@ -20,7 +20,7 @@ from foreride.controller.qp import solve_box
 from foreride.files.writing.atomic import write_text
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 
 CASES = [("quarter", 0.01), ("quarter", 0.005), ("half", 0.01), ("half", 0.005), ("full", 0.01)]
 SPEED_M_S = 10.0

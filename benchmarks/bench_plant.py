@@ -13,10 +13,10 @@ import numpy as np
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.vehicle.batch import Fleet
-from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import RATE_HZ, Plant
+from foreride.vehicle.dampers.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.fleet import Fleet
+from foreride.vehicle.plant.plant import RATE_HZ, Plant
 
 TICKS = 10_000
 

@@ -29,9 +29,9 @@ from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
 from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes  # noqa: E402
-from foreride.vehicle.parameters import load_vehicle  # noqa: E402
-from foreride.vehicle.plant import Plant  # noqa: E402
-from foreride.vehicle.sensors import Sensors  # noqa: E402
+from foreride.vehicle.load import load_vehicle  # noqa: E402
+from foreride.vehicle.plant.plant import Plant  # noqa: E402
+from foreride.vehicle.plant.sensors import Sensors  # noqa: E402
 
 START_M, FEATURE_M, WHEEL_Y_M = 5.0, 45.0, 0.75
 OBJECTS: dict[str, Feature] = {

@@ -27,7 +27,7 @@ from foreride.controller.base import Timing
 from foreride.controller.mpc import PredictiveController
 from foreride.controller.qp import Solution, solve_box
 from foreride.files.writing.atomic import write_text
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 TOLERANCE = 0.01
 CASES = (("quarter", 0.01), ("half", 0.01), ("full", 0.01))

@@ -17,7 +17,7 @@ from foreride.controller.limits import plan_limits
 from foreride.controller.model import KILO
 from foreride.controller.whole_drive import WholeDriveObjective
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 RELATIVE_TOLERANCE = 1e-8
 """Convergence tolerance: relative decrease of J per iteration."""

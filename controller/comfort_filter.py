@@ -5,7 +5,7 @@ from scipy.signal import cont2discrete
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.vehicle.equations import state_size
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class ComfortFilter:

@@ -8,7 +8,7 @@ from foreride.controller.qp import ConstraintRows
 from foreride.controller.settings import ForceSettings
 from foreride.controller.time_grid import TimeGrid
 from foreride.vehicle.equations import input_size, motion, rattle, state_size
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER = (
     "least damping",

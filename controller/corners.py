@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from foreride.vehicle.equations import FLOATS, motion, rattle
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class CornerMotion(NamedTuple):

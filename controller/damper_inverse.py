@@ -1,8 +1,8 @@
 """Equivalent damping: the setting at which a nonlinear damper acts like a given linear coefficient.
 
-A setting stands for a fraction of the damper's current range (`vehicle.damper`), whereas the control laws of
-the literature request coefficients. The closest equivalent is the setting at which the damper's force equals
-coefficient times rate, as force demands are converted to currents in practice (e.g. Savaresi et al.,
+A setting stands for a fraction of the damper's current range (`vehicle.dampers.damper`), whereas the control
+laws of the literature request coefficients. The closest equivalent is the setting at which the damper's force
+equals coefficient times rate, as force demands are converted to currents in practice (e.g. Savaresi et al.,
 Semi-Active Suspension Control Design for Vehicles, 2010, ch. 2).
 """
 
@@ -12,8 +12,8 @@ from foreride.controller.base import Controller, Estimate
 from foreride.controller.corners import corners
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
-from foreride.vehicle.damper import IdealDamper
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.dampers.damper import IdealDamper
+from foreride.vehicle.load import Car
 
 _REFERENCE_RATE_M_S = 0.3
 """Amplitude of the damper velocity at which a constant setting is matched to a linear damper."""

@@ -12,7 +12,7 @@ from foreride.controller.corners import corners
 from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import HybridSettings
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class Hybrid(Stateless):

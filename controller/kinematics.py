@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, solve_discrete_are
 
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.sensors import SensorNoise
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorNoise
 
 OFFSET_DRIFT_TIME_S = 60.0
 """Time over which a sensor offset drifts by its standard deviation (random walk), s."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from foreride.controller.model import KILO
 from foreride.vehicle.equations import input_size
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 BOUND_MARGIN = 1e-9
 """Margin to the limits of a plan's entries, kN·s/m and kN."""

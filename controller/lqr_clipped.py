@@ -17,8 +17,8 @@ from foreride.controller.corners import corners
 from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import LqrSettings
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.linear import linear_twin
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.linear_model import linear_twin
+from foreride.vehicle.load import Car
 
 _FORCE_SCALE_N = 1e3
 """Forces in the cost are in kN, so that their weight is of the order of the other terms."""

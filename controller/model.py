@@ -14,7 +14,7 @@ import numpy as np
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.native import CompiledFunction
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 KILO = 1000.0
 """Plans are in kN·s/m and kN, so that their entries are of order one."""

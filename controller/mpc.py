@@ -20,7 +20,7 @@ from foreride.controller.terminal import terminal_cost
 from foreride.controller.time_grid import TimeGrid
 from foreride.controller.wheelbase import WheelbasePreview
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 PreviewSource = Literal["none", "wheelbase", "preview"]
 

@@ -6,8 +6,8 @@ from foreride.controller.base import Estimate, Timing
 from foreride.controller.kinematics import kinematics
 from foreride.controller.sensor_watch import ValidatedReading
 from foreride.vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.sensors import SensorNoise
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorNoise
 from foreride.vehicle.state import VehicleState
 
 SPEED_FILTER_S = 0.2

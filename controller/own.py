@@ -12,7 +12,7 @@ from foreride.controller.limits import command_limits
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.own_code import load, place, say_once, told, waiting_for
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 def is_user_controller(name: str) -> bool:

@@ -8,7 +8,7 @@ from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import FixedSettings, PassiveSettings
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class Constant(Stateless):

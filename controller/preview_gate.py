@@ -11,7 +11,7 @@ from foreride.controller.correlation import Correlation
 from foreride.controller.residual import Residual, Strike
 from foreride.controller.settings import GateSettings
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 INCONSISTENT = "inconsistent preview"
 LOSS = 0.5

@@ -12,7 +12,7 @@ from foreride.controller.settings import MpcSettings
 from foreride.controller.terminal import TerminalCost
 from foreride.controller.time_grid import TimeGrid, graded_grid
 from foreride.vehicle.equations import input_size
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class Program:

@@ -18,7 +18,7 @@ from foreride.controller.supervisor import FallbackSupervisor
 from foreride.controller.tuned import tuned_settings
 from foreride.controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
 from foreride.files.errors import InputError
-from foreride.vehicle.parameters import Car, control_model
+from foreride.vehicle.load import Car, control_model
 
 Factory = Callable[..., Controller]
 """(vehicle, settings, timing) → controller."""

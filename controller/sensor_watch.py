@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from foreride.vehicle.sensors import Measurement, SensorNoise
+from foreride.vehicle.plant.sensors import Measurement, SensorNoise
 
 STUCK_READINGS = 4
 """Number of equal consecutive readings after which a noisy sensor counts as stuck."""

@@ -16,7 +16,7 @@ from foreride.controller.sensor_watch import ALL_SILENT
 from foreride.controller.settings import SupervisorSettings
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class FallbackSupervisor:

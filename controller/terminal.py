@@ -9,8 +9,8 @@ from scipy.linalg import cholesky, solve_continuous_lyapunov
 from foreride.controller.limits import DampingLimits
 from foreride.controller.model import KILO, PredictionModel, derivative
 from foreride.vehicle import equations
-from foreride.vehicle.damper import IdealDamper
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.dampers.damper import IdealDamper
+from foreride.vehicle.load import Car
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from foreride.controller.limits import DampingLimits
 from foreride.controller.settings import ShAddSettings, TwoStateSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.equations import FLOATS, body_acceleration
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 OpposedMotion = Callable[[Car, Estimate], np.ndarray]
 """Motion of each corner (wheels,) that the damper should oppose; only its sign matters."""

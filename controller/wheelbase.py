@@ -7,7 +7,7 @@ import numpy as np
 from foreride.controller.base import Estimate
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview, distance_grid
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 BEHIND_M = 0.5
 STEP_M = 0.025

@@ -15,7 +15,7 @@ from foreride.controller.model import KILO, SIMD_LANES
 from foreride.controller.native import CompiledFunction
 from foreride.files.jit import njit
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 from foreride.controller.base import Estimate, Timing
 from foreride.controller.corners import corners
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 
 class Anticipating:

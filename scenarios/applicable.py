@@ -7,8 +7,8 @@ from typing import Any
 from foreride.controller.settings import ControllerSettings, FixedSettings, ForceSettings
 from foreride.files.errors import InputError, shown
 from foreride.scenarios.faults import Fault, SensorFault
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.sensors import SensorInterface, SensorNoise
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorInterface, SensorNoise
 
 PER_WHEEL = ("body_acc", "wheel_acc", "rattle_m")
 MOTIONS = {"pitch_rate": 2, "roll_rate": 3}

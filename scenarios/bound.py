@@ -19,8 +19,8 @@ from foreride.scenarios.clock import TICKS_PER_SECOND, due, ticks
 from foreride.scenarios.oracle import OracleErrors
 from foreride.scenarios.schema import Scenario
 from foreride.scenarios.tracks import wheel_profiles
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.speed import ConstantSpeed, SpeedProfile
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.speed_profile import ConstantSpeed, SpeedProfile
 from foreride.vehicle.state import road_under
 
 START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")

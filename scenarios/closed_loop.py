@@ -22,11 +22,11 @@ from foreride.scenarios.observer_errors import observer_errors
 from foreride.scenarios.perception import Event, Exposure
 from foreride.scenarios.preview_log import PreviewLog, collect
 from foreride.scenarios.tracks import wheel_profiles
-from foreride.vehicle.audit import energy_audit
+from foreride.vehicle.energy_audit import energy_audit
 from foreride.vehicle.equations import input_size
-from foreride.vehicle.parameters import control_model
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.sensors import Sensors
+from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
 
 
@@ -120,7 +120,7 @@ def commands(case: Case) -> np.ndarray:
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
-    """Ride metrics of a recorded drive, with its energy audit (`vehicle.audit`)."""
+    """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`)."""
     car = case.scenario.vehicle.parameters
     ride = ride_metrics(
         TICKS_PER_SECOND,

@@ -17,9 +17,9 @@ from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.faults import LATE_ANSWER, Faults
 from foreride.scenarios.perception import Event, NoPreview, Perception
 from foreride.vehicle.equations import state_size
-from foreride.vehicle.parameters import control_model
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.sensors import Sensors
+from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
 
 

@@ -9,7 +9,7 @@ from annotated_types import Interval
 
 from foreride.files.reading.ranges import Checked, Share
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.plant.sensors import Measurement
 
 LATE_ANSWER = "late answer"
 _IMPLAUSIBLE_HEIGHT_M = 3.0

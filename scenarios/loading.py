@@ -13,7 +13,7 @@ from foreride.files.reading.regular_file import read_text, reading
 from foreride.files.reading.yaml12 import parse
 from foreride.scenarios import road_block
 from foreride.scenarios.schema import Scenario
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 FOLDER = Path(__file__).parent / "library"
 

@@ -10,7 +10,7 @@ from foreride.preview.road_preview import RoadPreview
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.perception import NoPreview
 from foreride.scenarios.schema import Scenario
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 

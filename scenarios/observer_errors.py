@@ -7,7 +7,7 @@ import numpy as np
 from foreride.controller.base import Estimate
 from foreride.scenarios.clock import ticks
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 

@@ -15,8 +15,8 @@ from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 from foreride.scenarios.perception import NoPreview
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
 
 

@@ -22,7 +22,7 @@ from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.told import TrackCorrection
-from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
 
 Event = dict[str, Any]

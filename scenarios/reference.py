@@ -15,7 +15,7 @@ from foreride.files.reading.ranges import numbers_in
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cli import parser
 from foreride.scenarios.schema import Scenario
-from foreride.vehicle.audit import energy_audit
+from foreride.vehicle.energy_audit import energy_audit
 
 _SCENARIO_HEAD = """# Scenario fields
 

@@ -22,9 +22,9 @@ from foreride.scenarios.faults import Fault
 from foreride.scenarios.oracle import OracleErrors
 from foreride.scenarios.perceptions.box_errors import BoxErrors
 from foreride.scenarios.speed import KM_H, SpeedPoint, profile
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.sensors import SensorNoise
-from foreride.vehicle.speed import SpeedProfile
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorNoise
+from foreride.vehicle.speed_profile import SpeedProfile
 
 MOST_INTERVALS = 400
 """Most control periods in a horizon; the work of a plan grows with their cube."""

@@ -8,7 +8,7 @@ from annotated_types import Interval
 
 from foreride.files.errors import InputError
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.speed import SpeedProfile
+from foreride.vehicle.speed_profile import SpeedProfile
 
 KM_H = 1 / 3.6
 MAX_ACCELERATION_M_S2 = 12.0

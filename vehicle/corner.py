@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from foreride.files.errors import InputError
-from foreride.vehicle.actuator import Actuator
-from foreride.vehicle.damper import Damper
+from foreride.vehicle.dampers.actuator import Actuator
+from foreride.vehicle.dampers.damper import Damper
 
 GRAVITY_M_S2 = 9.80665  # standard gravity, ISO 80000-3
 

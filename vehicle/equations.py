@@ -9,8 +9,8 @@ pitch positive nose-down, roll positive left side up):
 
 with c the actual setting of the damper, N·s/m, behind its lag, and wheels in the order front, rear or front
 left, front right, rear left, rear right. Actual actuator forces, one per wheel, follow for a car with
-actuators; internal states of the dampers (`vehicle.damper`) come last, wheel by wheel. `motion` returns all
-of them by name, `state_size` their number.
+actuators; internal states of the dampers (`vehicle.dampers.damper`) come last, wheel by wheel. `motion`
+returns all of them by name, `state_size` their number.
 
 A command is one setting for each damper, N·s/m, followed for a car with actuators by one force for each, N,
 positive pushing the body up; `input_size` is their number. Settings are clipped to the damper's range, forces
@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 FLOATS = SimpleNamespace(fmax=max, fmin=min, tanh=math.tanh, fabs=abs)
 Arithmetic = ModuleType | SimpleNamespace

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from foreride.vehicle import equations
 from foreride.vehicle.clock import STEP_S
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.speed import MotionSamples
+from foreride.vehicle.load import Car
+from foreride.vehicle.speed_profile import MotionSamples
 
 Array = NDArray[np.float64]
 

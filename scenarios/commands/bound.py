@@ -14,7 +14,7 @@ from foreride.scenarios.loading import load
 from foreride.scenarios.room import room
 from foreride.scenarios.runfolder import environment, scenario_hash, to_json, vehicle_name
 from foreride.scenarios.schema import Scenario
-from foreride.vehicle.actuator import FullyActive, SlowActive
+from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
 
 ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
 

@@ -26,8 +26,8 @@ from foreride.road.road import Road
 from foreride.scenarios.commands.options import add_output_options, console, verdict
 from foreride.scenarios.loading import load, names
 from foreride.scenarios.runfolder import to_json, versions
-from foreride.vehicle.parameters import load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.plant.plant import Plant
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from scipy.integrate import solve_ivp
 
 from foreride.scenarios.validation.check import Check, Checks, relative
 from foreride.vehicle import equations
-from foreride.vehicle.batch import Fleet
 from foreride.vehicle.clock import RATE_HZ, STEP_S
-from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from foreride.vehicle.engine import RolloutEngine
-from foreride.vehicle.linear import linear_twin
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.speed import SpeedProfile
+from foreride.vehicle.dampers.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.linear_model import linear_twin
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.fleet import Fleet
+from foreride.vehicle.plant.mujoco_engine import RolloutEngine
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.speed_profile import SpeedProfile
 from foreride.vehicle.state import VehicleState, observe, road_under
 
 Array = NDArray[np.float64]

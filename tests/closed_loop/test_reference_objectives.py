@@ -17,8 +17,8 @@ from foreride.preview.road_preview import distance_grid, oracle_preview
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.state import VehicleState
 
 PROMPT = Timing()

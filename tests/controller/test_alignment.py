@@ -7,7 +7,7 @@ import pytest
 
 from foreride.controller.alignment import NO_SHIFT, PreviewAlignment, PreviewShift
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 CAR = load_vehicle("quarter")

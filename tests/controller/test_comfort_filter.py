@@ -4,7 +4,7 @@ from scipy.signal import StateSpace, lsim
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.comfort_filter import ComfortFilter
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 
 @pytest.mark.parametrize("name", ["quarter", "half"])

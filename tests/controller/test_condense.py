@@ -12,9 +12,9 @@ from foreride.controller.model import KILO, PredictionModel, prediction_model
 from foreride.controller.qp import solve_box
 from foreride.controller.terminal import TerminalCost, terminal_cost
 from foreride.controller.time_grid import TimeGrid
-from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import damping_rows, input_size, rest_state
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 PERIOD_S, INPUT_WEIGHT = 0.01, 1e-3
 GRID = TimeGrid((0.01,) * 4 + (0.005, 0.005, 0.02))

@@ -7,9 +7,9 @@ import pytest
 
 from foreride.controller.mpc import PredictiveController
 from foreride.controller.settings import ForceSettings, MpcSettings
-from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 QUARTER = load_vehicle("quarter")

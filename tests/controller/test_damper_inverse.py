@@ -11,9 +11,9 @@ from foreride.controller.passive import passive
 from foreride.controller.registry import build
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
-from foreride.vehicle.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.dampers.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import Car, control_model, load_vehicle
+from foreride.vehicle.load import Car, control_model, load_vehicle
 from tests.controller.cars import estimate
 
 LINEAR = load_vehicle("quarter")

@@ -8,9 +8,9 @@ import pytest
 from foreride.controller.force_limits import ForceLimits
 from foreride.controller.settings import ForceSettings
 from foreride.controller.time_grid import TimeGrid
-from foreride.vehicle.actuator import SlowActive
+from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 HALF = replace(load_vehicle("half"), actuator=SlowActive())
 GRID = TimeGrid((0.005, 0.005, 0.01, 0.02, 0.02))

@@ -15,7 +15,7 @@ from foreride.controller.settings import (
 from foreride.controller.skyhook import Skyhook
 from foreride.controller.two_state import OpposedMotion, TwoState, add, groundhook, sh_add, skyhook2
 from foreride.files.errors import InputError
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")

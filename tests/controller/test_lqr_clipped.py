@@ -9,7 +9,7 @@ from scipy.linalg import solve_continuous_lyapunov
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.lqr_clipped import ClippedLqr, regulator
 from foreride.controller.settings import LqrSettings
-from foreride.vehicle.parameters import QuarterCar, load_vehicle
+from foreride.vehicle.load import QuarterCar, load_vehicle
 from tests.controller.cars import estimate
 
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")

@@ -10,7 +10,7 @@ from foreride.comfort.weighting import wk_second_order
 from foreride.controller.limits import DampingLimits
 from foreride.controller.model import KILO, prediction_model
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 
 
 def strike(vehicle: Car) -> np.ndarray:

@@ -13,7 +13,7 @@ from foreride.controller.mpc import PredictiveController
 from foreride.controller.qp import Solution
 from foreride.controller.settings import MpcSettings, RoadSettings
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")

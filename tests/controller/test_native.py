@@ -6,7 +6,7 @@ import pytest
 
 from foreride.controller.model import prediction_model
 from foreride.controller.native import CompiledFunction
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 A, B = casadi.SX.sym("a"), casadi.SX.sym("b")
 EXPRESSIONS = {

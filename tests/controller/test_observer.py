@@ -13,9 +13,9 @@ from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.equations import motion, rattle
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.sensors import NO_NOISE, SensorNoise, Sensors
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import NO_NOISE, SensorNoise, Sensors
 
 
 class Errors(NamedTuple):

@@ -9,7 +9,7 @@ import pytest
 from foreride.controller.own import load_user_controller
 from foreride.controller.registry import build
 from foreride.files.errors import InputError
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
 CAR = load_vehicle("half")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from foreride.controller.pdd import PowerDriven
 from foreride.controller.settings import TwoStateSettings
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
 CAR = load_vehicle("quarter")

@@ -9,7 +9,7 @@ import pytest
 from foreride.controller.preview_gate import PreviewGate
 from foreride.controller.settings import GateSettings
 from foreride.preview.road_preview import RoadPreview, distance_grid
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
 CAR = load_vehicle("half")

@@ -11,8 +11,8 @@ from foreride.controller.registry import CONTROLLERS, build, uses_preview
 from foreride.controller.settings import ControllerSettings
 from foreride.files.errors import InputError
 from foreride.files.reading.strict import structure
-from foreride.vehicle.damper import MrBoucWenDamper
-from foreride.vehicle.parameters import control_model, load_vehicle
+from foreride.vehicle.dampers.damper import MrBoucWenDamper
+from foreride.vehicle.load import control_model, load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 OWN = """

@@ -6,7 +6,7 @@ import pytest
 from foreride.controller.road_ahead import RoadReference, moved
 from foreride.controller.settings import RoadSettings
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 CAR = load_vehicle("quarter")

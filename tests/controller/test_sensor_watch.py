@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.sensor_watch import ALL_SILENT, STUCK_READINGS, SensorMonitor
-from foreride.vehicle.sensors import NO_NOISE, Measurement, SensorNoise
+from foreride.vehicle.plant.sensors import NO_NOISE, Measurement, SensorNoise
 
 
 def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:

@@ -16,7 +16,7 @@ from foreride.controller.supervisor import FallbackSupervisor
 from foreride.controller.tuned import tuned_settings
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 CAR = load_vehicle("quarter")

@@ -5,7 +5,7 @@ from foreride.controller.limits import DampingLimits
 from foreride.controller.model import KILO, prediction_model
 from foreride.controller.terminal import terminal_cost
 from foreride.vehicle.equations import rest_state
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 
 @pytest.mark.parametrize("name", ["quarter", "half"])

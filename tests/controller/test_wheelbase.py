@@ -6,7 +6,7 @@ import pytest
 from foreride.controller.base import Estimate
 from foreride.controller.wheelbase import WheelbasePreview
 from foreride.files.errors import InputError
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
 HALF = load_vehicle("half")

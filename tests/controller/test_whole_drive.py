@@ -10,9 +10,9 @@ from foreride.controller.clairvoyant import PlanReplay, optimise
 from foreride.controller.limits import plan_limits
 from foreride.controller.model import KILO
 from foreride.controller.whole_drive import DriveInputs, WholeDriveObjective
-from foreride.vehicle.actuator import SlowActive
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.dampers.actuator import SlowActive
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import Plant
 
 TICKS, HOLD, SPEED_M_S = 400, 10, 10.0
 CARS = {

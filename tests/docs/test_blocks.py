@@ -17,7 +17,7 @@ import pytest
 from foreride.scenarios import study
 from foreride.scenarios.cli import main, parser
 from foreride.scenarios.loading import load
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from foreride.scenarios.cli import main
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -110,7 +110,7 @@ def _scenario(path: Path) -> object:
 
 
 def _vehicle(path: Path) -> object:
-    from foreride.vehicle.parameters import load_vehicle
+    from foreride.vehicle.load import load_vehicle
 
     return load_vehicle(path)
 

@@ -6,7 +6,7 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import flat_preview
 from foreride.scenarios.faults import Faults, LateAnswers, PreviewFault, SensorFault
-from foreride.vehicle.sensors import Measurement
+from foreride.vehicle.plant.sensors import Measurement
 
 
 def reading(time_s: float) -> Measurement:

@@ -15,8 +15,8 @@ from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.loading import load
 from foreride.scenarios.observer_errors import observer_errors
 from foreride.scenarios.runfolder import manifest, row
-from foreride.vehicle.parameters import load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.state import VehicleState
 
 CAR = load_vehicle("half")

@@ -13,7 +13,7 @@ from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.scenarios.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 CAR = load_vehicle("half")
 ROAD = Road(80.0, (HalfSineBump(30.0, 0.05, 0.5), HalfSineBump(60.0, 0.05, 0.5)), Roughness("A", 1))

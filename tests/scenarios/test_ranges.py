@@ -20,7 +20,7 @@ from foreride.scenarios.reference import blocks
 from foreride.scenarios.schema import Scenario
 from foreride.scenarios.sets import load_all, set_names
 from foreride.scenarios.study import Study
-from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 
 ROOTS = (Scenario, ControllerSettings, Memory, Study, Axis, *get_args(Car))
 FAR = (1e300, -1e300, math.nan, math.inf, -math.inf, 10**400)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import Car, load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 CARS: list[Car] = [QUARTER, HALF, FULL]

@@ -3,7 +3,7 @@ import pytest
 
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.vehicle import equations
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 from foreride.vehicle.state import observe, road_under
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")

@@ -9,7 +9,7 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.scenarios.course.roads import COURSES, LOOKS, MIXED, course
 from foreride.scenarios.loading import load
-from foreride.vehicle.speed import SpeedProfile
+from foreride.vehicle.speed_profile import SpeedProfile
 
 BASE = load("mixed_40")
 

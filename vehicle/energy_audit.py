@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from foreride.vehicle import actuator
 from foreride.vehicle.clock import RATE_HZ
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.dampers import actuator
+from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 _ROUNDING = 1e-9

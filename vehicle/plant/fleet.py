@@ -1,7 +1,7 @@
 """Fleet simulation for parameter studies: many cars with parameters of their own at one speed on one road.
 
 MuJoCo steps them in threads; the results are bit-identical for any number of threads and equal to those of
-`vehicle.plant.Plant` for the same commands.
+`vehicle.plant.plant.Plant` for the same commands.
 """
 
 from collections.abc import Sequence
@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.vehicle.clock import RATE_HZ
-from foreride.vehicle.damper import IdealDamper
-from foreride.vehicle.engine import RolloutEngine, build_model
+from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import input_size
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.plant import standstill_state
-from foreride.vehicle.speed import ConstantSpeed
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.mujoco_engine import RolloutEngine, build_model
+from foreride.vehicle.plant.plant import standstill_state
+from foreride.vehicle.speed_profile import ConstantSpeed
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.vehicle.parameters import load_vehicle
+from foreride.vehicle.load import load_vehicle
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import ClassVar
 
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.actuator import Actuator
 from foreride.vehicle.corner import CORNER_FIELDS, GRAVITY_M_S2, Corner, require_damping_order
-from foreride.vehicle.damper import Damper, IdealDamper
-from foreride.vehicle.plausible import require_plausible
+from foreride.vehicle.dampers.actuator import Actuator
+from foreride.vehicle.dampers.damper import Damper, IdealDamper
+from foreride.vehicle.plausibility import require_plausible
 from foreride.vehicle.quantities import (
     BodyMass,
     CubicSpring,
@@ -30,10 +30,10 @@ class QuarterCar(Checked):
     """Quarter car, the two-mass model of ride comfort: one wheel and its share of the body, SI units.
 
     The damper is semi-active: its setting follows the command with a first-order lag within
-    [damping_min_ns_m, damping_max_ns_m]; `damper` is its force law (`vehicle.damper`). An `actuator` may be
-    in parallel (`vehicle.actuator`). The spring may have a cubic stiffness. Beyond stop_gap_m of jounce or
-    rebound_gap_m of rebound (None: the same) a stop pushes back with stop_n_m2 · (overlap)². The tyre cannot
-    pull.
+    [damping_min_ns_m, damping_max_ns_m]; `damper` is its force law (`vehicle.dampers.damper`). An `actuator`
+    may be in parallel (`vehicle.dampers.actuator`). The spring may have a cubic stiffness. Beyond stop_gap_m
+    of jounce or rebound_gap_m of rebound (None: the same) a stop pushes back with stop_n_m2 · (overlap)². The
+    tyre cannot pull.
     """
 
     kind: ClassVar[str] = "quarter_car"

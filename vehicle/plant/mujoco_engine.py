@@ -18,10 +18,10 @@ from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
 from foreride.vehicle.clock import STEP_S
-from foreride.vehicle.damper import IdealDamper, MrBoucWenDamper
+from foreride.vehicle.dampers.damper import IdealDamper, MrBoucWenDamper
 from foreride.vehicle.equations import FLOATS
-from foreride.vehicle.mjcf import car_xml
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.mjcf import car_xml
 
 Array = NDArray[np.float64]
 _RATE_INCREMENT_M_S = 1e-4

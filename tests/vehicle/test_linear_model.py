@@ -8,9 +8,9 @@ import pytest
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.vehicle.linear import linear_twin, natural_frequencies_hz
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import STEP_S, Plant
+from foreride.vehicle.linear_model import linear_twin, natural_frequencies_hz
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import STEP_S, Plant
 
 BUMPY = Road(length_m=30.0, features=(HalfSineBump(3.0, 0.01, 0.8),))
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")

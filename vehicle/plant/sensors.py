@@ -22,7 +22,7 @@ from annotated_types import Interval
 from numpy.typing import NDArray
 
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.parameters import GRAVITY_M_S2
+from foreride.vehicle.load import GRAVITY_M_S2
 from foreride.vehicle.state import VehicleState
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Magnetorheological damper models; see `vehicle.damper` for the common interface."""
+"""Magnetorheological damper models; see `vehicle.dampers.damper` for the common interface."""
 
 from dataclasses import dataclass, replace
 from math import atanh, sqrt, tanh

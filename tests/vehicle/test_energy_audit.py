@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from foreride.road.tyre.wheel_profile import WheelProfile
-from foreride.vehicle.actuator import FullyActive, SlowActive
-from foreride.vehicle.audit import energy_audit
-from foreride.vehicle.damper import MrTanhDamper
-from foreride.vehicle.parameters import Car, load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
+from foreride.vehicle.dampers.damper import MrTanhDamper
+from foreride.vehicle.energy_audit import energy_audit
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.state import VehicleState
 
 QUARTER = load_vehicle("quarter")

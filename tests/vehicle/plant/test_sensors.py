@@ -7,9 +7,9 @@ from foreride.files.errors import InputError
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.vehicle.parameters import load_vehicle
-from foreride.vehicle.plant import Plant
-from foreride.vehicle.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
+from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
 from foreride.vehicle.state import VehicleState, observe
 
 

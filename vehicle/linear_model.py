@@ -11,7 +11,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.load import Car
 
 Array = NDArray[np.float64]
 

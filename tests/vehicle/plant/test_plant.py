@@ -12,9 +12,9 @@ from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle import equations
-from foreride.vehicle.actuator import SlowActive
-from foreride.vehicle.parameters import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
-from foreride.vehicle.plant import Plant, build_model
+from foreride.vehicle.dampers.actuator import SlowActive
+from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
+from foreride.vehicle.plant.plant import Plant, build_model
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 
 

@@ -8,8 +8,8 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.vehicle.corner import CORNER_FIELDS
-from foreride.vehicle.linear import natural_frequencies_hz
-from foreride.vehicle.parameters import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
+from foreride.vehicle.linear_model import natural_frequencies_hz
+from foreride.vehicle.load import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, load_vehicle
 
 QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
 FULL = load_vehicle("full_car")

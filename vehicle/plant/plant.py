@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from foreride.files.errors import InputError
 from foreride.vehicle.clock import RATE_HZ, STEP_S
-from foreride.vehicle.engine import build_engine, build_model
 from foreride.vehicle.equations import input_size, rest_state
-from foreride.vehicle.parameters import Car
-from foreride.vehicle.speed import ConstantSpeed, Motion, SpeedProfile
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.mujoco_engine import build_engine, build_model
+from foreride.vehicle.speed_profile import ConstantSpeed, Motion, SpeedProfile
 from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]

@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 
 from foreride.files.errors import InputError
 from foreride.vehicle import equations
-from foreride.vehicle.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
-from foreride.vehicle.parameters import control_model, load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.dampers.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.load import control_model, load_vehicle
+from foreride.vehicle.plant.plant import Plant
 
 PARTS: list[Damper] = [IdealDamper(), ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
 STATIC: list[Damper] = PARTS[:3]

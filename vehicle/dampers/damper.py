@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.mr_damper import MrBoucWenDamper, MrTanhDamper
+from foreride.vehicle.dampers.magnetorheological import MrBoucWenDamper, MrTanhDamper
 from foreride.vehicle.quantities import Current, StrutForce, StrutSpeed
 
 __all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDamper"]

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from foreride.vehicle.speed import ConstantSpeed, SpeedProfile
+from foreride.vehicle.speed_profile import ConstantSpeed, SpeedProfile
 
 
 def test_braking_covers_the_distance_of_constant_deceleration() -> None:

@@ -7,8 +7,8 @@ diagonal one of `vehicle.equations` at any angle.
 """
 
 from foreride.vehicle.corner import GRAVITY_M_S2, Corner
-from foreride.vehicle.damper import IdealDamper
-from foreride.vehicle.parameters import Car
+from foreride.vehicle.dampers.damper import IdealDamper
+from foreride.vehicle.load import Car
 
 _CAR = """<mujoco model="{kind}">
   <option timestep="{step_s}" integrator="RK4" gravity="0 0 -{gravity}">

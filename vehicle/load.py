@@ -11,10 +11,10 @@ from typing import Literal, overload
 
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
+from foreride.vehicle.cars.full_car import FullCar
+from foreride.vehicle.cars.half_car import HalfCar
+from foreride.vehicle.cars.quarter_car import QuarterCar
 from foreride.vehicle.corner import GRAVITY_M_S2, Corner
-from foreride.vehicle.full_car import FullCar
-from foreride.vehicle.half_car import HalfCar
-from foreride.vehicle.quarter_car import QuarterCar
 
 __all__ = [
     "GRAVITY_M_S2",

@@ -5,10 +5,10 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.road.tyre.wheel_profile import WheelProfile
-from foreride.vehicle.batch import Fleet
-from foreride.vehicle.damper import ValveDamper
-from foreride.vehicle.parameters import load_vehicle
-from foreride.vehicle.plant import Plant
+from foreride.vehicle.dampers.damper import ValveDamper
+from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.plant.fleet import Fleet
+from foreride.vehicle.plant.plant import Plant
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 ROAD = WheelProfile(0.0, 0.1, np.array([0.0, 0.0, 0.0, 0.02, 0.06, 0.03, 0.0, 0.0, -0.05, 0.0, 0.0]))

@@ -6,10 +6,10 @@ from typing import ClassVar
 
 from foreride.files.errors import InputError
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.actuator import Actuator
 from foreride.vehicle.corner import Corner, axle_corners, require_axles
-from foreride.vehicle.damper import Damper, IdealDamper
-from foreride.vehicle.plausible import require_plausible
+from foreride.vehicle.dampers.actuator import Actuator
+from foreride.vehicle.dampers.damper import Damper, IdealDamper
+from foreride.vehicle.plausibility import require_plausible
 from foreride.vehicle.quantities import (
     AntiRoll,
     AxleDistance,

@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import ClassVar
 
 from foreride.files.reading.ranges import Checked
-from foreride.vehicle.actuator import Actuator
 from foreride.vehicle.corner import Corner, axle_corners, require_axles
-from foreride.vehicle.damper import Damper, IdealDamper
-from foreride.vehicle.plausible import require_plausible
+from foreride.vehicle.dampers.actuator import Actuator
+from foreride.vehicle.dampers.damper import Damper, IdealDamper
+from foreride.vehicle.plausibility import require_plausible
 from foreride.vehicle.quantities import (
     AxleDistance,
     BodyMass,

@@ -1,0 +1,1 @@
+"""Dampers and actuators: ideal, valve map, magnetorheological, slow-active and fully active."""

@@ -1,0 +1,1 @@
+"""Plant: the car in MuJoCo, its sensors, and fleets of cars."""
