@@ -14,9 +14,9 @@ from unittest.mock import patch
 
 import numpy as np
 
-from foreride.controller.base import Estimate, Timing
-from foreride.controller.mpc import PredictiveController
-from foreride.controller.qp import solve_box
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.mpc.controller import PredictiveController
+from foreride.controller.mpc.qp import solve_box
 from foreride.files.writing.atomic import write_text
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
@@ -65,7 +65,7 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
         TimedCall(controller.step),
     )
     controller._program.condense = prepare  # type: ignore[assignment]
-    with patch("foreride.controller.program.solve_box", solve):
+    with patch("foreride.controller.mpc.program.solve_box", solve):
         for pair in random_situations(vehicle, count):
             step(*pair)
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}

@@ -1,11 +1,11 @@
 """Solver comparison on the controllers' programs: `python -m benchmarks.bench_solvers [--json FILE]`.
 
 The programs are those of a car in random states before a wavy road, condensed as in
-`foreride.controller.condense`; every solver gets the same ones, without warm start. The error is the largest
-distance by which a single entry of the solution could still move to reduce the cost, kN·s/m; it is zero at
-the optimum. A solver fails if it reports failure, raises, crashes, or exceeds TOLERANCE. IPOPT solves the
-same programs as nonlinear ones. Each solver runs in a process of its own; times are processor times, so that
-other load on the machine does not count.
+`foreride.controller.mpc.condensing`; every solver gets the same ones, without warm start. The error is the
+largest distance by which a single entry of the solution could still move to reduce the cost, kN·s/m; it is
+zero at the optimum. A solver fails if it reports failure, raises, crashes, or exceeds TOLERANCE. IPOPT solves
+the same programs as nonlinear ones. Each solver runs in a process of its own; times are processor times, so
+that other load on the machine does not count.
 """
 
 import argparse
@@ -23,9 +23,9 @@ import casadi
 import numpy as np
 
 from benchmarks.bench_mpc import random_situations
-from foreride.controller.base import Timing
-from foreride.controller.mpc import PredictiveController
-from foreride.controller.qp import Solution, solve_box
+from foreride.controller.interface import Timing
+from foreride.controller.mpc.controller import PredictiveController
+from foreride.controller.mpc.qp import Solution, solve_box
 from foreride.files.writing.atomic import write_text
 from foreride.vehicle.load import load_vehicle
 
@@ -64,7 +64,7 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
         found.append(Program(*(part.copy() for part in program)))
         return solve_box(*program[:4])
 
-    with patch("foreride.controller.program.solve_box", noted):
+    with patch("foreride.controller.mpc.program.solve_box", noted):
         for estimate, preview in random_situations(vehicle, count):
             controller.step(estimate, preview)
     return found

@@ -1,22 +1,22 @@
-"""Registry of controllers by name; user-defined ones are in `controller.own`."""
+"""Registry of controllers by name; user-defined ones are in `controller.user_controller`."""
 
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from foreride.controller.base import Controller, Timing
-from foreride.controller.damper_inverse import EquivalentDamping, is_linear
-from foreride.controller.hybrid import Hybrid
-from foreride.controller.lqr_clipped import ClippedLqr
-from foreride.controller.mpc import PredictiveController
-from foreride.controller.own import build_user_controller, is_user_controller
-from foreride.controller.passive import fixed, passive
-from foreride.controller.pdd import PowerDriven
+from foreride.controller.interface import Controller, Timing
+from foreride.controller.laws.damper_inverse import EquivalentDamping, is_linear
+from foreride.controller.laws.hybrid import Hybrid
+from foreride.controller.laws.lqr_clipped import ClippedLqr
+from foreride.controller.laws.passive import fixed, passive
+from foreride.controller.laws.power_driven import PowerDriven
+from foreride.controller.laws.skyhook import Skyhook
+from foreride.controller.laws.two_state import TwoState, add, groundhook, sh_add, skyhook2
+from foreride.controller.mpc.controller import PredictiveController
 from foreride.controller.settings import ControllerSettings
-from foreride.controller.skyhook import Skyhook
-from foreride.controller.supervisor import FallbackSupervisor
-from foreride.controller.tuned import tuned_settings
-from foreride.controller.two_state import TwoState, add, groundhook, sh_add, skyhook2
+from foreride.controller.supervision.supervisor import FallbackSupervisor
+from foreride.controller.tuned_settings import tuned_settings
+from foreride.controller.user_controller import build_user_controller, is_user_controller
 from foreride.files.errors import InputError
 from foreride.vehicle.load import Car, control_model
 

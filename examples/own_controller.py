@@ -6,8 +6,8 @@ Numbers in `control.settings.user` become keyword arguments; `step` returns N·s
 
 import numpy as np
 
-from foreride.controller.base import Estimate, Timing
-from foreride.controller.corners import corners
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.laws.corner_motion import corners
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 

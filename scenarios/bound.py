@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.controller.clairvoyant import Optimum, optimise
-from foreride.controller.model import KILO
-from foreride.controller.tuned import tuned_settings
-from foreride.controller.whole_drive import DriveInputs, WholeDriveObjective
+from foreride.controller.clairvoyant.optimum import Optimum, optimise
+from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDriveObjective
+from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.tuned_settings import tuned_settings
 from foreride.files.cache import cached
 from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.cases import Case
@@ -55,7 +55,7 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
 
 
 def drive_inputs(scenario: Scenario) -> DriveInputs:
-    """External inputs of the scenario's drive, for `controller.whole_drive`."""
+    """External inputs of the scenario's drive, for `controller.clairvoyant.single_shooting`."""
     car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
     plant = Plant(car)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from foreride.comfort.metrics import ride_metrics
-from foreride.controller.clairvoyant import PlanReplay
+from foreride.controller.clairvoyant.optimum import PlanReplay
 from foreride.controller.registry import CLAIRVOYANT
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.bound import bound

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.controller.base import Controller, Estimate, Timing
-from foreride.controller.observer import Observer, exact_estimate
-from foreride.controller.passive import Constant
+from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.controller.laws.passive import Constant
+from foreride.controller.observer.observer import Observer, exact_estimate
+from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.controller.registry import build
-from foreride.controller.sensor_watch import SensorMonitor
 from foreride.scenarios import preview_log
 from foreride.scenarios.cases import Case
 from foreride.scenarios.clock import TICKS_PER_SECOND, due, next_due, ticks

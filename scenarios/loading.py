@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from foreride.controller.tuned import tuned_mapping
+from foreride.controller.tuned_settings import tuned_mapping
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.reading import strict
 from foreride.files.reading.numbers import is_integer

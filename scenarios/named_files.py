@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from foreride.controller.own import is_user_controller, load_user_controller
+from foreride.controller.user_controller import is_user_controller, load_user_controller
 from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.scenarios.cases import Case
 from foreride.scenarios.eyes import load_detector

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foreride.controller.base import Estimate
+from foreride.controller.interface import Estimate
 from foreride.scenarios.clock import ticks
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car

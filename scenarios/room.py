@@ -1,6 +1,6 @@
 """Headroom of a drive: objective of the passive car and of the clairvoyant bound."""
 
-from foreride.controller.clairvoyant import Optimum
+from foreride.controller.clairvoyant.optimum import Optimum
 from foreride.scenarios.bound import bound
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import commands, simulate

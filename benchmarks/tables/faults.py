@@ -16,8 +16,8 @@ import numpy as np
 
 from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
-from foreride.controller.base import Estimate
-from foreride.controller.mpc import PredictiveController
+from foreride.controller.interface import Estimate
+from foreride.controller.mpc.controller import PredictiveController
 from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.schema import Scenario
@@ -76,7 +76,10 @@ def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
         found = sound(*program)
         return answer(found) if begin <= now_s < begin + WINDOW_S else found
 
-    with patch.object(PredictiveController, "step", step), patch("foreride.controller.qp.daqp.solve", solve):
+    with (
+        patch.object(PredictiveController, "step", step),
+        patch("foreride.controller.mpc.qp.daqp.solve", solve),
+    ):
         yield
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
-from foreride.controller.base import Timing
-from foreride.controller.observer import exact_estimate
+from foreride.controller.interface import Timing
+from foreride.controller.observer.observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.detector.runtime import Detector
 from foreride.files.cache import cached, writable

@@ -2,7 +2,7 @@
 
 import argparse
 
-from foreride.controller.tuned import TUNED_CONTROLLERS
+from foreride.controller.tuned_settings import TUNED_CONTROLLERS
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.numbers import within

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from foreride.comfort.metrics import ride_metrics
-from foreride.controller.base import Controller, Timing
-from foreride.controller.observer import exact_estimate
+from foreride.controller.interface import Controller, Timing
+from foreride.controller.observer.observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.preview.road_preview import distance_grid, oracle_preview
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from foreride.controller.base import Estimate
+from foreride.controller.interface import Estimate
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import Car

@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from foreride.controller.base import Timing
-from foreride.controller.own import load_user_controller
+from foreride.controller.interface import Timing
 from foreride.controller.registry import CONTROLLERS, build, uses_preview
 from foreride.controller.settings import ControllerSettings
+from foreride.controller.user_controller import load_user_controller
 from foreride.files.errors import InputError
 from foreride.files.reading.strict import structure
 from foreride.vehicle.dampers.damper import MrBoucWenDamper

@@ -61,8 +61,8 @@ def _sweep_in_this_process() -> None:
 
 def _quick_bound() -> None:
     import foreride.scenarios.bound
-    from foreride.controller.clairvoyant import Optimum
-    from foreride.controller.whole_drive import WholeDriveObjective
+    from foreride.controller.clairvoyant.optimum import Optimum
+    from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
 
     def optimise(car, whole: WholeDriveObjective, plans) -> Optimum:  # type: ignore[no-untyped-def]
         found = {name: whole.objective(plan)[0] for name, plan in plans.items()}

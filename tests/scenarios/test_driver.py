@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-import foreride.controller.program as program
-from foreride.controller.qp import Solution, solve_box
+import foreride.controller.mpc.program as program
+from foreride.controller.mpc.qp import Solution, solve_box
 from foreride.scenarios.cases import Case
 from foreride.scenarios.closed_loop import simulate
 from foreride.scenarios.loading import load

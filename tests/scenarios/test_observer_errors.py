@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.controller.base import Estimate
-from foreride.controller.observer import exact_estimate
+from foreride.controller.interface import Estimate
+from foreride.controller.observer.observer import exact_estimate
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile

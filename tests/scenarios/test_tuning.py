@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from foreride.controller.settings import ControllerSettings
-from foreride.controller.tuned import TUNED_CONTROLLERS, tuned_settings
+from foreride.controller.tuned_settings import TUNED_CONTROLLERS, tuned_settings
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.scenarios.cli import main

@@ -1,0 +1,1 @@
+"""Clairvoyant bound: the optimal plan for a whole drive whose road is known."""

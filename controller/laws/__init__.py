@@ -1,0 +1,1 @@
+"""Reactive control laws: passive, skyhook family, power-driven damping, clipped LQR."""

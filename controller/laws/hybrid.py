@@ -1,0 +1,32 @@
+"""Hybrid skyhook–groundhook control, each part with its own semi-active condition.
+
+Goncalves & Ahmadian, Shock and Vibration 10(1), 2003, after Ahmadian, ASME DETC 1997: the requested force is
+gain·(alpha·σ_sky + (1 − alpha)·σ_ground), where σ_sky is the body velocity while the damper opposes it and
+zero otherwise, and σ_ground likewise the wheel velocity.
+"""
+
+import numpy as np
+
+from foreride.controller.command_limits import DampingLimits
+from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.laws.corner_motion import corners
+from foreride.controller.settings import HybridSettings
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+
+
+class Hybrid(Stateless):
+    """c = gain·(alpha·σ_sky + (1 − alpha)·σ_ground) / (v_s − v_u), clipped to floor and damper range."""
+
+    def __init__(self, vehicle: Car, settings: HybridSettings | None = None, timing: Timing | None = None):
+        self._vehicle = vehicle
+        self._settings = settings or HybridSettings()
+        self._limits = DampingLimits.of(vehicle)
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,), N·s/m."""
+        s, at = self._settings, corners(self._vehicle, estimate.x)
+        sky = np.maximum(at.body * at.relative, 0.0)
+        ground = np.maximum(-at.wheel * at.relative, 0.0)
+        asked = s.gain_ns_m * (s.alpha * sky + (1.0 - s.alpha) * ground)
+        return self._limits.clip(np.maximum(asked / (at.relative**2 + s.smoothing_m_s**2), s.floor_ns_m))

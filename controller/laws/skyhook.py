@@ -1,0 +1,31 @@
+"""Continuous skyhook with a groundhook part.
+
+Karnopp, Crosby & Harwood, J. Eng. Ind. 96, 1974, with the groundhook part of Savaresi et al., *Semi-Active
+Suspension Control Design for Vehicles*, 2010, ch. 6: virtual dampers `sky`, between body and sky, and
+`ground`, between wheel and ground, request a force, which the real damper follows as far as it can.
+"""
+
+import numpy as np
+
+from foreride.controller.command_limits import DampingLimits
+from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.laws.corner_motion import corners
+from foreride.controller.settings import SkyhookSettings
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+
+
+class Skyhook(Stateless):
+    """c = (sky·v_s − ground·v_u) / (v_s − v_u), clipped to floor and damper range."""
+
+    def __init__(self, vehicle: Car, settings: SkyhookSettings | None = None, timing: Timing | None = None):
+        self._vehicle = vehicle
+        self._settings = settings or SkyhookSettings()
+        self._limits = DampingLimits.of(vehicle)
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the damping (wheels,), N·s/m, that best approximates the force of the virtual dampers."""
+        s, at = self._settings, corners(self._vehicle, estimate.x)
+        force = s.sky_ns_m * at.body - s.ground_ns_m * at.wheel
+        damping = force * at.relative / (at.relative**2 + s.smoothing_m_s**2)
+        return self._limits.clip(np.maximum(damping, s.floor_ns_m))

@@ -1,0 +1,1 @@
+"""Model predictive control: prediction model, condensing, quadratic program and constraints."""

@@ -1,0 +1,68 @@
+"""Actuator constraints: rate and power limits of the actuator forces, as rows of the quadratic program."""
+
+import numpy as np
+
+from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.mpc.qp import ConstraintRows
+from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.settings import ForceSettings
+from foreride.vehicle.equations import input_size, motion, rattle, state_size
+from foreride.vehicle.load import Car
+
+
+class ForceLimits:
+    """Constraint rows for a plan (intervals, inputs) whose last inputs are the requested actuator forces, kN.
+
+    The actual force follows the requested one with a first-order lag; at the start of every interval it is
+    thus linear in the plan, and so is its rate, (requested − actual) / lag. The power is taken at the
+    suspension velocity predicted for the previous plan. If that velocity changes sign faster than the force
+    can, the force may fall as fast as its rate limit allows, so that the program stays feasible.
+    """
+
+    def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
+        actuators = [corner.actuator for corner in vehicle.corners if corner.actuator is not None]
+        intervals, wheels, n = len(grid.intervals_s), vehicle.wheels, state_size(vehicle)
+        self._power_kw, self._limit = settings.power_w / KILO, actuators[0].force_limit_n / KILO
+        lag_s = actuators[0].lag_s
+        self._change = settings.rate_n_s / KILO * lag_s
+        keep = np.exp(-np.array(grid.intervals_s) / lag_s)
+        from_start, from_asked = np.ones(intervals), np.zeros((intervals, intervals))
+        for k in range(1, intervals):
+            from_start[k] = keep[k - 1] * from_start[k - 1]
+            from_asked[k] = keep[k - 1] * from_asked[k - 1]
+            from_asked[k, k - 1] += 1.0 - keep[k - 1]
+        falling = 1.0 - min(1.0, self._change / self._limit) * (1.0 - keep[:-1])
+        self._release = np.cumprod([1.0, *falling])[:, None]
+        self._from_start = from_start[:, None]
+        forces = np.eye(input_size(vehicle))[wheels:]
+        self._actual = np.kron(from_asked, forces)
+        bound = self._change < 2.0 * self._limit  # otherwise the force limit is the tighter one
+        self._rising = np.kron(np.eye(intervals) - from_asked, forces)[: None if bound else 0]
+        self.rate_rows = len(self._rising)
+        self._starts = np.searchsorted(grid.interval, np.arange(intervals))
+        self._force = np.array(motion(vehicle, np.eye(n)).force) / KILO
+        self._strut_rate = rattle(vehicle, np.eye(n))[1]
+
+    def rows(self, plan: np.ndarray, states: np.ndarray) -> ConstraintRows:
+        """Constraints on a correction of the plan that leads through `states` (n_x, steps + 1).
+
+        The rate limits come first, interval by interval, then the power limits, if there are any.
+        """
+        now = self._force @ states[: self._force.shape[1], 0]
+        free = (self._from_start * now).ravel()
+        low, high = self._power_limits(states, now)
+        tight = (low > -self._limit) | (high < self._limit)
+        matrix = np.vstack([self._rising, self._actual[tight]])
+        along = matrix @ plan.ravel()
+        least = np.concatenate([free[: self.rate_rows] - self._change, low[tight] - free[tight]])
+        most = np.concatenate([free[: self.rate_rows] + self._change, high[tight] - free[tight]])
+        return ConstraintRows(matrix, least - along, most - along)
+
+    def _power_limits(self, states: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper power limits of the actual forces, kN, interval by interval."""
+        rate = (self._strut_rate @ states[: self._strut_rate.shape[1], self._starts]).T
+        most = self._power_kw / np.maximum(np.abs(rate), 1e-6)
+        release = self._release * now
+        high = np.where(rate > 0.0, np.maximum(most, release), np.inf)
+        low = np.where(rate < 0.0, np.minimum(-most, release), -np.inf)
+        return low.ravel(), high.ravel()

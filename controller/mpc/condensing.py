@@ -1,0 +1,178 @@
+"""Condensing: the Gauss–Newton quadratic program of a plan's correction, with the states eliminated.
+
+With S the sensitivity of the state to the plan and C that of a step's residuals r to the state, each step
+adds (CS)ᵀCS to H and (CS)ᵀr to g. The model and its Jacobians run as code compiled by
+`controller.mpc.casadi_llvm`, the Jacobians of several steps at once; Numba compiles the matrix algebra.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from foreride.controller.mpc.prediction_model import PredictionModel
+from foreride.controller.mpc.terminal_cost import TerminalCost
+from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.files.jit import float64, int64, njit, void
+from foreride.vehicle.equations import input_size
+
+
+class Condensed(NamedTuple):
+    """Quadratic program ½ dᵀHd + gᵀd in the plan's correction d (intervals · inputs,), by intervals."""
+
+    hessian: np.ndarray
+    gradient: np.ndarray
+
+
+class Condenser:
+    """Linearisation of the model along a plan and elimination of the states; buffers are allocated once.
+
+    The cost is the integral over the horizon, in units of `period_s`, of the squared residuals, plus
+    `input_weights` (inputs,) times the squares of the forces and of the damper settings less 1 kN·s/m.
+    Results are views that the next call overwrites.
+    """
+
+    def __init__(
+        self,
+        model: PredictionModel,
+        terminal: TerminalCost,
+        grid: TimeGrid,
+        period_s: float,
+        input_weights: np.ndarray,
+    ):
+        steps, intervals, inputs = len(grid.step_s), len(grid.intervals_s), input_size(model.vehicle)
+        self._model, self._terminal, self._steps = model, terminal, steps
+        self._interval = grid.interval
+        self._weights = grid.step_s / period_s
+        lengths = np.array(grid.intervals_s) / period_s
+        self._input_weights = np.outer(lengths, input_weights).ravel()
+        self._nominal = np.tile(np.arange(inputs) < model.vehicle.wheels, intervals).astype(float)
+        lanes = model.linearise.lanes
+        padded = -(-steps // lanes) * lanes
+        # One column per step; the state reached by a step is written where the next step starts.
+        self._points = np.zeros((model.linearise.rows_in, padded + 1))
+        self._points[-1] = grid.step_s[-1]
+        self._points[-1, :steps] = grid.step_s
+        self._results = np.zeros((model.linearise.rows_out, padded))
+        self._advance = model.advance.bind(self._points, self._points[:, 1:], steps)
+        self._linearise = model.linearise.bind(self._points, self._results, padded)
+        self._entries = _entries(model)
+        self._hessian = np.zeros((intervals * inputs, intervals * inputs))
+        self._diagonal = self._hessian.reshape(-1)[:: intervals * inputs + 1]
+        self._gradient = np.zeros(intervals * inputs)
+
+    @property
+    def states(self) -> np.ndarray:
+        """Predicted states along the last plan including the initial one, (n_x, steps + 1)."""
+        return self._points[: self._model.n_x, : self._steps + 1]
+
+    def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
+        """Condense about `plan` (intervals, inputs), kN·s/m and kN, from `state` (n_x,).
+
+        road: (wheels, steps + 1) heights at the ends of the grid's steps, m.
+        """
+        n_x, wheels, steps = self._model.n_x, self._model.vehicle.wheels, self._steps
+        roads = n_x + plan.shape[1]
+        points = self._points
+        points[:n_x, 0] = state
+        points[n_x:roads, :steps] = plan.take(self._interval, axis=0).T
+        points[roads : roads + wheels, :steps] = road[:, :-1]
+        points[roads + wheels : roads + 2 * wheels, :steps] = road[:, 1:]
+        self._advance()
+        self._linearise()
+        root = self._terminal.root
+        ending = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
+        _condense(
+            self._results,
+            self._entries,
+            self._interval,
+            self._weights,
+            ending,
+            root,
+            self._hessian,
+            self._gradient,
+        )
+        self._gradient += self._input_weights * (plan.ravel() - self._nominal)
+        self._diagonal += self._input_weights
+        return Condensed(self._hessian, self._gradient)
+
+
+def _entries(model: PredictionModel) -> np.ndarray:
+    """Nonzero Jacobian entries as (matrix, row, column) indices.
+
+    Matrices: 0 next state by state, 1 next state by command, 2 residuals by next state.
+    """
+    listed = []
+    for matrix in range(3):
+        rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
+        listed += [(matrix, row, column) for row, column in zip(rows, columns, strict=True)]
+    return np.array(listed, dtype=np.int64)
+
+
+_MATRIX = float64[:, ::1]
+_VECTOR = float64[::1]
+
+
+@njit(void(_MATRIX, _VECTOR, float64, int64, _MATRIX, _VECTOR))
+def _add_squares(
+    jacobian: np.ndarray,
+    residuals: np.ndarray,
+    weight: float,
+    inputs: int,
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+) -> None:
+    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are nonzero."""
+    for r in range(len(residuals)):
+        for i in range(inputs):
+            factor = weight * jacobian[r, i]
+            gradient[i] += factor * residuals[r]
+            for j in range(i + 1):
+                hessian[i, j] += factor * jacobian[r, j]
+
+
+@njit(
+    void(_MATRIX, int64[:, ::1], int64[::1], _VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR),
+)
+def _condense(
+    results: np.ndarray,
+    entries: np.ndarray,
+    interval: np.ndarray,
+    weights: np.ndarray,
+    ending: np.ndarray,
+    root: np.ndarray,
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+) -> None:
+    """Accumulate H and g, skipping the columns of commands that have not yet acted."""
+    n_x, n_r, size = len(ending), results.shape[0] - len(entries), len(gradient)
+    inputs = size // (interval[-1] + 1)
+    now, after = np.zeros((n_x, size)), np.zeros((n_x, size))
+    jacobian, last = np.zeros((n_r, size)), np.zeros((n_x, size))
+    hessian[:] = 0.0
+    gradient[:] = 0.0
+    for step in range(len(interval)):
+        past = interval[step] * inputs
+        acted = past + inputs
+        after[:, :acted] = 0.0
+        jacobian[:, :acted] = 0.0
+        for e in range(len(entries)):
+            matrix, row, column = entries[e]
+            value = results[n_r + e, step]
+            if matrix == 0:
+                for i in range(acted):
+                    after[row, i] += value * now[column, i]
+            elif matrix == 1:
+                after[row, past + column] += value
+            else:
+                for i in range(acted):
+                    jacobian[row, i] += value * after[column, i]
+        _add_squares(jacobian, results[:n_r, step].copy(), weights[step], acted, hessian, gradient)
+        now, after = after, now
+    for row in range(n_x):
+        for column in range(row, n_x):
+            for i in range(size):
+                last[row, i] += root[row, column] * now[column, i]
+    _add_squares(last, ending, 1.0, size, hessian, gradient)
+    for i in range(size):
+        for j in range(i):
+            hessian[j, i] = hessian[i, j]

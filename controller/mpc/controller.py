@@ -1,0 +1,128 @@
+"""Model predictive control of dampers and actuators, with or without preview of the road.
+
+Real-time iteration (Diehl, Bock & Schlöder, SIAM J. Control Optim. 43(5), 2005): each period the plan of the
+last one is shifted, the model linearised along it, and one quadratic program gives its correction.
+"""
+
+from typing import Literal
+
+import numpy as np
+
+from foreride.controller.command_limits import command_limits, passive_command, plan_limits
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.mpc.command_delay import CommandDelayLine
+from foreride.controller.mpc.prediction_model import KILO, prediction_model
+from foreride.controller.mpc.program import Program
+from foreride.controller.mpc.terminal_cost import terminal_cost
+from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.mpc.weighting_states import ComfortFilter
+from foreride.controller.road_ahead.road_reference import RoadReference
+from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview
+from foreride.controller.settings import MpcSettings
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+
+PreviewSource = Literal["none", "wheelbase", "preview"]
+
+
+class PredictiveController:
+    """Model predictive controller; `preview_source` selects its preview, and with "none" it is reactive.
+
+    Without a preview it plans on the reactive controller's horizon and gives the same answer.
+    """
+
+    def __init__(
+        self,
+        vehicle: Car,
+        settings: MpcSettings | None = None,
+        timing: Timing | None = None,
+        preview_source: PreviewSource = "preview",
+    ):
+        self._settings = settings or MpcSettings()
+        self._timing = timing or Timing()
+        self._preview_source = preview_source
+        self._wheelbase = WheelbasePreview(vehicle) if preview_source == "wheelbase" else None
+        period = self._timing.period_s
+        self._model = prediction_model(vehicle, self._settings.rho)
+        terminal = terminal_cost(self._model, period)
+
+        def program(length_s: float) -> Program:
+            return Program(vehicle, self._model, terminal, self._settings, self._timing, length_s)
+
+        self._blind = program(self._settings.blind_horizon_s)
+        self._sighted = program(self._settings.horizon_s) if preview_source == "preview" else self._blind
+        self._passive = passive_command(vehicle)
+        self._least, self._most = command_limits(vehicle)
+        self._low, self._high = plan_limits(vehicle)
+        self._filter = ComfortFilter(vehicle, period)
+        self._delay_line = CommandDelayLine(self._timing, self._passive)
+        self._road = RoadReference(vehicle.wheels, self._settings.road)
+        self.reset()
+
+    def reset(self) -> None:
+        """Clear the plan, the past commands and the statistics."""
+        self._program = self._sighted
+        self._plan = np.tile(self._passive / KILO, (len(self._program.shift), 1))
+        self._filter.reset()
+        self._delay_line.reset()
+        self._road.reset()
+        if self._wheelbase is not None:
+            self._wheelbase.reset()
+        self.problem: str | None = None
+        self.active: tuple[str, ...] = ()
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the command (inputs,), N·s/m and N, for the time at which it acts.
+
+        If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
+        """
+        self._plan = self._program.shift @ self._plan
+        seen = self._select_preview(estimate, preview)
+        self._use(self._blind if seen is None else self._sighted)
+        self.problem = self._correct_plan(estimate, seen)
+        command = np.minimum(np.maximum(KILO * self._plan[0], self._least), self._most)
+        self._delay_line.issue(command)
+        return command.copy()
+
+    def acted(self, command: np.ndarray) -> None:
+        """Record that this command (inputs,), N·s/m and N, was issued in place of the last answer."""
+        self._delay_line.replace_last(command)
+
+    def _use(self, program: Program) -> None:
+        """Continue the plan on the horizon of this program."""
+        self._plan = program.adopted(self._plan, self._program.grid)
+        self._program = program
+
+    def _correct_plan(self, estimate: Estimate, seen: RoadPreview | None) -> str | None:
+        """Correct the plan by one quadratic program; return the reason if that failed."""
+        program, road = self._program, self._road
+        road.look(estimate, seen)
+        state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
+        roads = road.roads(program.node_times_s)
+        cost = program.condensed(state, self._plan, roads, road.weights)
+        states = program.condense.states
+        rows = program.constraints.rows(self._plan, states)
+        solution = program.solve(cost, self._low - self._plan, self._high - self._plan, rows)
+        if solution.problem is not None:
+            self.active = ()
+        else:
+            self._plan = self._plan + solution.x.reshape(self._plan.shape)
+            self.active = program.constraints.active(
+                rows, solution.x, self._plan, states, roads[road.most_likely]
+            )
+        return solution.problem
+
+    def _select_preview(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
+        if self._wheelbase is not None:
+            return self._wheelbase.look(estimate)
+        return preview if self._preview_source == "preview" else None
+
+    def _predict(self, state: np.ndarray) -> np.ndarray:
+        """Propagate the state through the commands that are still pending (delay compensation)."""
+        for start, duration, command in self._delay_line.pending():
+            grid = TimeGrid((duration,))
+            heights = self._road.heights(start + grid.nodes_s)
+            for i, step_s in enumerate(grid.step_s):
+                ends = heights[:, i], heights[:, i + 1]
+                state = np.array(self._model.step(state, command / KILO, *ends, step_s))[:, 0]
+        return state

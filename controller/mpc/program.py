@@ -1,0 +1,77 @@
+"""The quadratic program of a plan over one horizon: condensed about the plan, solved, and told what binds."""
+
+import numpy as np
+
+from foreride.controller.interface import Timing
+from foreride.controller.mpc.condensing import Condensed, Condenser
+from foreride.controller.mpc.constraints import Constraints
+from foreride.controller.mpc.move_blocking import MoveBlocks
+from foreride.controller.mpc.prediction_model import PredictionModel
+from foreride.controller.mpc.qp import ConstraintRows, Solution, solve_box
+from foreride.controller.mpc.terminal_cost import TerminalCost
+from foreride.controller.mpc.time_grid import TimeGrid, graded_grid
+from foreride.controller.settings import MpcSettings
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.load import Car
+
+
+class Program:
+    """The program of a horizon of `length_s`.
+
+    shift: carries a plan on by one period. node_times_s: from the asking on, when the ends of its steps are.
+    """
+
+    def __init__(
+        self,
+        vehicle: Car,
+        model: PredictionModel,
+        terminal: TerminalCost,
+        settings: MpcSettings,
+        timing: Timing,
+        length_s: float,
+    ):
+        self.grid = graded_grid(length_s, settings.fine_s, timing.period_s)
+        forces = input_size(vehicle) - vehicle.wheels
+        weights = np.repeat([settings.input_weight, settings.force.weight], [vehicle.wheels, forces])
+        self.condense = Condenser(model, terminal, self.grid, timing.period_s, weights)
+        self.constraints = Constraints(vehicle, self.grid, settings.force)
+        self.shift = self.grid.shift(timing.period_s)
+        self.node_times_s = timing.delay_s + self.grid.nodes_s
+        # The program of one wheel is small enough as it is.
+        self._blocks = MoveBlocks(len(self.shift), vehicle.wheels, forces) if forces > 1 else None
+
+    def condensed(
+        self, state: np.ndarray, plan: np.ndarray, roads: np.ndarray, weights: np.ndarray
+    ) -> Condensed:
+        """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
+
+        The most_likely road comes last, so that the states which the condenser keeps are those on it.
+        """
+        most_likely = int(weights.argmax())
+        others = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]
+        hessian, gradient = 0.0, 0.0
+        for index in others:
+            problem = self.condense(state, plan, roads[index])
+            hessian = hessian + weights[index] * problem.hessian
+            gradient = gradient + weights[index] * problem.gradient
+        problem, weight = self.condense(state, plan, roads[most_likely]), weights[most_likely]
+        if not others:
+            return problem
+        return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
+
+    def solve(
+        self, cost: Condensed, low: np.ndarray, high: np.ndarray, rows: ConstraintRows | None
+    ) -> Solution:
+        """The best correction within bounds (intervals, inputs) and rows."""
+        program = cost.hessian, cost.gradient, low.ravel(), high.ravel()
+        if rows is None or self._blocks is None:
+            return solve_box(*program, rows)
+        return self._blocks.solve(*program, rows)
+
+    def adopted(self, plan: np.ndarray, grid: TimeGrid) -> np.ndarray:
+        """The plan of another grid on this one, its last entry held."""
+        if grid == self.grid:
+            return plan
+        starts = np.cumsum((0.0, *grid.intervals_s[:-1]))
+        wanted = np.cumsum((0.0, *self.grid.intervals_s[:-1]))
+        return plan[np.searchsorted(starts, wanted + 1e-9, side="right") - 1]

@@ -1,0 +1,1 @@
+"""State observer: sensor monitoring and the kinematic Kalman filter."""

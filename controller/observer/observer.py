@@ -1,0 +1,148 @@
+"""State observer: state and road estimate from the car's sensors, or error-free from the simulator."""
+
+import numpy as np
+
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.observer.kinematic_filter import kinematics
+from foreride.controller.observer.sensor_monitor import ValidatedReading
+from foreride.vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorNoise
+from foreride.vehicle.state import VehicleState
+
+SPEED_FILTER_S = 0.2
+LIFT_OFF_LOAD_RATIO = 0.02
+"""Fraction of the static wheel load below which a wheel counts as lifted."""
+
+
+def exact_estimate(state: VehicleState) -> Estimate:
+    """Return the simulator's own state as an error-free estimate."""
+    return Estimate(
+        time_s=float(state.time_s),
+        x=np.array(state.x, dtype=float),
+        road_height=np.array(state.road_height, dtype=float),
+        road_velocity=np.array(state.road_velocity, dtype=float),
+        speed_m_s=float(state.speed_m_s),
+        contact=np.ones(len(state.road_height), dtype=bool),
+    )
+
+
+class Observer:
+    """Estimator of vehicle state and road height from the car's sensors, with the road as unknown input.
+
+    Readings are validated by `controller.observer.sensor_monitor`; lost channels are replaced by model-based
+    substitutes. Motion comes from `controller.observer.kinematic_filter`, the damping from the commands and
+    the damper lag, the road from the tyre: the tyre force follows from the accelerations of the masses, and
+    the deflection from that force.
+    Heights are relative to a slowly following mean road, the same for `x` and `road_height`.
+    """
+
+    def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
+        corners = vehicle.corners
+        self._wheels, self._period_s, self._noise = vehicle.wheels, timing.period_s, noise
+        self._filter = kinematics(vehicle, noise, timing.period_s)
+        kinematic_rows = np.array([corner.kinematic_row for corner in corners])
+        self._body = np.linalg.pinv(kinematic_rows)
+        spread = np.linalg.pinv(kinematic_rows.T)
+        self._residual_projection = (
+            np.eye(vehicle.wheels) - spread @ kinematic_rows.T
+            if vehicle.wheels > kinematic_rows.shape[1]
+            else None
+        )
+        carried = spread @ np.diag(vehicle.generalised_mass) @ self._body
+        self._vehicle = vehicle
+        self._mass = np.hstack([carried, np.diag([corner.unsprung_mass_kg for corner in corners])])
+        self._static = np.array([corner.static_tyre_n for corner in corners])
+        self._stiffness = np.array([corner.tyre_n_m for corner in corners])
+        self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
+        lags = np.array([corner.damper_lag_s for corner in corners])
+        self._follow = -np.expm1(-timing.period_s / lags)
+        moving = np.arange(2 * (len(vehicle.generalised_mass) + vehicle.wheels)).reshape(2, -1).T.ravel()
+        self._order = np.append(moving, np.arange(moving.size, state_size(vehicle)))
+        self._passive = rest_state(vehicle)[damping_rows(vehicle)]
+        self._actuators = [corner.actuator for corner in corners if corner.actuator]
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset to a car at rest on the mean road."""
+        self._motion = np.zeros(len(self._filter.transition))
+        self._acceleration: np.ndarray | None = None
+        self._damping = self._passive.copy()
+        self._force = np.zeros(len(self._actuators))
+        self._deflection = np.zeros(self._wheels)
+        self._road = np.zeros(self._wheels)
+        self._speed: float | None = None
+
+    def update(self, checked: ValidatedReading, command: np.ndarray) -> Estimate:
+        """Process a reading and the command that acted until then; return the present estimate."""
+        w, measurement = self._wheels, checked.measurement
+        acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        rattle, motion = measurement.rattle_m, self._filter
+        if checked.faults:
+            motion = kinematics(self._vehicle, self._noise, self._period_s, checked.lost)
+            gone = np.array(checked.lost)
+            acceleration = np.where(gone[: 2 * w], self._substitute_accelerations(), acceleration)
+            rattle = np.where(gone[2 * w : 3 * w], 0.0, rattle)
+        if self._acceleration is None:
+            self._acceleration = acceleration
+        mean = 0.5 * (acceleration + self._acceleration)
+        self._acceleration = acceleration
+        reading = np.concatenate([rattle, [measurement.pitch_rate], np.zeros(w)])
+        self._motion = motion.step(self._motion, mean, reading)
+        self._damping = self._damping + self._follow * (command[:w] - self._damping)
+        if self._actuators:
+            self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
+        before = self._road
+        road, contact = self._estimate_road_from_tyre(acceleration - self._motion[4 * w : 6 * w])
+        self._road = np.where(contact, road, np.minimum(road, before))
+        return Estimate(
+            time_s=float(measurement.time_s),
+            x=self._vehicle_state(),
+            road_height=self._road,
+            road_velocity=(self._road - before) / self._period_s,
+            speed_m_s=self._smooth_speed(float(measurement.speed_m_s)),
+            contact=contact,
+            faults=checked.faults,
+        )
+
+    def _update_actuator_force(self, asked: np.ndarray) -> None:
+        limit = np.array([actuator.force_limit_n for actuator in self._actuators])
+        follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
+        self._force = self._force + follow * (np.clip(asked, -limit, limit) - self._force)
+
+    def _substitute_accelerations(self) -> np.ndarray:
+        """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""
+        w, level = self._wheels, np.zeros(self._wheels)
+        body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
+        return self._motion[4 * w : 6 * w] + np.concatenate([body, level])
+
+    def _estimate_road_from_tyre(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
+
+        Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
+        the forces that cancels in the body is taken from the strut model.
+        """
+        force = self._mass @ acceleration
+        if self._residual_projection is not None:
+            still = np.zeros(self._wheels)
+            struts = forces(self._vehicle, self._vehicle_state(), still, still)
+            force = force + self._residual_projection @ (
+                struts.spring + struts.damper + struts.stop + struts.actuator
+            )
+        rate = self._tyre_damping / self._period_s
+        deflection = (force + rate * self._deflection) / (self._stiffness + rate)
+        self._deflection = deflection
+        road = self._motion[self._wheels : 2 * self._wheels] + deflection
+        return road, force > -(1.0 - LIFT_OFF_LOAD_RATIO) * self._static
+
+    def _vehicle_state(self) -> np.ndarray:
+        w = self._wheels
+        heights, velocities = self._motion[: 2 * w], self._motion[2 * w : 4 * w]
+        body = self._body @ heights[:w], self._body @ velocities[:w]
+        parts = body[0], heights[w:], body[1], velocities[w:], self._damping, self._force
+        return np.concatenate(parts).take(self._order)
+
+    def _smooth_speed(self, measured: float) -> float:
+        speed = measured if self._speed is None else self._speed
+        self._speed = speed + min(1.0, self._period_s / SPEED_FILTER_S) * (measured - speed)
+        return self._speed

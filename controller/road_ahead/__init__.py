@@ -1,0 +1,1 @@
+"""Road reference of the predictive controllers: preview, its alignment, and wheelbase preview."""

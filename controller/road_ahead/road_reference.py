@@ -1,0 +1,169 @@
+"""Road reference: the previewed profile, anchored to the road heights estimated under the wheels."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from foreride.controller.interface import Estimate
+from foreride.controller.road_ahead.preview_alignment import PreviewAlignment
+from foreride.controller.settings import RoadSettings
+from foreride.preview.road_preview import RoadPreview
+
+_STANDSTILL_M_S = 0.1
+"""Speed below which the road is taken not to move under the wheels."""
+
+
+class RoadHypothesis(NamedTuple):
+    """Hypothesis of the road ahead: the previewed one, `sigmas` standard deviations nearer, or a flat one."""
+
+    sigmas: float
+    exists: bool
+
+
+_NODE = np.sqrt(3.0)
+ROAD_HYPOTHESES = (
+    RoadHypothesis(0.0, True),
+    RoadHypothesis(_NODE, True),
+    RoadHypothesis(-_NODE, True),
+    RoadHypothesis(0.0, False),
+)
+"""Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
+_POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
+
+
+class RoadReference:
+    """Fusion of preview and measurement: `look` once a period, then query `heights` at future times.
+
+    With `uncertainty` "scenarios" exists are several roads, each with its weight; otherwise a single one that
+    represents the whole uncertainty.
+
+    The preview is shifted to where it matches the measured road (`controller.road_ahead.preview_alignment`);
+    the present excess of the measured over the previewed height is kept, and the excess slope decays. A wheel
+    off the ground only gives an upper bound of the road height, and its excess is that of the last contact.
+    Without preview the road ahead is taken as flat, and the whole measured height is excess.
+    """
+
+    def __init__(self, wheels: int, settings: RoadSettings):
+        self._wheels, self._settings = wheels, settings
+        self._hypotheses = len(ROAD_HYPOTHESES) if settings.uncertainty == "scenarios" else 1
+        self._certain = np.eye(1, self._hypotheses)[0]
+        self.reset()
+
+    def reset(self) -> None:
+        """Clear all measured and previewed heights."""
+        self._height, self._slope = np.zeros((2, self._hypotheses, self._wheels))
+        self._alignments = [PreviewAlignment(wheel) for wheel in range(self._wheels)]
+        self._before: Estimate | None = None
+        self._speed = 0.0
+        self._seeing = False
+        self._set_preview(None)
+
+    def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
+        """Take in the present estimate and preview."""
+        self._speed = estimate.speed_m_s if estimate.speed_m_s > _STANDSTILL_M_S else 0.0
+        for alignment in self._alignments:
+            alignment.record_road(estimate)
+        before = self._before
+        since = estimate.time_s - before.time_s if before is not None else 0.0
+        believed = self._previewed(np.array([since]))[..., 0]
+        self._set_preview(preview)
+        seen = self._previewed(np.array([-since, 0.0]))
+        past, now = seen[..., 0], seen[..., 1]
+        if self._seeing != (preview is not None):
+            self._height = self._height + believed - now  # what was believed in the air stays believed
+            self._seeing = preview is not None
+        excess = estimate.road_height - now
+        self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
+        slope = estimate.road_velocity
+        if preview is not None:
+            slope = np.zeros((self._hypotheses, self._wheels))
+            if before is not None and since > 0.0:
+                # Instantaneous rates would differ by metres per second if an edge lies between two samples.
+                unforeseen = (estimate.road_height - before.road_height) - (now - past)
+                slope = np.where(before.contact, unforeseen / since, 0.0)
+        self._slope = np.where(estimate.contact, slope, 0.0)
+        self._before = estimate
+
+    def heights(self, times_s: np.ndarray) -> np.ndarray:
+        """Return the road height under each wheel (wheels, n), m, at `times_s` (n,) after the last look.
+
+        With several hypotheses it is the height of the most probable one.
+        """
+        return self.roads(times_s)[self.most_likely]
+
+    @property
+    def most_likely(self) -> int:
+        """Index of the road with the greatest weight."""
+        return int(self.weights.argmax())
+
+    def roads(self, times_s: np.ndarray) -> np.ndarray:
+        """Return the heights for every road hypothesis, (roads, wheels, n); `weights` (roads,) sum to one."""
+        decay = self._settings.slope_decay_s
+        carried = -decay * np.expm1(-times_s / decay)
+        return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * carried
+
+    def _set_preview(self, preview: RoadPreview | None) -> None:
+        self.weights = self._certain
+        if preview is None:
+            self._grid, self._expected = np.array([0.0, 1.0]), np.zeros((self._hypotheses, self._wheels, 2))
+            return
+        self._grid = preview.distance_m
+        rows = [self._roads(preview, wheel, alignment) for wheel, alignment in enumerate(self._alignments)]
+        self._expected = np.array(rows).swapaxes(0, 1)
+        if self._hypotheses > 1:
+            likely = _likelihood(preview)
+            position = _POSITION if preview.position_sigma_m.any() else self._certain
+            self.weights = np.append(likely * position[:-1], 1.0 - likely)
+
+    def _roads(self, preview: RoadPreview, wheel: int, alignment: PreviewAlignment) -> np.ndarray:
+        """Heights (roads, n) of one wheel's road hypotheses on the preview's grid."""
+        settings, heights = self._settings, preview.height_m[wheel]
+        sigma, existence = preview.position_sigma_m[wheel], preview.existence[wheel]
+        earlier_m, remaining_sigma_ratio = alignment.shift(preview)
+        if settings.uncertainty == "scenarios":
+            roads = [
+                moved(preview, heights * hypothesis.exists, hypothesis.sigmas * remaining_sigma_ratio * sigma)
+                for hypothesis in ROAD_HYPOTHESES
+            ]
+        elif settings.uncertainty == "blend":
+            roads = [existence * heights / (1.0 + (remaining_sigma_ratio * sigma / settings.blend_m) ** 2)]
+        else:
+            known = np.clip((settings.unknown_m - sigma) / (settings.unknown_m - settings.known_m), 0.0, 1.0)
+            roads = [
+                moved(
+                    preview,
+                    known * existence * heights,
+                    settings.sigmas_early * remaining_sigma_ratio * sigma,
+                )
+            ]
+        if earlier_m:
+            roads = [np.interp(self._grid + earlier_m, self._grid, road) for road in roads]
+        return np.array(roads)
+
+    def _previewed(self, times_s: np.ndarray) -> np.ndarray:
+        distance = self._speed * times_s
+        return np.array(
+            [[np.interp(distance, self._grid, row) for row in hypothesis] for hypothesis in self._expected]
+        )
+
+
+def _likelihood(preview: RoadPreview) -> float:
+    """Probability that the previewed features exist: mean existence, weighted by height."""
+    size = np.abs(preview.height_m)
+    total = size.sum()
+    return float((size * preview.existence).sum() / total) if total else 1.0
+
+
+def moved(preview: RoadPreview, heights: np.ndarray, nearer_m: np.ndarray) -> np.ndarray:
+    """Return heights (n,) on the preview's grid, each moved towards the car by its own distance (n,).
+
+    The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
+    """
+    if not nearer_m.any():
+        return heights
+    places = preview.distance_m - nearer_m
+    if nearer_m.min() < 0.0:
+        places = np.maximum.accumulate(places)
+    else:
+        places = np.minimum.accumulate(places[::-1])[::-1]
+    return np.interp(preview.distance_m, places, heights)

@@ -1,0 +1,1 @@
+"""Fallback supervisor: checks of sensors, answers and previews, and the statistics of its steps."""

@@ -1,0 +1,61 @@
+"""Correlation of felt and claimed road of one wheel: the height differences over a short distance."""
+
+from collections import deque
+
+import numpy as np
+
+LAG_M = 0.2
+"""Distance of the differences; they do not contain slow errors, such as an observer's drift."""
+CLIP_M = 0.01
+"""Largest difference, so that no single edge dominates: obstacles are tested by
+`controller.supervision.residual`.
+"""
+CLAIMED_M = 0.001
+"""Claimed differences below this are ignored."""
+WIDTH_M = 0.1
+"""Position error that reduces the correlation to exp(-1/2) of its value."""
+ENERGY_M, FORGOTTEN_M = 0.002, 0.0006
+"""RMS claimed difference from which on the correlation is tested, and below which the result is cleared."""
+HYSTERESIS = 0.15
+
+
+class Correlation:
+    """Test with forgetting, distance constant `memory_m`, and hysteresis from `least` upwards."""
+
+    def __init__(self, memory_m: float, least: float):
+        self._memory_m, self._least = memory_m, least
+        self._past: deque[tuple[float, float, float]] = deque()
+        self._travelled_m = 0.0
+        self._moments = np.zeros(3)
+        self.alike = True
+
+    def feel(
+        self, felt_m: float, contact: bool, claimed_m: float, sigma_m: float, travelled_m: float
+    ) -> bool:
+        """Add felt and claimed height, known to `sigma_m` along the road; return whether they correlate."""
+        self._travelled_m += travelled_m
+        keep = float(np.exp(-travelled_m / self._memory_m))
+        self._moments *= keep
+        if contact:
+            self._past.append((self._travelled_m, felt_m, claimed_m))
+            self._add_difference(1.0 - keep)
+        felt, joint, claimed = self._moments
+        least = self._least * np.exp(-0.5 * (sigma_m / WIDTH_M) ** 2)
+        both = np.sqrt(felt * claimed)
+        if claimed > ENERGY_M**2 and joint < least * both:
+            self.alike = False
+        elif claimed < FORGOTTEN_M**2 or joint > (least + HYSTERESIS) * both:
+            self.alike = True
+        return self.alike
+
+    def _add_difference(self, share: float) -> None:
+        """Update the second moments by the differences over LAG_M, if the wheel had contact then."""
+        past = self._past
+        while len(past) > 1 and past[1][0] <= self._travelled_m - LAG_M:
+            past.popleft()
+        place, felt, claimed = past[0]
+        if not 0.5 * LAG_M <= self._travelled_m - place <= 2.0 * LAG_M:
+            return
+        rise, told = np.array([past[-1][1] - felt, past[-1][2] - claimed]).clip(-CLIP_M, CLIP_M)
+        if abs(told) > CLAIMED_M:
+            self._moments += share * np.array([rise * rise, rise * told, told * told])

@@ -1,0 +1,73 @@
+"""Consistency gate of the preview: trust in it, from the comparison with the road felt by the front wheels.
+
+Obstacles are compared by `controller.supervision.residual`, the road's texture by
+`controller.supervision.correlation`. Comparison continues while the preview is dropped, so that trust can
+return.
+"""
+
+import numpy as np
+
+from foreride.controller.interface import Estimate
+from foreride.controller.settings import GateSettings
+from foreride.controller.supervision.correlation import Correlation
+from foreride.controller.supervision.residual import Residual, Strike
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+
+INCONSISTENT = "inconsistent preview"
+LOSS = 0.5
+"""Factor of the trust at a contradiction."""
+
+
+class PreviewGate:
+    """Gate with hysteresis; `check` once a period.
+
+    A contradiction reduces the trust, time restores it. After an obstacle that was not announced the preview
+    is suspended for some distance, as it may contain that obstacle farther ahead; the trust is kept.
+    """
+
+    def __init__(self, vehicle: Car, settings: GateSettings):
+        places = np.array(vehicle.axle_x_m)
+        self._front = [int(wheel) for wheel in np.flatnonzero(places == places.max())]
+        self._settings = settings
+        self._residuals = [Residual(wheel, settings) for wheel in self._front]
+        self._correlations = [Correlation(settings.memory_m, settings.correlation) for _ in self._front]
+        self._trust, self._trusted, self._contradicted = 1.0, True, False
+        self._suspended_m = 0.0
+        self._time_s: float | None = None
+
+    def check(self, estimate: Estimate, preview: RoadPreview) -> str | None:
+        """Return why the preview is dropped now, None if it is used."""
+        since = estimate.time_s - self._time_s if self._time_s is not None else 0.0
+        self._time_s = estimate.time_s
+        travelled_m = estimate.speed_m_s * since
+        strikes, alike = self._compare(estimate, preview, travelled_m)
+        unannounced = Strike.UNANNOUNCED in strikes
+        self._suspended_m = self._settings.aside_m if unannounced else self._suspended_m - travelled_m
+        contradicted = Strike.CONTRADICTED in strikes
+        self._update_trust(contradicted, since)
+        believed = self._trusted and alike and not contradicted and self._suspended_m <= 0.0
+        return None if believed else INCONSISTENT
+
+    def _update_trust(self, contradicted: bool, since_s: float) -> None:
+        settings = self._settings
+        self._trust = 1.0 - (1.0 - self._trust) * 0.5 ** (since_s / settings.half_life_s)
+        if contradicted and not self._contradicted:
+            self._trust *= LOSS
+        self._contradicted = contradicted
+        self._trusted = self._trust >= (settings.lost if self._trusted else settings.regained)
+
+    def _compare(
+        self, estimate: Estimate, preview: RoadPreview, travelled_m: float
+    ) -> tuple[list[Strike], bool]:
+        """Test each front wheel; return the strikes, and whether all correlations hold."""
+        strikes, alike = [], True
+        for wheel, residual, correlation in zip(
+            self._front, self._residuals, self._correlations, strict=True
+        ):
+            felt, contact = float(estimate.road_height[wheel]), bool(estimate.contact[wheel])
+            told = preview.existence[wheel] * preview.height_m[wheel], preview.position_sigma_m[wheel]
+            claimed, sigma = (float(np.interp(0.0, preview.distance_m, row)) for row in told)
+            strikes.append(residual.feel(felt, contact, preview, travelled_m))
+            alike = correlation.feel(felt, contact, claimed, sigma, travelled_m) and alike
+        return strikes, alike

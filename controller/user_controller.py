@@ -1,0 +1,146 @@
+"""User-defined controllers: loaded from `path/to/file.py:name`, with guarded calls."""
+
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from foreride.controller.command_limits import command_limits
+from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.own_code import load, place, say_once, told, waiting_for
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+
+
+def is_user_controller(name: str) -> bool:
+    """Whether a controller name refers to a file."""
+    return ":" in name
+
+
+def load_user_controller(target: str) -> Callable[..., Controller]:
+    """Load the class or function that `path/to/file.py:name` names.
+
+    It is called as name(vehicle, timing, **settings) and returns an object with `reset()` and
+    `step(estimate, preview)`. Raises InputError, in one line, if file or name are missing or do not load.
+    """
+    path, name = _parts(target)
+    if path.suffix != ".py" or not path.is_file():
+        raise InputError(f"controller {target}: {str(path)!r} must be an existing .py file")
+    factory = getattr(load(path, f"controller {target}"), name, None)
+    if not callable(factory):
+        raise InputError(f"controller {target}: {path} must define a class or function called {name!r}")
+    return factory
+
+
+def build_user_controller(
+    target: str, vehicle: Car, settings: dict[str, float], timing: Timing
+) -> "UserController":
+    """Build the controller that `path/to/file.py:name` names. Raises InputError if that fails."""
+    factory = load_user_controller(target)
+    path, name = _parts(target)
+    try:
+        with waiting_for(f"controller {target}"):
+            controller = factory(vehicle, timing, **settings)
+            missing = [part for part in ("reset", "step") if not callable(getattr(controller, part, None))]
+    except (InputError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # user code may raise anything, even SystemExit
+        raise InputError(f"controller {target}: cannot be built ({told(error, path)})") from error
+    if missing:
+        raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
+    return UserController(controller, path, name, vehicle)
+
+
+def _parts(target: str) -> tuple[Path, str]:
+    path, _, name = target.rpartition(":")
+    return Path(path), name
+
+
+class UserController:
+    """Wrapper of a user-defined controller that treats its failures like those of a solver.
+
+    problem: reason why the last step gave no answer, with file and line, or None. The first time, the whole
+    message is printed on stderr. Ctrl-C passes. `step` receives copies, so that user code cannot change the
+    loop's data.
+    """
+
+    def __init__(self, controller: Controller, path: Path, name: str, vehicle: Car) -> None:
+        self._controller, self._path, self._name = controller, path, name
+        self._nothing = np.zeros(len(command_limits(vehicle)[0]))
+        self._shapes = sorted({(vehicle.wheels,), self._nothing.shape})
+        self.problem: str | None = None
+        self.active: tuple[str, ...] = ()
+        self._unheard: str | None = None
+
+    def reset(self) -> None:
+        """Reset the user's controller. Raises InputError if its `reset` fails."""
+        self.problem, self.active, self._unheard = None, (), None
+        try:
+            self._controller.reset()
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            where = f"controller {self._path}:{self._name}"
+            raise InputError(f"{where}: reset() fails ({told(error, self._path)})") from error
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        """Return the user's command (wheels,) or (inputs,); zeros if there is a `problem`."""
+        self.problem, self.active = None, ()
+        answer = self._guarded(lambda: self._ask(deepcopy(estimate), deepcopy(preview)))
+        self.problem, self._unheard = self.problem or self._unheard, None
+        return self._nothing if answer is None else answer
+
+    def acted(self, command: np.ndarray) -> None:
+        """Pass the issued command to a controller that has `acted`; a failure invalidates its next answer."""
+        self.problem = None
+        self._guarded(lambda: self._tell(command.copy()))
+        self._unheard = self.problem
+
+    def _tell(self, command: np.ndarray) -> None:
+        if (listen := getattr(self._controller, "acted", None)) is not None:
+            listen(command)
+
+    def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray | None:
+        found = self._controller.step(estimate, preview)
+        answer = _numbers(found)
+        if answer is None or answer.shape not in self._shapes or not np.isfinite(answer).all():
+            allowed = " or ".join(str(shape) for shape in self._shapes)
+            message = f"finite numbers {allowed} expected, got {shown(found)}"
+            self._blame("bad answer", self._step_line(), message)
+            return None
+        said = getattr(self._controller, "problem", None)
+        self.problem = None if said is None else shortened(printable(said))
+        self.active = tuple(str(name) for name in getattr(self._controller, "active", ()))
+        return answer
+
+    def _guarded(self, act: Callable[[], Any]) -> Any:
+        """Return the result of `act`; record an exception as the problem."""
+        try:
+            return act()
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # user code may raise anything, even SystemExit
+            self._blame(type(error).__name__, place(error, self._path), told(error, self._path))
+            return None
+
+    def _blame(self, kind: str, where: str, message: str) -> None:
+        """Record the problem without step-dependent details, so that repetitions count as one."""
+        self.problem, self.active = f"own controller: {kind} at {where}", ()
+        of = f"controller {self._path}:{self._name}: {kind} at {where}"
+        say_once(of, f"{of}: a fallback acts instead ({message})")
+
+    def _step_line(self) -> str:
+        code = getattr(getattr(self._controller.step, "__func__", self._controller.step), "__code__", None)
+        return f"{self._path.name}:{code.co_firstlineno}" if code else self._path.name
+
+
+def _numbers(found: Any) -> np.ndarray | None:
+    """Convert the answer to floats; None for anything else, including text that reads as a number."""
+    try:
+        answer = np.asarray(found)
+    except ValueError:  # rows of different lengths
+        return None
+    return answer.astype(float) if answer.dtype.kind in "fiu" else None

@@ -1,0 +1,90 @@
+"""Tests of compiled functions against CasADi's own evaluation."""
+
+import casadi
+import numpy as np
+import pytest
+
+from foreride.controller.mpc.casadi_llvm import CompiledFunction
+from foreride.controller.mpc.prediction_model import prediction_model
+from foreride.vehicle.load import load_vehicle
+
+A, B = casadi.SX.sym("a"), casadi.SX.sym("b")
+EXPRESSIONS = {
+    "sum": A + B,
+    "difference": A - B,
+    "product": A * B,
+    "quotient": A / B,
+    "negative": -A,
+    "square": A**2,
+    "double": 2 * A,
+    "inverse": 1 / A,
+    "constant": A * 0 + 0.1,
+    "least": casadi.fmin(A, B),
+    "most": casadi.fmax(A, B),
+    "magnitude": casadi.fabs(A),
+    "root": casadi.sqrt(A * A + 1),
+    "exponential": casadi.exp(A),
+    "logarithm": casadi.log(A * A + 1),
+    "hyperbolic tangent": casadi.tanh(A),
+    "less": A < B,
+    "at most": A <= B,
+    "equal": A == B,
+    "other": A != B,
+    "not": casadi.logic_not(A),
+    "choice": casadi.if_else(A > B, 3 * A, B),
+}
+VALUES = np.array([[1.5, -2.0, 0.0, 3.0, -0.0, 7.0, 1.0, 1e-9], [0.5, 4.0, 1.0, 3.0, 2.0, -1e9, 1.0, -1.0]])
+
+
+@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("name", EXPRESSIONS)
+def test_every_operation_gives_what_casadi_gives(name: str, lanes: int) -> None:
+    function = casadi.Function("f", [A, B], [EXPRESSIONS[name]])
+    results = np.full((1, 8), np.nan)
+    CompiledFunction(function, lanes)(VALUES, results, 8)
+    np.testing.assert_allclose(results[0], np.array(function(*VALUES[:, None, :]))[0], rtol=1e-15)
+
+
+def test_an_unknown_operation_is_refused() -> None:
+    with pytest.raises(NotImplementedError, match="f has no translation"):
+        CompiledFunction(casadi.Function("f", [A], [casadi.erf(A)]))
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+def test_slopes_of_the_car_are_the_same_to_the_last_bit(name: str) -> None:
+    model = prediction_model(load_vehicle(name))
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(model.linearise.rows_in, 8))
+    points[-1] = 0.005
+    results = np.empty((model.linearise.rows_out, 8))
+    model.linearise(points, results, 8)
+    wheels = model.vehicle.wheels
+    parts = np.split(points, np.cumsum([model.n_x, wheels, wheels, wheels]))
+    for point in range(8):
+        outputs = model.slopes(*(part[:, point] for part in parts))
+        expected = np.concatenate([output.nonzeros() for output in outputs])
+        np.testing.assert_array_equal(results[:, point], expected)
+
+
+def test_one_lane_steps_from_point_to_point() -> None:
+    """A geometric series, each term made from the one before."""
+    double = CompiledFunction(casadi.Function("f", [A], [2 * A]))
+    series = np.array([[3.0, 0.0, 0.0, 0.0]])
+    double(series, series[:, 1:], 3)
+    np.testing.assert_array_equal(series, [[3.0, 6.0, 12.0, 24.0]])
+
+
+@pytest.mark.parametrize(
+    ("points", "results", "count"),
+    [
+        (np.zeros((1, 8)), np.zeros((1, 8)), 8),
+        (np.zeros((2, 8)), np.zeros((1, 4)), 8),
+        (np.zeros((2, 8), dtype=np.float32), np.zeros((1, 8)), 8),
+        (np.zeros((8, 2)).T, np.zeros((1, 8)), 8),
+        (np.zeros((2, 8)), np.zeros((1, 8)), 6),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused(points: np.ndarray, results: np.ndarray, count: int) -> None:
+    kernel = CompiledFunction(casadi.Function("f", [A, B], [A + B]), 4)
+    with pytest.raises(ValueError, match="must be"):
+        kernel(points, results, count)

@@ -1,0 +1,122 @@
+"""Tests of the observer against the simulated state, with ideal and with noisy sensors."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.observer.observer import Observer, exact_estimate
+from foreride.controller.observer.sensor_monitor import SensorMonitor
+from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.roughness.iso8608 import Roughness
+from foreride.road.tyre.wheel_profile import wheel_profile
+from foreride.vehicle.equations import motion, rattle
+from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import NO_NOISE, SensorNoise, Sensors
+
+
+class Errors(NamedTuple):
+    """RMS errors of the controllers' main inputs, over all wheels and the second half of the drive."""
+
+    tyre_deflection_m: float
+    rattle_m: float
+    rattle_velocity: float
+    body_velocity: float
+    damping: float
+
+
+ROUGH = Road(90.0, (HalfSineBump(60.0, 0.05, 0.4),), Roughness("B", 3))
+
+
+def drive(vehicle: Car, road: Road, noise: SensorNoise, rate_hz: int) -> list[tuple[Estimate, Estimate]]:
+    """(estimate, truth) at each reading, 10 m/s, damping varying at random every 10 ms."""
+    plant = Plant(vehicle)
+    profile = wheel_profile(road, -0.75)
+    plant.reset([profile] * vehicle.wheels, 2.0, 10.0)
+    rng = np.random.default_rng(5)
+    sensors = Sensors(vehicle.wheels, rng, noise)
+    observer, watch = Observer(vehicle, noise, Timing(1 / rate_hz)), SensorMonitor(vehicle.wheels, noise)
+    pairs, command = [], np.full(vehicle.wheels, 1500.0)
+    for k in range(int(8.4 * rate_hz)):
+        state = plant.state
+        checked = watch.check(sensors.measure(state))
+        pairs.append((observer.update(checked, command), exact_estimate(state)))
+        if k % (rate_hz // 100) == 0:
+            command = rng.uniform(500.0, 2500.0, vehicle.wheels)
+        plant.step(command, 1000 // rate_hz)
+    return pairs
+
+
+def errors(vehicle: Car, pairs: list[tuple[Estimate, Estimate]]) -> Errors:
+    kept = [pair for pair in pairs[len(pairs) // 2 :] if pair[0].contact.all()]
+    rows = []
+    for ours, truth in kept:
+        mine, true = motion(vehicle, ours.x), motion(vehicle, truth.x)
+        travel, rate = rattle(vehicle, ours.x) - np.array(rattle(vehicle, truth.x))
+        tyre = (ours.road_height - mine.wheel) - (truth.road_height - true.wheel)
+        body = np.array(mine.body_velocity)[:1] - np.array(true.body_velocity)[:1]
+        damping = np.array(mine.damping) - np.array(true.damping)
+        rows.append([np.mean(np.square(e)) for e in (tyre, travel, rate, body, damping)])
+    return Errors(*np.sqrt(np.mean(rows, axis=0)))
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+def test_ideal_sensors_at_the_plants_rate_give_nearly_the_truth(name: str) -> None:
+    vehicle = load_vehicle(name)
+    found = errors(vehicle, drive(vehicle, ROUGH, NO_NOISE, 1000))
+    assert found.tyre_deflection_m < 2e-4
+    assert found.rattle_m < 2e-4
+    assert found.rattle_velocity < 0.02
+    assert found.body_velocity < 0.02
+    assert found.damping < 20.0
+
+
+@pytest.mark.parametrize("name", ["quarter", "half"])
+@pytest.mark.parametrize("rate_hz", [100, 500])
+def test_noisy_sensors_at_the_controllers_rate_stay_useful(name: str, rate_hz: int) -> None:
+    """One reading per period: tyre deflection within 1.5 mm, velocities within a few cm/s."""
+    vehicle = load_vehicle(name)
+    found = errors(vehicle, drive(vehicle, ROUGH, SensorNoise(), rate_hz))
+    assert found.tyre_deflection_m < 1.5e-3
+    assert found.rattle_m < 3e-3
+    assert found.rattle_velocity < 0.06
+    assert found.body_velocity < 0.06
+    assert found.damping < 20.0
+
+
+def test_the_shape_of_a_bump_is_felt_by_the_wheel() -> None:
+    """Height above the road before the bump, from noisy sensors, within a centimetre."""
+    road = Road(70.0, (HalfSineBump(50.0, 0.03, 0.6),))
+    pairs = drive(load_vehicle("quarter"), road, SensorNoise(), 500)
+    over = [p for p in pairs if 49.5 < 2.0 + 10.0 * p[1].time_s < 50.8]
+    ours = np.array([p[0].road_height[0] for p in over]) - over[0][0].road_height[0]
+    true = np.array([p[1].road_height[0] for p in over])
+    assert true.max() > 0.025
+    np.testing.assert_allclose(ours, true, atol=0.01)
+
+
+def test_a_wheel_in_the_air_is_noticed_and_claims_no_road_above_its_tyre() -> None:
+    road = Road(70.0, (Pothole(50.0, 0.12, 1.2, 2.0, -0.75),))
+    vehicle = load_vehicle("quarter")
+    pairs = drive(vehicle, road, NO_NOISE, 1000)
+    flown = [p for p in pairs if not p[0].contact.all()]
+    assert flown
+    for ours, _ in flown:
+        free = ours.x[2] - vehicle.corners[0].static_tyre_deflection_m
+        assert ours.road_height[0] < free + 5e-3
+
+
+def test_standing_still_with_offsets_it_stays_near_rest() -> None:
+    vehicle = load_vehicle("half")
+    pairs = drive(vehicle, Road(90.0), SensorNoise(), 100)
+    speeds = [np.abs(motion(vehicle, ours.x).body_velocity).max() for ours, _ in pairs]
+    assert max(speeds) < 0.1
+
+
+def test_speed_is_smoothed() -> None:
+    pairs = drive(load_vehicle("quarter"), Road(90.0), SensorNoise(speed_m_s=0.1, speed_scale=0.0), 100)
+    assert np.std([ours.speed_m_s for ours, _ in pairs[50:]]) < 0.04
+    assert pairs[-1][0].speed_m_s == pytest.approx(10.0, abs=0.1)

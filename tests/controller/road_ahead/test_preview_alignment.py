@@ -1,0 +1,62 @@
+"""Tests of the preview alignment on roads with known longitudinal error."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from foreride.controller.road_ahead.preview_alignment import NO_SHIFT, PreviewAlignment, PreviewShift
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import load_vehicle
+from tests.controller.cars import estimate, step_preview
+
+CAR = load_vehicle("quarter")
+SPEED = 10.0
+
+
+def drive_up_to(position_m: float, edge_m: float, height_m: float, contact: bool = True) -> PreviewAlignment:
+    """Estimates every 5 ms on a ramp of 0.1 m up to `height_m` that starts at `edge_m`."""
+    alignment = PreviewAlignment(0)
+    for time in np.arange(0.0, position_m / SPEED + 1e-9, 0.005):
+        road = height_m * np.clip((SPEED * time - edge_m) / 0.1, 0.0, 1.0)
+        felt = estimate(CAR, road=road, contact=contact, speed_m_s=SPEED)
+        alignment.record_road(replace(felt, time_s=float(time)))
+    return alignment
+
+
+def seen_from(position_m: float, edge_m: float, sigma_m: float = 0.1) -> RoadPreview:
+    return step_preview(edge_m - position_m, 0.08, sigma_m=sigma_m)
+
+
+@pytest.mark.parametrize("error_m", [-0.15, -0.05, 0.0, 0.1, 0.2])
+def test_a_felt_edge_tells_the_error_of_the_preview(error_m: float) -> None:
+    """Edge at 5 m, previewed `error_m` too far; 0.2 m past it the shift is known to 2 cm."""
+    shift = drive_up_to(5.2, 5.0, 0.08).shift(seen_from(5.2, 5.0 + error_m))
+    assert shift.earlier_m == pytest.approx(error_m, abs=0.02)
+    assert shift.remaining_sigma_ratio < 0.3
+
+
+def test_a_missing_edge_moves_it_ahead() -> None:
+    """0.1 m past the expected edge nothing was measured: it must come later."""
+    shift = drive_up_to(5.1, 9.0, 0.08).shift(seen_from(5.1, 5.0))
+    assert -0.3 < shift.earlier_m < -0.08
+
+
+def test_far_from_any_feature_the_preview_stands() -> None:
+    assert drive_up_to(3.0, 9.0, 0.08).shift(seen_from(3.0, 9.0)) == NO_SHIFT
+
+
+def test_a_preview_without_doubt_is_not_moved() -> None:
+    assert drive_up_to(5.2, 5.0, 0.08).shift(seen_from(5.2, 5.1, sigma_m=0.0)) == NO_SHIFT
+
+
+def test_in_the_air_nothing_is_learned() -> None:
+    assert drive_up_to(5.2, 5.0, 0.08, contact=False).shift(seen_from(5.2, 5.1)) == NO_SHIFT
+
+
+def test_a_flat_felt_and_flat_seen_road_leaves_the_prior() -> None:
+    """A feature within reach but not yet reached gives little information and no shift."""
+    shift = drive_up_to(4.55, 9.0, 0.08).shift(seen_from(4.55, 5.0, sigma_m=0.05))
+    assert isinstance(shift, PreviewShift)
+    assert shift.earlier_m == pytest.approx(0.0, abs=0.01)
+    assert shift.remaining_sigma_ratio > 0.9
