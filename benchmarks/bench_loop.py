@@ -10,9 +10,9 @@ from pathlib import Path
 from statistics import median
 
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.simulation.simulate import simulate
 
 CASES = (
     ("quarter", "mpc_preview", "oracle", 100),

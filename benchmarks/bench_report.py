@@ -13,12 +13,12 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.html import page
-from foreride.scenarios.runfolder import row
+from foreride.scenarios.runs.write import row
+from foreride.scenarios.simulation.simulate import simulate
 
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",

@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 from distributed import Client
 
-from foreride.scenarios.results import Results
-from foreride.scenarios.study import Sample, read
-from foreride.scenarios.sweep import cluster, run
+from foreride.scenarios.studies.results import Results
+from foreride.scenarios.studies.study import Sample, read
+from foreride.scenarios.studies.sweep import cluster, run
 
 STUDY = Path("examples/sweep/quarter_car_map.yaml")
 MANY = 10_000

@@ -4,7 +4,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from foreride.scenarios import reference
+from foreride.scenarios import reference_docs
 
 project = "foreride"
 release = metadata.version("foreride")
@@ -24,4 +24,4 @@ html_show_sphinx = False
 
 def setup(app: Any) -> None:
     """Make the reference pages from the code before they are read."""
-    app.connect("builder-inited", lambda app: reference.write(Path(app.srcdir) / "reference"))
+    app.connect("builder-inited", lambda app: reference_docs.write(Path(app.srcdir) / "reference"))

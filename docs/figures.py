@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import colour_of, save, write_event_figure
+from foreride.scenarios.simulation.simulate import simulate
 
 FOLDER = Path(__file__).parent / "figures"
 NUMBERS = FOLDER / "physics.json"

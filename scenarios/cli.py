@@ -20,22 +20,26 @@ TRACEBACK = "FORERIDE_TRACEBACK"
 
 def parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
-    from foreride.scenarios.commands import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
-        bound,
-        calibrate,
-        compare,
-        demo,
+    from foreride.scenarios.commands import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
         detector,
         doctor,
-        perception,
+        validation,
+    )
+    from foreride.scenarios.commands.drive import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
+        bound,
+        compare,
+        demo,
         regress,
-        render,
-        report,
-        road,
         run,
         sweep,
         tune,
-        validation,
+    )
+    from foreride.scenarios.commands.inspect import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
+        calibrate,
+        perception,
+        render,
+        report,
+        road,
     )
 
     top = Parser(
@@ -91,7 +95,7 @@ def _execute(argv: Sequence[str]) -> int:
     check_texts(argv)
     arguments = parser().parse_args(argv)
     from foreride.scenarios.commands.outputs import check_outputs
-    from foreride.scenarios.parallel import WorkerDied
+    from foreride.scenarios.comparison.parallel import WorkerDied
 
     try:
         check_outputs(arguments)

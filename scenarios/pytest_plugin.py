@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:  # every pytest run imports this file; only tests with the fixture need the rest
-    from foreride.scenarios.closed_loop import Run
+    from foreride.scenarios.simulation.simulate import Run
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -52,9 +52,9 @@ class RideComfort:
         `scenario`, `controller`: as on the command line, files relative to the test's folder; `overrides`: as
         for `--set`; `tolerances`: absolute ones (SI) in place of the default ones.
         """
-        from foreride.scenarios.baseline import Baseline, BaselineEntry, read, write
-        from foreride.scenarios.closed_loop import simulate
-        from foreride.scenarios.regression import Tolerance, changes, diff, failed, label, measured
+        from foreride.scenarios.regression.baseline import Baseline, BaselineEntry, read, write
+        from foreride.scenarios.regression.tolerances import Tolerance, changes, diff, failed, label, measured
+        from foreride.scenarios.simulation.simulate import simulate
 
         asked = BaselineEntry(scenario, tuple(overrides), controller, perception, seed, {})
         case = asked.case(self._file.parent.parent)

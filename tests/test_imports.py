@@ -79,7 +79,7 @@ def test_everything_a_scenario_needs_imports_without_torch() -> None:
         "    def find_spec(self, name, path, target=None):\n"
         "        if name.split('.')[0] == 'torch': raise ImportError('torch is not to be imported')\n"
         "sys.meta_path.insert(0, NoTorch())\n"
-        "import foreride.scenarios.cli, foreride.scenarios.closed_loop, foreride.road.render.scene\n"
+        "import foreride.scenarios.cli, foreride.scenarios.simulation.simulate, foreride.road.render.scene\n"
         "import foreride.detector.evaluation.evaluate, foreride.detector.runtime"
     )
     result = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)

@@ -32,8 +32,8 @@ import numpy as np
 from benchmarks.tables.command import command, whole_numbers
 from benchmarks.tables.runs import Variant, metric, run_all, shared_options
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.runfolder import environment, to_json
-from foreride.scenarios.sets import load_all
+from foreride.scenarios.definition.sets import load_all
+from foreride.scenarios.runs.write import environment, to_json
 
 EXACT_BOXES = [
     "boxes.pixel_sigma=0",

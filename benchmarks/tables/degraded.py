@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 from benchmarks.tables.command import command, parse_words, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
-from foreride.scenarios.sets import load_all
+from foreride.scenarios.definition.sets import load_all
 
 SIGMA_M = 0.05
 """Stated position sigma for errors other than position, m."""

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from benchmarks.tables.command import command
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.cases import Case
-from foreride.scenarios.clock import TICKS_PER_SECOND
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
-from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.simulation.simulate import simulate
 
 BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
 PRIMARY_RIDE_HZ = 4.0

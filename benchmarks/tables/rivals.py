@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.tables.command import command, whole_numbers
 from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from foreride.controller.tuned_settings import TUNED_CONTROLLERS
-from foreride.scenarios.sets import load_all
+from foreride.scenarios.definition.sets import load_all
 
 MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
 

@@ -25,8 +25,8 @@ from benchmarks.tables.wrong_maps import wrong_map
 from benchmarks.tables.wrong_roads import drawn_road, scenario
 from benchmarks.tables.wrong_settings import Unstated, applied, unstated, wrong_camera, wrong_oracle
 from foreride.files.errors import InputError
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.simulation.simulate import Run, simulate
 
 A_ROAD = 8
 """Drives that share a road, and with it the drive with `mpc_reactive`."""

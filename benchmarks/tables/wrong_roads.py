@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from foreride.scenarios.loading import structure
-from foreride.scenarios.schema import Scenario
+from foreride.scenarios.definition.loading import structure
+from foreride.scenarios.definition.schema import Scenario
 
 _NOTHING_M = 2.0
 _SIGHT_M = (14.0, 20.0)

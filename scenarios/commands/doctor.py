@@ -24,8 +24,8 @@ from foreride.road.render.appearance import Appearance
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
 from foreride.scenarios.commands.options import add_output_options, console, verdict
-from foreride.scenarios.loading import load, names
-from foreride.scenarios.runfolder import to_json, versions
+from foreride.scenarios.definition.loading import load, names
+from foreride.scenarios.runs.write import to_json, versions
 from foreride.vehicle.load import load_vehicle
 from foreride.vehicle.plant.plant import Plant
 

@@ -8,9 +8,9 @@ from typing import Any
 
 from foreride.files.writing.folder import check_folder, claim
 from foreride.files.writing.targets import check_files
-from foreride.scenarios import runfolder
-from foreride.scenarios.cases import Case
-from foreride.scenarios.runfolder import folder_name
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.runs import write
+from foreride.scenarios.runs.write import folder_name
 
 KIND = "runs"
 """ObstacleTemplate, in their marker, of folders to which runs, comparisons and figures are added."""
@@ -35,7 +35,7 @@ def runs_folder(out: Path | None, wanted: Iterable[Case] = ()) -> Path:
     """
     folder = claim(out or USUAL, KIND)
     for case in wanted:
-        check_folder(folder / folder_name(case), runfolder.KIND)
+        check_folder(folder / folder_name(case), write.KIND)
     return folder
 
 

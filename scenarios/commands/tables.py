@@ -13,9 +13,9 @@ import pyarrow.parquet as pq
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.commands.options import console
-from foreride.scenarios.report.table import comparison, latex, markdown
-from foreride.scenarios.runfolder import environment, to_json
-from foreride.scenarios.statistics import Row, Variant, pick, summarise, variants_of
+from foreride.scenarios.comparison.statistics import Row, Variant, pick, summarise, variants_of
+from foreride.scenarios.comparison.table import comparison, latex, markdown
+from foreride.scenarios.runs.write import environment, to_json
 
 DEFAULT_BASELINE = "passive"
 

@@ -9,7 +9,7 @@ from rich.progress import track
 
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.commands.options import console, verdict
-from foreride.scenarios.runfolder import environment, to_json
+from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.validation.areas import count, run_all
 from foreride.scenarios.validation.check import Check
 

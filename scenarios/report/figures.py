@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from foreride.files.errors import printable
 from foreride.files.writing.atomic import write_bytes
-from foreride.scenarios.closed_loop import Run
 from foreride.scenarios.report.window import event_window
+from foreride.scenarios.simulation.simulate import Run
 
 COLOURS = {
     "passive": "#7b8188",

@@ -9,10 +9,10 @@ import numpy as np
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import replaced
-from foreride.scenarios.clock import TICKS_PER_SECOND
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.sideview import View, draw
 from foreride.scenarios.report.traces import Traces
+from foreride.scenarios.simulation.simulate import Run
 
 WIDTH, HEIGHT = 1280, 720
 _CAMERA_SIZE = (640, 384)

@@ -8,8 +8,8 @@ import numpy as np
 
 from foreride.road.camera.pinhole import CameraPose, pose_of, project
 from foreride.road.render.scene import Scene
-from foreride.scenarios.closed_loop import Run, random_streams
-from foreride.scenarios.eyes import true_mount
+from foreride.scenarios.perceptions.camera import true_mount
+from foreride.scenarios.simulation.simulate import Run, random_streams
 
 LANE_M = 1.75  # half a lane
 

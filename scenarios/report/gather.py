@@ -8,12 +8,12 @@ from typing import Any
 
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.strict_json import read_json
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
-from foreride.scenarios.readback import is_run, read
-from foreride.scenarios.record import check_row
-from foreride.scenarios.runfolder import row, scenario_hash
-from foreride.scenarios.statistics import Row
+from foreride.scenarios.comparison.statistics import Row
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.runs.read import is_run, read
+from foreride.scenarios.runs.validate import check_row
+from foreride.scenarios.runs.write import row, scenario_hash
+from foreride.scenarios.simulation.simulate import Run, simulate
 
 COMPARISON = "comparison.json"
 

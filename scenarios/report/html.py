@@ -5,9 +5,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from foreride.scenarios.cases import PERCEPTIONS
-from foreride.scenarios.clock import TICKS_PER_SECOND
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.comparison.statistics import summarise, variants_of
+from foreride.scenarios.definition.cases import PERCEPTIONS
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.markup import embedded, text
@@ -19,7 +19,7 @@ from foreride.scenarios.report.sections import (
     solver_section,
 )
 from foreride.scenarios.report.window import event_window
-from foreride.scenarios.statistics import summarise, variants_of
+from foreride.scenarios.simulation.simulate import Run
 
 _PAGE = Path(__file__).parent / "page"
 _SCRIPTS = ("signals.js", "drawing.js", "charts.js", "main.js")

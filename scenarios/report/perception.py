@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from foreride.scenarios.course.judge import EVALUATION_DISTANCE_M
+from foreride.scenarios.perception_benchmark.judge import EVALUATION_DISTANCE_M
 from foreride.scenarios.report.figures import plain, save
 
 

@@ -12,11 +12,11 @@ from scipy.signal import welch
 from foreride.comfort import frequency_weighting
 from foreride.detector.detections import CLASS_NAMES
 from foreride.files.errors import printable
-from foreride.scenarios.clock import TICKS_PER_SECOND
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.frames import track_lines
-from foreride.scenarios.runfolder import encode_jpeg
+from foreride.scenarios.runs.write import encode_jpeg
+from foreride.scenarios.simulation.simulate import Run
 
 STRIDE = 2
 """Ticks between shown samples: 500 Hz."""

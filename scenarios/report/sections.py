@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from html import escape
 from itertools import groupby
 
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.comparison.statistics import Interval, Variant
+from foreride.scenarios.comparison.table import COLUMNS, Column, short_name
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.markup import Html, text
-from foreride.scenarios.report.table import COLUMNS, Column, short_name
-from foreride.scenarios.runfolder import manifest, to_json
-from foreride.scenarios.statistics import Interval, Variant
+from foreride.scenarios.runs.write import manifest, to_json
+from foreride.scenarios.simulation.simulate import Run
 
 _REACTIVE = ("mpc_reactive", "none")
 _LADDER = {

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.simulation.simulate import Run
 
 Colour = tuple[int, int, int]
 SKY: Colour = (244, 246, 248)

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from foreride.scenarios.clock import TICKS_PER_SECOND
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.figures import plain
 from foreride.scenarios.report.window import event_window
+from foreride.scenarios.simulation.simulate import Run
 
 Labelled = tuple[str, Run, tuple[int, int, int]]
 

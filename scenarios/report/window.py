@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from foreride.scenarios.clock import ticks
-from foreride.scenarios.closed_loop import Run
+from foreride.scenarios.definition.clock import ticks
+from foreride.scenarios.simulation.simulate import Run
 
 
 def event_window(run: Run, before_s: float = 1.2, after_s: float = 1.8) -> tuple[int, int]:

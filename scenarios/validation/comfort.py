@@ -17,8 +17,7 @@ from foreride.comfort import (
     weight,
     weighted_rms,
 )
-from foreride.scenarios.validation.check import Check, Checks, relative
-from foreride.scenarios.validation.iso_tables import (
+from foreride.comfort.iso_tables import (
     BURST_INDICATIONS,
     CYCLES,
     ISO_2631_1,
@@ -27,6 +26,7 @@ from foreride.scenarios.validation.iso_tables import (
     bands,
     sawtooth_bursts,
 )
+from foreride.scenarios.validation.check import Check, Checks, relative
 
 RATE_HZ = 1000.0
 

@@ -4,8 +4,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from foreride.comfort import SeatedPerson, acceleration_at, axis_values, body_motion, holding, total_value
+from foreride.comfort.iso_tables import ISO_8041
 from foreride.scenarios.validation.check import Check, Checks, relative
-from foreride.scenarios.validation.iso_tables import ISO_8041
 
 RATE_HZ = 1000.0
 

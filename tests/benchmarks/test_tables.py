@@ -11,11 +11,11 @@ from benchmarks.tables import budget, degraded, faults, proving_ground, rivals
 from benchmarks.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
 from benchmarks.tables.runs import Variant, run_all, settings, write
 from foreride.files.errors import InputError
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
-from foreride.scenarios.runfolder import to_json
-from foreride.scenarios.schema import Scenario
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.runs.write import to_json
+from foreride.scenarios.simulation.simulate import simulate
 
 SHORT = """
 title: One bump

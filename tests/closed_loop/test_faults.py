@@ -4,9 +4,9 @@ from functools import cache
 
 import pytest
 
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.simulation.simulate import Run, simulate
 
 TOLERANCE = 1.02
 EVENTS = {

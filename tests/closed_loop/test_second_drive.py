@@ -6,10 +6,10 @@ from dataclasses import replace
 from foreride.preview.prior_drives.memory_file import write
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.course.judge import encounters
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.perception_benchmark.judge import encounters
+from foreride.scenarios.simulation.simulate import simulate
 
 
 def test_the_second_drive_knows_the_bump_from_the_start_and_places_it_as_well(tmp_path):

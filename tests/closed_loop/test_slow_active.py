@@ -2,9 +2,9 @@
 
 import pytest
 
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.simulation.simulate import Run, simulate
 
 CAR = "vehicle={model: quarter, parameters: {actuator: {kind: slow_active}}}"
 

@@ -16,13 +16,13 @@ from foreride.comfort import (
     weight,
     weighted_rms,
 )
-from foreride.files.errors import InputError
-from foreride.scenarios.validation.iso_tables import (
+from foreride.comfort.iso_tables import (
     BURST_INDICATIONS,
     CYCLES,
     MOTION_SICKNESS_INDICATIONS,
     sawtooth_bursts,
 )
+from foreride.files.errors import InputError
 
 RATE = 1000.0
 

@@ -3,9 +3,9 @@ import pytest
 from scipy.signal import lsim
 
 from foreride.comfort import WEIGHTINGS, frequency_weighting, vdv, weight
+from foreride.comfort.iso_tables import ISO_2631_1, NOMINAL_HZ, bands
 from foreride.comfort.weighting import _sections, wk_second_order
 from foreride.files.errors import InputError
-from foreride.scenarios.validation.iso_tables import ISO_2631_1, NOMINAL_HZ, bands
 
 RATE = 1000.0
 

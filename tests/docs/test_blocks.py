@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from foreride.scenarios import study
 from foreride.scenarios.cli import main, parser
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.studies import study
 from foreride.vehicle.load import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]

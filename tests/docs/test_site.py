@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 
 from foreride.comfort import METRICS
-from foreride.scenarios import reference
+from foreride.scenarios import reference_docs
 from foreride.scenarios.cli import parser
-from foreride.scenarios.loading import load
-from foreride.scenarios.schema import Scenario
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def test_every_field_of_a_scenario_is_on_its_page() -> None:
-    page = reference.scenario_page()
-    for _, block in reference.blocks(Scenario):
+    page = reference_docs.scenario_page()
+    for _, block in reference_docs.blocks(Scenario):
         for item in fields(block):
             assert not item.init or f"| `{item.name}` |" in page
     for place in ("road.features: pothole", "camera.intrinsics", "control.settings.mpc"):
@@ -31,7 +31,7 @@ def test_every_field_of_a_scenario_is_on_its_page() -> None:
 
 def test_blocks_follow_the_mapping_of_a_scenario() -> None:
     """Each block of a written scenario is one of those described, by its dotted path."""
-    described = {path.partition(":")[0] for path, _ in reference.blocks(Scenario)}
+    described = {path.partition(":")[0] for path, _ in reference_docs.blocks(Scenario)}
 
     def paths(mapping: dict, path: str = "") -> set[str]:
         inner = {f"{path}.{key}".strip("."): value for key, value in mapping.items()}
@@ -42,12 +42,14 @@ def test_blocks_follow_the_mapping_of_a_scenario() -> None:
 
 
 def test_every_command_and_metric_is_on_its_page() -> None:
-    page = reference.command_page()
+    page = reference_docs.command_page()
     commands = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
     for name in commands:
         assert f"## foreride {name}" in page
     assert not any("|" in meaning for meaning in METRICS.values())
-    assert all(f"| `{name}` | {meaning} |" in reference.metric_page() for name, meaning in METRICS.items())
+    assert all(
+        f"| `{name}` | {meaning} |" in reference_docs.metric_page() for name, meaning in METRICS.items()
+    )
 
 
 @pytest.mark.slow

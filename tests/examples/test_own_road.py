@@ -8,7 +8,7 @@ import pytest
 
 from foreride.road.io.surface_file import read_surface
 from foreride.scenarios.cli import main
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.loading import load
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 SCENARIO = EXAMPLES / "own_road.yaml"

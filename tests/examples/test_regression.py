@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from foreride.scenarios.baseline import read
+from foreride.scenarios.regression.baseline import read
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "regression"
 

@@ -60,10 +60,10 @@ def _without_work() -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing.pool import Pool
 
-    import foreride.scenarios.bound
-    import foreride.scenarios.commands.sweep
+    import foreride.scenarios.bound.optimum_cache
+    import foreride.scenarios.commands.drive.sweep
     from foreride.road.render.scene import Scene
-    from foreride.scenarios.driver import MultirateLoop
+    from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 
     for owner, name in (
         (MultirateLoop, "drive"),

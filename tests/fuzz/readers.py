@@ -104,7 +104,7 @@ vary: {speed_kmh: [20, 30]}
 
 
 def _scenario(path: Path) -> object:
-    from foreride.scenarios.loading import load
+    from foreride.scenarios.definition.loading import load
 
     return load(str(path))
 
@@ -141,7 +141,7 @@ def _memory(path: Path) -> object:
 
 
 def _study(path: Path) -> object:
-    from foreride.scenarios.study import read
+    from foreride.scenarios.studies.study import read
 
     return read(path)
 
@@ -168,7 +168,7 @@ def _image(path: Path) -> object:
 
 
 def _photo(path: Path) -> object:
-    from foreride.scenarios.commands.calibrate import _photo
+    from foreride.scenarios.commands.inspect.calibrate import _photo
 
     return _photo(path)
 
@@ -329,10 +329,10 @@ BUDGET = {"schema": 1, "vehicle": "half", "seeds": [0], "table": [EVENT]}
 @cache
 def _run_folder() -> Path:
     """The folder of a short drive that a camera with true boxes has seen, with its frames."""
-    from foreride.scenarios.cases import Case
-    from foreride.scenarios.closed_loop import simulate
-    from foreride.scenarios.loading import load
-    from foreride.scenarios.runfolder import row, to_json, write
+    from foreride.scenarios.definition.cases import Case
+    from foreride.scenarios.definition.loading import load
+    from foreride.scenarios.runs.write import row, to_json, write
+    from foreride.scenarios.simulation.simulate import simulate
 
     short = ["road.length_m=8", "road.features.0.start_m=7", "vehicle.model=quarter", "speed_kmh=60"]
     run = simulate(Case(load("bump_8x40_30", short), "mpc_preview", "boxes", 0))
@@ -363,8 +363,8 @@ def _frame_file(folder: Path) -> Path:
 
 def _run(path: Path) -> object:
     from foreride.files.writing.marker import seal
-    from foreride.scenarios.readback import read
-    from foreride.scenarios.runfolder import KIND
+    from foreride.scenarios.runs.read import read
+    from foreride.scenarios.runs.write import KIND
 
     folder = path.parent.parent if path.parent.name == "frames" else path.parent
     if path.is_file():
@@ -373,7 +373,7 @@ def _run(path: Path) -> object:
 
 
 def _baseline(path: Path) -> object:
-    from foreride.scenarios.baseline import read
+    from foreride.scenarios.regression.baseline import read
 
     return read(path)
 
@@ -396,7 +396,7 @@ def _results_row(key: str) -> dict[str, object]:
 
 
 def _part_file(folder: Path) -> Path:
-    from foreride.scenarios.results import Results
+    from foreride.scenarios.studies.results import Results
 
     results = Results(folder)
     results.add(_results_row("a"))
@@ -406,7 +406,7 @@ def _part_file(folder: Path) -> Path:
 
 def _results(path: Path) -> object:
     from foreride.files.writing.marker import seal
-    from foreride.scenarios.results import KIND, Results, load_results
+    from foreride.scenarios.studies.results import KIND, Results, load_results
 
     if path.is_file():
         seal(path.parent, KIND)

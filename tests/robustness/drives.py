@@ -17,11 +17,11 @@ from typing import Any
 
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.commands.bound import ACTUATORS
-from foreride.scenarios.loading import load
-from foreride.scenarios.schema import Scenario
+from foreride.scenarios.commands.drive.bound import ACTUATORS
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.simulation.simulate import simulate
 from tests.fuzz.trial import ground_position
 
 LONGEST_TICKS = 1500

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.simulation.simulate import simulate
 
 CONTROLLERS = ("passive", "skyhook", "pdd", "lqr_clipped", "mpc_reactive", "mpc_wheelbase", "mpc_preview")
 PERCEPTIONS = ("none", "oracle", "boxes", "camera")

@@ -36,15 +36,15 @@ class Writer:
 
 
 def _quick_demo() -> None:
-    from foreride.scenarios.commands import demo
+    from foreride.scenarios.commands.drive import demo
 
     demo.SCENARIOS = ("../new/short.yaml",)
 
 
 def _sweep_in_this_process() -> None:
-    from foreride.scenarios import results
-    from foreride.scenarios.commands import sweep
-    from foreride.scenarios.sweep import work
+    from foreride.scenarios.commands.drive import sweep
+    from foreride.scenarios.studies import results
+    from foreride.scenarios.studies.sweep import work
 
     @contextmanager
     def cluster(*given, **named):  # type: ignore[no-untyped-def]
@@ -60,7 +60,7 @@ def _sweep_in_this_process() -> None:
 
 
 def _quick_bound() -> None:
-    import foreride.scenarios.bound
+    import foreride.scenarios.bound.optimum_cache
     from foreride.controller.clairvoyant.optimum import Optimum
     from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
 

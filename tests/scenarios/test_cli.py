@@ -8,8 +8,8 @@ import pytest
 
 from foreride.scenarios.cli import main
 from foreride.scenarios.commands.options import settings_overrides
-from foreride.scenarios.loading import load
-from foreride.scenarios.readback import read
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.runs.read import read
 
 SHORT = """
 title: A short drive

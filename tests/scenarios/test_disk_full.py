@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from foreride.scenarios.cli import main
-from foreride.scenarios.results import Results
+from foreride.scenarios.studies.results import Results
 
 SHORT = """
 title: A short drive

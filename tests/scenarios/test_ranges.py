@@ -14,12 +14,12 @@ from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Number, number_of, numbers_in
 from foreride.preview.prior_drives.memory_file import Memory
-from foreride.scenarios.axis import Axis
-from foreride.scenarios.loading import load, names
-from foreride.scenarios.reference import blocks
-from foreride.scenarios.schema import Scenario
-from foreride.scenarios.sets import load_all, set_names
-from foreride.scenarios.study import Study
+from foreride.scenarios.definition.loading import load, names
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.definition.sets import load_all, set_names
+from foreride.scenarios.reference_docs import blocks
+from foreride.scenarios.studies.axis import Axis
+from foreride.scenarios.studies.study import Study
 from foreride.vehicle.load import Car, load_vehicle
 
 ROOTS = (Scenario, ControllerSettings, Memory, Study, Axis, *get_args(Car))

@@ -11,15 +11,15 @@ import pytest
 from rich.console import Console
 
 from foreride.files.errors import printable
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.comparison.statistics import summarise
+from foreride.scenarios.comparison.table import comparison, latex, markdown
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import write_event_figure
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.html import page
-from foreride.scenarios.report.table import comparison, latex, markdown
-from foreride.scenarios.runfolder import row
-from foreride.scenarios.statistics import summarise
+from foreride.scenarios.runs.write import row
+from foreride.scenarios.simulation.simulate import Run, simulate
 from tests.scenarios.browser import CHROMIUM, told_by
 
 HOSTILE = (

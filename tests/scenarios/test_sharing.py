@@ -15,7 +15,7 @@ import pytest
 
 from foreride.files.writing.sharing import shared_name, shared_target, without_folders
 from foreride.scenarios.cli import main
-from foreride.scenarios.runfolder import environment
+from foreride.scenarios.runs.write import environment
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = """

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from foreride.scenarios.cases import Case
-from foreride.scenarios.closed_loop import Run, simulate
-from foreride.scenarios.loading import load
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.simulation.simulate import Run, simulate
 
 
 def drive(vehicle: str, controller: str, *overrides: str) -> Run:

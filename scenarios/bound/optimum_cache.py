@@ -1,0 +1,128 @@
+"""Clairvoyant bound of a scenario: the optimal plan for the whole drive, cached."""
+
+import hashlib
+import io
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+
+from foreride.controller.clairvoyant.optimum import Optimum, optimise
+from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDriveObjective
+from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.tuned_settings import tuned_settings
+from foreride.files.cache import cached
+from foreride.files.writing.atomic import write_bytes
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, ticks
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.perceptions.oracle import OracleErrors
+from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.speed_profile import ConstantSpeed, SpeedProfile
+from foreride.vehicle.state import road_under
+
+START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")
+"""Controllers whose commands serve as starting points of the optimisation."""
+
+Commands = Callable[[Case], np.ndarray]
+"""Simulates a case and returns the command during each tick (inputs, ticks), N·s/m and N."""
+
+
+def bound(scenario: Scenario, commands: Commands) -> Optimum:
+    """Return the optimal plan for the scenario's whole drive, from the cache if available.
+
+    A cached plan is accepted only if it still yields the J stored with it.
+    """
+    car, drive = scenario.vehicle.parameters, drive_inputs(scenario)
+    whole = WholeDriveObjective(car, drive)
+    path = cached(f"bounds/{_key(scenario, drive)}.npz")
+    try:
+        known = _read(path.read_bytes(), whole)
+    except OSError:
+        known = None
+    if known is not None:
+        return known
+    first = np.searchsorted(drive.interval, np.arange(whole.intervals))
+    plans = {}
+    for name in START_CONTROLLERS:
+        plans[name] = commands(_start_case(scenario, name))[:, first].T / KILO
+    optimum = optimise(car, whole, plans)
+    with suppress(OSError):  # a bound that cannot be cached is still valid
+        write_bytes(path, _bytes(optimum))
+    return optimum
+
+
+def drive_inputs(scenario: Scenario) -> DriveInputs:
+    """External inputs of the scenario's drive, for `controller.clairvoyant.single_shooting`."""
+    car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
+    profiles = wheel_profiles(scenario)
+    plant = Plant(car)
+    plant.reset(profiles, scenario.start_m, scenario.motion)
+    motion = scenario.motion
+    course = motion if isinstance(motion, SpeedProfile) else ConstantSpeed(motion)
+    stretch = course.ahead(scenario.start_m, 0, count)
+    height, velocity = road_under(car, profiles, stretch.edges_m, stretch.speed_m_s)
+    middle, _ = road_under(car, profiles, stretch.middles_m, 0.0)
+    still = stretch.forward_acc is None
+    late = ticks(control.delay_s)
+    asked = [tick >= late and due(tick - late, control.rate_hz) for tick in range(count)]
+    return DriveInputs(
+        rate_hz=TICKS_PER_SECOND,
+        height=np.array(height),
+        velocity=np.array(velocity),
+        middle=np.array(middle),
+        forward_acc=np.zeros(count + 1) if still else np.asarray(stretch.forward_acc),
+        surge=np.zeros(count) if still else np.diff(stretch.speed_m_s) * TICKS_PER_SECOND,
+        interval=np.cumsum(asked) - 1,
+        start=np.array(plant.state.x),
+        rho=scenario.tyre_load_weight,
+    )
+
+
+def _start_case(scenario: Scenario, controller: str) -> Case:
+    """Fault-free case with exact states, the true road ahead and shipped settings, as a starting point.
+
+    It depends only on what enters `_key`: a cached result must not depend on the caller's settings.
+    """
+    settings = tuned_settings(scenario.vehicle.parameters.kind)
+    clear = replace(
+        scenario,
+        observer="truth",
+        faults=(),
+        oracle=OracleErrors(),
+        control=replace(scenario.control, settings=settings),
+    )
+    return Case(clear, controller, "oracle" if controller == "mpc_preview" else "none", scenario.seed)
+
+
+def _key(scenario: Scenario, drive: DriveInputs) -> str:
+    """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
+    told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
+    told.update(repr((drive.rate_hz, drive.rho)).encode())
+    for array in (drive.height, drive.velocity, drive.middle, drive.surge, drive.interval, drive.start):
+        told.update(np.ascontiguousarray(array).tobytes())
+    return told.hexdigest()
+
+
+def _bytes(optimum: Optimum) -> bytes:
+    stream = io.BytesIO()
+    names, values = np.array(list(optimum.found)), np.array(list(optimum.found.values()))
+    np.savez_compressed(stream, plan=optimum.plan, names=names, values=values)
+    return stream.getvalue()
+
+
+def _read(data: bytes, whole: WholeDriveObjective) -> Optimum | None:
+    """Parse a cached optimum; None if it is damaged or outdated."""
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as kept:
+            plan, names, values = kept["plan"], kept["names"], kept["values"]
+    except Exception:  # zip and npy readers raise many things on damaged data
+        return None
+    if plan.shape != (whole.intervals, whole.inputs) or not len(values) or len(names) != len(values):
+        return None
+    objective, _ = whole.objective(plan)
+    if not np.isclose(objective, values.min(), rtol=1e-9):
+        return None
+    return Optimum(plan, objective, dict(zip(names.tolist(), values.tolist(), strict=True)))

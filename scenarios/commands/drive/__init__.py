@@ -1,0 +1,1 @@
+"""Commands that drive cases: demo, run, compare, sweep, regress, bound and tune."""

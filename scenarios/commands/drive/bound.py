@@ -1,0 +1,67 @@
+"""`foreride bound`: lower bound of the objective on a scenario, for any controller."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from foreride.controller.registry import CLAIRVOYANT
+from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.headroom import room
+from foreride.scenarios.bound.optimum_cache import bound
+from foreride.scenarios.commands.options import add_field_options, console, overrides_of
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.runs.write import environment, scenario_hash, to_json, vehicle_name
+from foreride.scenarios.simulation.simulate import commands, simulate
+from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
+
+ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("bound", help="lower bound of J on a scenario, for any controller")
+    command.add_argument("scenario", metavar="SCENARIO", help="a name in the library, or a YAML file")
+    beside = "actuators in parallel with the dampers (default: those of the scenario's car)"
+    command.add_argument("--actuator", choices=tuple(ACTUATORS), help=beside)
+    add_field_options(command)
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Compute the scenario's optimum, or take it from the cache, and replay it on the plant."""
+    scenario = load(arguments.scenario, overrides_of(arguments))
+    if arguments.actuator:
+        scenario = with_actuator(scenario, arguments.actuator)
+    with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
+        optimum = bound(scenario, commands)
+        metrics = simulate(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
+        found = room(scenario, optimum)
+    console.print(
+        f"{scenario.name}, {scenario.vehicle.model}: J {metrics['objective']:.4f} (m/s²)², "
+        f"{metrics['objective'] / found['passive_objective']:.3f} of passive; "
+        f"Wk RMS {metrics['wk_rms']:.3f} m/s²; starts end within {100 * optimum.gap:.2f} %"
+    )
+    if arguments.json:
+        numbers = {
+            "schema": 1,
+            "scenario": scenario.name,
+            "scenario_hash": scenario_hash(scenario),
+            "vehicle": vehicle_name(scenario),
+            **found,
+            "objective": metrics["objective"],
+            "wk_rms": metrics["wk_rms"],
+            "starts": optimum.found,
+            "metrics": metrics,
+            "manifest": environment(),
+        }
+        write_text(arguments.json, to_json(numbers) + "\n")
+    return 0
+
+
+def with_actuator(scenario: Scenario, actuator: str) -> Scenario:
+    """Return the scenario with another actuator in its car: none, slow_active or fully_active."""
+    parameters = replace(scenario.vehicle.parameters, actuator=ACTUATORS[actuator])
+    return replace(scenario, vehicle=replace(scenario.vehicle, parameters=parameters))

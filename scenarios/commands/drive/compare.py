@@ -1,0 +1,74 @@
+"""`foreride compare`: controllers x perceptions x scenarios x seeds, in one table."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+
+from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.headroom import room
+from foreride.scenarios.commands.options import (
+    add_case_options,
+    add_frames_option,
+    cases_of,
+    console,
+    jobs_of,
+    progress_bar,
+    simulated,
+)
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.report.gather import COMPARISON
+from foreride.scenarios.runs.write import folder_name, row, scenario_hash, to_json, write
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("compare", help="compare controllers and perceptions on scenarios")
+    command.add_argument(
+        "scenarios", nargs="+", metavar="SCENARIO", help="names in the library, or YAML files"
+    )
+    add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
+    add_frames_option(command)
+    told = "also compute the bound of any controller (or take it from the cache), and show `captured`"
+    command.add_argument("--bound", action="store_true", help=told)
+    add_table_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run the cases and print their table; `--out` also keeps each run folder as soon as it is complete."""
+    wanted = cases_of(arguments, arguments.scenarios)
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    jobs = jobs_of(arguments)
+    planned = [folder_name(case) for case in wanted]
+    if arguments.out:
+        runs_folder(arguments.out, wanted)
+        write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
+    rooms = headroom_by_scenario(wanted) if arguments.bound else {}
+    rows = []
+    for done in simulated(wanted, arguments.frames, jobs):
+        run = replace(done, bound=rooms.get(scenario_hash(done.case.scenario)))
+        rows.append(row(run))
+        if arguments.out:
+            write(run, arguments.out / folder_name(run.case))
+    document = publish(arguments, rows)
+    for scenario, known in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
+        gap = f"starts end within {100 * known['gap_between_starts']:.2f} %"
+        console.print(f"bound of {scenario}: J {known['objective']:.4f} (m/s²)², {gap}", highlight=False)
+    if arguments.out:
+        write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
+    return 0
+
+
+def headroom_by_scenario(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
+    """Headroom of each scenario of the cases, by the hash of its fields."""
+    scenarios = {scenario_hash(case.scenario): case.scenario for case in wanted}
+    found = {}
+    with progress_bar() as progress:
+        bar = progress.add_task("", total=len(scenarios))
+        for key, scenario in scenarios.items():
+            progress.update(bar, description=f"bound of {scenario.name}, a minute or a few")
+            found[key] = room(scenario)
+            progress.advance(bar)
+    return found

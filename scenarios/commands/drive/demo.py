@@ -1,0 +1,56 @@
+"""`foreride demo`: bump, hump and pothole with passive dampers, skyhook, reactive MPC and camera preview."""
+
+import argparse
+
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.scenarios.commands.options import add_output_options, console, simulate_all
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, publish
+from foreride.scenarios.definition.cases import cases
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.report.figures import write_overview
+from foreride.scenarios.report.film import write_video
+from foreride.scenarios.runs.write import folder_name, row, to_json, write
+from foreride.scenarios.simulation.simulate import Run
+
+SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
+CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("demo", help="the whole loop on three events: table, figure and video")
+    command.add_argument("--seed", type=int, default=0, help="seed of noise and weather (default 0)")
+    command.add_argument("--no-film", action="store_true", help="do not write the video")
+    add_output_options(command)
+    add_table_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run, print and write everything under `--out` (default runs/demo)."""
+    within("--seed", arguments.seed, 0, 2**32 - 1)
+    wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
+    out = runs_folder(arguments.out or runs_folder(None) / "demo", wanted)
+    runs = simulate_all(wanted, keep_images=True)
+    for run in runs:
+        write(run, out / folder_name(run.case))
+    publish(arguments, [row(run) for run in runs], "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
+    metrics = {folder_name(run.case): run.metrics for run in runs}
+    write_text(out / "metrics.json", to_json(metrics) + "\n")
+    write_overview(out / "overview.png", runs)
+    written = ["overview.png", "metrics.json"]
+    if not arguments.no_film:
+        with console.status("writing the film"):
+            write_video(out / "film.mp4", _pairs(runs))
+        written.append("film.mp4")
+    console.print(f"{out}: {', '.join(written)} and {len(runs)} run folders")
+    return 0
+
+
+def _pairs(runs: list[Run]) -> list[tuple[Run, Run]]:
+    by_scenario: dict[str, dict[str, Run]] = {}
+    for run in runs:
+        by_scenario.setdefault(run.case.scenario.name, {})[run.case.controller] = run
+    return [(found["passive"], found["mpc_preview"]) for found in by_scenario.values()]

@@ -1,0 +1,43 @@
+"""`foreride run`: simulation of one scenario, with all results in a run folder."""
+
+import argparse
+
+from foreride.files.writing.names import component
+from foreride.scenarios.commands.options import (
+    add_case_options,
+    add_frames_option,
+    cases_of,
+    console,
+    jobs_of,
+    simulated,
+)
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
+from foreride.scenarios.report.figures import write_event_figure
+from foreride.scenarios.runs.write import folder_name, row, write
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("run", help="simulate one scenario and write a run folder")
+    command.add_argument("scenario", help="name in the library, or a YAML file")
+    add_case_options(command, controllers="mpc_preview", perceptions="oracle")
+    add_frames_option(command)
+    add_table_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run the cases, print their table, write a folder for each."""
+    wanted = cases_of(arguments, [arguments.scenario])
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    jobs = jobs_of(arguments)
+    out = runs_folder(arguments.out, wanted)
+    runs = []
+    for run in simulated(wanted, arguments.frames, jobs):
+        write(run, out / folder_name(run.case))
+        runs.append(run)
+    publish(arguments, [row(run) for run in runs])
+    write_event_figure(out / component(f"{runs[0].case.scenario.name}.png"), runs)
+    console.print(f"run folders and figure: {out}/")
+    return 0

@@ -1,0 +1,91 @@
+"""`foreride sweep`: parallel execution of a study, on all cores or on a cluster, into a Parquet dataset."""
+
+import argparse
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+
+from foreride.files.errors import InputError
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import alone, claim
+from foreride.files.writing.names import component
+from foreride.files.writing.sharing import shared_name
+from foreride.scenarios.commands.options import console, jobs_of, progress_bar
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.comparison.parallel import WorkerDied
+from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.studies.results import KIND, Results
+from foreride.scenarios.studies.study import Sample, read
+from foreride.scenarios.studies.sweep import LOOPBACK, cluster, run
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("sweep", help="run all drives of a study, in parallel and resumable")
+    command.add_argument("study", type=Path, metavar="STUDY", help="a YAML file")
+    out = "output folder (default runs/NAME); an incomplete one is completed"
+    command.add_argument("--out", type=Path, metavar="DIR", help=out)
+    there = "a Dask cluster instead of this machine"
+    command.add_argument("--scheduler", metavar="tcp://HOST:PORT", help=there)
+    watched = "where Dask's dashboard listens, without a password (default: this machine alone)"
+    command.add_argument("--dashboard", metavar="HOST:PORT", default=LOOPBACK, help=watched)
+    many = "worker processes (default: all cores)"
+    command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
+    command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the counts as JSON")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run the drives that are missing; every finished drive is saved at once."""
+    samples = {sample.key: sample for sample in read(arguments.study)}
+    jobs = jobs_of(arguments)
+    out = arguments.out or runs_folder(None) / component(arguments.study.stem)
+    with alone(claim(out, KIND)):
+        return _sweep(arguments, samples, jobs, Results(out))
+
+
+def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: int, results: Results) -> int:
+    if results.done and not results.done.keys() & samples.keys():
+        raise InputError(f"{results.folder}: holds the results of another study; choose another --out")
+    again = {key for key, error in results.done.items() if error} if arguments.retry_failed else set()
+    missing = [sample for key, sample in samples.items() if key not in results.done or key in again]
+    before = len(samples) - len(missing)
+    if before:
+        console.print(f"{before} of {len(samples)} drives are there already")
+    try:
+        if missing:
+            with (
+                cluster(arguments.scheduler, min(jobs, len(missing)), arguments.dashboard) as client,
+                progress_bar() as progress,
+            ):
+                bar = progress.add_task(f"{len(samples)} drives", total=len(samples), completed=before)
+                run(client, missing, results, lambda: progress.advance(bar))
+    except WorkerDied as death:
+        kept = f"{len(results.done.keys() & samples.keys())} of {len(samples)} drives are kept"
+        raise WorkerDied(f"{death}; {kept}; go on with: {_again(arguments, results.folder)}") from None
+    finally:
+        results.flush()
+    _tell(arguments, samples, results)
+    return 0
+
+
+def _tell(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> None:
+    """Print the counts of drives and the first errors; write the counts where `--json` asks for them."""
+    failed = {key: error for key, error in results.done.items() if error}
+    there = len(results.done.keys() & samples.keys())
+    told = f"{there} of {len(samples)} drives are there, {len(failed)} of them failed: {results.folder}/"
+    console.print(told, highlight=False)
+    for error in list(dict.fromkeys(failed.values()))[:5]:
+        console.print(f"failed: {error}", highlight=False, soft_wrap=True)
+    if arguments.json:
+        counts = {"drives": there, "failed": len(failed), "folder": shared_name(results.folder)}
+        write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
+
+
+def _again(arguments: argparse.Namespace, folder: Path) -> str:
+    """Command line that continues an interrupted sweep."""
+    words = ["foreride", "sweep", str(arguments.study), "--out", str(folder)]
+    words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []
+    words += ["--jobs", str(arguments.jobs)] if arguments.jobs else []
+    return shlex.join(words)

@@ -1,0 +1,1 @@
+"""Commands that inspect inputs and results: road, render, perception, report and calibrate."""

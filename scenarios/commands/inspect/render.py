@@ -1,0 +1,91 @@
+"""`foreride render`: camera images along a scenario, with bounding boxes."""
+
+import argparse
+
+import cv2
+import numpy as np
+from rich.progress import track
+
+from foreride.detector.detections import Detections
+from foreride.detector.runtime import Detector
+from foreride.files.errors import InputError
+from foreride.files.reading.numbers import within
+from foreride.files.writing.atomic import write_text
+from foreride.files.writing.folder import atomic_folder, check_folder
+from foreride.files.writing.names import component
+from foreride.road.camera.pinhole import pose_of
+from foreride.road.render.scene import Frame, Scene
+from foreride.scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
+from foreride.scenarios.commands.outputs import runs_folder
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.perceptions.camera import load_detector
+from foreride.scenarios.report.film import mark
+from foreride.scenarios.runs.write import to_json
+
+KIND = "render"
+MOST_IMAGES = 10_000
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand."""
+    command = commands.add_parser("render", help="write the camera's images along a scenario")
+    command.add_argument("scenario", help="name in the library, or a YAML file")
+    command.add_argument(
+        "--every", type=float, default=2.0, metavar="M", help="distance between images (default 2 m)"
+    )
+    command.add_argument(
+        "--detect", action="store_true", help="draw the detector's boxes instead of the true ones"
+    )
+    add_field_options(command)
+    add_output_options(command)
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write one PNG per position, and `boxes.json` with the boxes drawn on them."""
+    within("--every", arguments.every, 0.01, 10_000.0, "m")
+    scenario = load(arguments.scenario, overrides_of(arguments))
+    detector = load_detector(scenario) if arguments.detect else None
+    out = arguments.out or runs_folder(None) / component(f"render-{scenario.name}")
+    check_folder(out, KIND)
+    end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
+    if (end - scenario.start_m) / arguments.every > MOST_IMAGES:
+        raise InputError(f"--every must give at most {MOST_IMAGES} images, got {arguments.every:g} m")
+    places = np.arange(scenario.start_m, end, arguments.every)
+    scene = Scene(scenario.road, scenario.appearance, scenario.seed)
+    found = {}
+    with atomic_folder(out, KIND) as draft:
+        for index, x in enumerate(track(places, "rendering", console=console, transient=True)):
+            name = f"{index:04d}-{x:06.1f}m.png"
+            image, detections = render_frame(scenario, scene, float(x), index, detector)
+            draft.write(name, _png(mark(image, detections)))
+            found[name] = {
+                "x_m": x,
+                "boxes": detections.boxes,
+                "scores": detections.scores,
+                "classes": detections.classes,
+            }
+        draft.write("boxes.json", to_json(found) + "\n")
+    console.print(f"{len(places)} images: {out}/")
+    if arguments.json:
+        write_text(arguments.json, to_json(found) + "\n")
+    return 0
+
+
+def _png(image: np.ndarray) -> bytes:
+    done, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+    assert done
+    return data.tobytes()
+
+
+def render_frame(
+    scenario: Scenario, scene: Scene, x_m: float, index: int, detector: Detector | None
+) -> tuple[np.ndarray, Detections]:
+    """Image with the car at rest at `x_m`, and the detector's boxes or, without one, the true ones."""
+    axles = scenario.vehicle.parameters.axle_x_m
+    pose = pose_of(scenario.camera.mount(max(axles)), x_m, 0.0, 0.0)
+    frame: Frame = scene.render(scenario.camera.intrinsics, pose, index)
+    if detector is not None:
+        return frame.image, detector(frame.image)
+    return frame.image, Detections(frame.boxes, np.ones(len(frame.boxes), np.float32), frame.classes)

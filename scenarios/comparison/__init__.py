@@ -1,0 +1,1 @@
+"""Comparison of controllers: statistics over seeds, and tables."""

@@ -1,0 +1,43 @@
+"""Parallel simulation of many cases in worker processes; results come in the order of the cases."""
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.simulation.simulate import Run, simulate
+
+Advance = Callable[[Case, int], None]
+"""Called with every number of ticks that a case has completed."""
+
+
+class WorkerDied(RuntimeError):
+    """Failure of a worker process that ended without an answer, most likely for lack of memory."""
+
+
+def simulate_each(
+    wanted: Sequence[Case], jobs: int, keep_images: bool, advance: Advance = lambda case, ticks: None
+) -> Iterator[Run]:
+    """Yield the run of each case in order; `jobs` > 1 computes that many at a time.
+
+    A run depends on its case alone, so the number of jobs changes no result. An InputError of any case ends
+    all; a worker that dies raises `WorkerDied`.
+    """
+    if jobs == 1 or len(wanted) < 2:
+        for case in wanted:
+            yield simulate(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
+        return
+    # Spawned: forking a process whose libraries have started threads may hang.
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=context) as pool:
+        waiting = [pool.submit(simulate, case, keep_images) for case in wanted]
+        try:
+            for case, future in zip(wanted, waiting, strict=True):
+                future.add_done_callback(lambda _, case=case: advance(case, case.scenario.ticks))  # type: ignore[misc]
+            for future in waiting:
+                yield future.result()
+        except BrokenProcessPool:
+            raise WorkerDied("a worker process died; fewer --jobs take less memory") from None
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)

@@ -1,0 +1,64 @@
+"""Faults and settings of a scenario that its car cannot have: refused by name rather than ignored."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from typing import Any
+
+from foreride.controller.settings import ControllerSettings, FixedSettings, ForceSettings
+from foreride.files.errors import InputError, shown
+from foreride.scenarios.simulation.fault_injection import Fault, SensorFault
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorInterface, SensorNoise
+
+PER_WHEEL = ("body_acc", "wheel_acc", "rattle_m")
+MOTIONS = {"pitch_rate": 2, "roll_rate": 3}
+"""Degrees of freedom of a body that has such a motion."""
+
+
+def require_applicable(
+    car: Car, faults: Sequence[Fault], sensors: SensorNoise, settings: ControllerSettings
+) -> None:
+    """Raise InputError for what is set of a wheel, a motion or an actuator that the car does not have.
+
+    A setting that has its default, or is zero, sets nothing.
+    """
+    for i, fault in enumerate(faults):
+        if isinstance(fault, SensorFault):
+            _require_sensor(car, fault, f"faults[{i}]")
+    motions = [motion for motion, needed in MOTIONS.items() if len(car.generalised_mass) < needed]
+    for place, given, usual in (
+        ("sensors", sensors, SensorNoise()),
+        ("sensors.interface", sensors.interface, SensorInterface()),
+    ):
+        for name, value in _changed(given, usual):
+            for motion in motions:
+                if name.startswith(motion) and value != 0.0:
+                    raise _refusal(f"{place}.{name}", car, motion.removesuffix("_rate"), value)
+    if car.wheels == 1:
+        for name, value in _changed(settings.fixed, FixedSettings()):
+            if name.startswith("rear"):
+                raise _refusal(f"control.settings.fixed.{name}", car, "rear axle", value)
+    if car.actuator is None:
+        for name, value in _changed(settings.mpc.force, ForceSettings()):
+            raise _refusal(f"control.settings.mpc.force.{name}", car, "actuator", value)
+
+
+def _require_sensor(car: Car, fault: SensorFault, place: str) -> None:
+    if len(car.generalised_mass) < MOTIONS.get(fault.channel, 0):
+        raise _refusal(f"{place}.channel", car, fault.channel.removesuffix("_rate"), fault.channel)
+    highest = car.wheels - 1 if fault.channel in PER_WHEEL else 0
+    if fault.wheel > highest:
+        allowed = f"0 ... {highest}" if highest else "0"
+        raise InputError(
+            f"{place}.wheel must be {allowed} for {fault.channel} of a {car.kind}, got {fault.wheel}"
+        )
+
+
+def _changed(given: Any, usual: Any) -> Iterator[tuple[str, Any]]:
+    for item in fields(given):
+        if (value := getattr(given, item.name)) != getattr(usual, item.name):
+            yield item.name, value
+
+
+def _refusal(name: str, car: Car, part: str, value: Any) -> InputError:
+    return InputError(f"{name} must be left out for a {car.kind} without {part}, got {shown(value)}")

@@ -1,0 +1,156 @@
+"""Loading of scenarios by name or file, with single fields overridden."""
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from foreride.controller.tuned_settings import tuned_mapping
+from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.reading import strict
+from foreride.files.reading.numbers import is_integer
+from foreride.files.reading.regular_file import read_text, reading
+from foreride.files.reading.yaml12 import parse
+from foreride.scenarios.definition import road_block
+from foreride.scenarios.definition.schema import Scenario
+from foreride.vehicle.load import load_vehicle
+
+FOLDER = Path(__file__).parents[1] / "library"
+
+
+def names() -> list[str]:
+    """Names of the shipped scenarios."""
+    return sorted(path.stem for path in FOLDER.glob("*.yaml"))
+
+
+def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
+    """Read a scenario of the library or a file, apply `path.to.field=value` overrides, validate.
+
+    A scenario names its car by `vehicle: {model: half}` (a shipped name or a YAML file) and may replace
+    single parameters under `vehicle.parameters`. Anything wrong raises one-line `InputError`.
+    """
+    path = _find(name_or_path)
+    return structure(read(path), path, overrides)
+
+
+def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: str = "") -> Scenario:
+    """Convert the mapping at `place` in the file at `path` to a scenario, with overrides, and validate it.
+
+    Tuned settings shipped for its kind of car apply where it does not set its own.
+    """
+    source = f"{path}{place}"
+    if not isinstance(mapping, dict):
+        raise InputError(f"{source}: a scenario must be a mapping of fields, got {type(mapping).__name__}")
+    for override in overrides:
+        _override(mapping, override)
+    mapping.setdefault("name", path.stem)
+    mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
+    _fill_in_road(mapping, path)
+    _find_map(mapping, path)
+    _fill_in_tuned(mapping)
+    scenario = strict.structure(Scenario, mapping, f"{source} (with --set)" if overrides else source)
+    assert isinstance(scenario, Scenario)
+    return scenario
+
+
+def read(path: Path) -> Any:
+    """Read a YAML file; InputError if it cannot be read or is not YAML."""
+    return parse(read_text(path), str(path))
+
+
+def _find(name_or_path: str) -> Path:
+    path = Path(name_or_path)
+    with reading(name_or_path):
+        if path.suffix in {".yaml", ".yml"} or path.exists():
+            if not path.exists():
+                raise InputError(f"{printable(path)}: no such scenario file")
+            return path
+    if name_or_path not in names():
+        close = difflib.get_close_matches(name_or_path, names(), 1)
+        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(names())}"
+        raise InputError(f"scenario {shown(name_or_path)} is neither a file nor in the library; {hint}")
+    return FOLDER / f"{name_or_path}.yaml"
+
+
+def _override(mapping: dict[str, Any], override: str) -> None:
+    dotted, separator, text = override.partition("=")
+    keys = dotted.strip().split(".")
+    if not separator or not all(keys):
+        raise InputError(f"--set {shown(override)}: must read path.to.field=value")
+    value = parse(text, f"--set {shown(override)}")
+    place: Any = mapping
+    for key in keys[:-1]:
+        place = _step(place, key, override)
+    if isinstance(place, list):
+        place[_index(place, keys[-1], override)] = value
+    else:
+        place[keys[-1]] = value
+
+
+def _step(place: Any, key: str, override: str) -> Any:
+    if isinstance(place, list):
+        return place[_index(place, key, override)]
+    inner = place.setdefault(key, {})
+    if not isinstance(inner, dict | list):
+        raise InputError(f"--set {shown(override)}: {key} is a single value, it has no fields")
+    return inner
+
+
+def _index(place: list[Any], key: str, override: str) -> int:
+    if not is_integer(key) or int(key) >= len(place):
+        raise InputError(f"--set {shown(override)}: {shortened(key)} must be an index 0 ... {len(place) - 1}")
+    return int(key)
+
+
+def _vehicle(choice: Any, scenario: Path) -> Any:
+    """Vehicle block with the parameters of its model filled in where not replaced."""
+    choice = {"model": "half"} if choice is None else choice
+    if not isinstance(choice, dict):
+        raise InputError(
+            f"{scenario}: vehicle must be a mapping with model (quarter, half, full or a file), "
+            f"got {shown(choice)}"
+        )
+    model = choice.get("model", "half")
+    if not isinstance(model, str):
+        raise InputError(f"{scenario}: vehicle.model must be text, got {shown(model)}")
+    own = scenario.parent / model
+    try:
+        parameters = strict.to_mapping(load_vehicle(own if own.is_file() else model))
+    except InputError as error:
+        raise InputError(f"{scenario}: vehicle.model: {error}") from None
+    replaced = choice.get("parameters", {})
+    merged = parameters | replaced if isinstance(replaced, dict) else replaced
+    return choice | {"model": model, "parameters": merged}
+
+
+def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:
+    parameters = mapping["vehicle"]["parameters"]
+    track_m = parameters.get("track_m") if isinstance(parameters, dict) else None
+    if "road" not in mapping:
+        return
+    try:
+        mapping["road"] = road_block.fill_in(mapping.get("road"), scenario.parent, track_m)
+    except InputError as error:
+        raise InputError(f"{scenario}: road.file: {error}") from None
+
+
+def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
+    """Resolve the map's file beside the scenario's, if it is there."""
+    wanted = mapping.get("map")
+    if isinstance(wanted, dict) and isinstance(wanted.get("file"), str):
+        beside = scenario.parent / wanted["file"]
+        mapping["map"] = wanted | ({"file": str(beside)} if beside.is_file() else {})
+
+
+def _fill_in_tuned(mapping: dict[str, Any]) -> None:
+    """Add the shipped settings of the car's kind where not given; validation reports malformed ones."""
+    parameters = mapping["vehicle"]["parameters"]
+    control = mapping.setdefault("control", {})
+    given = control.setdefault("settings", {}) if isinstance(control, dict) else None
+    kind = parameters.get("kind") if isinstance(parameters, dict) else None
+    if not isinstance(given, dict) or not isinstance(kind, str):
+        return
+    for name, tuned in tuned_mapping(kind).items():
+        own = given.get(name, {})
+        if isinstance(own, dict):
+            given[name] = tuned | own

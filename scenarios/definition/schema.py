@@ -1,0 +1,187 @@
+"""Scenario schema: frozen dataclasses of a scenario file, read strictly by `files.reading.strict`."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+from annotated_types import Interval
+
+from foreride.controller.settings import ControllerSettings
+from foreride.files.errors import InputError
+from foreride.files.reading import strict
+from foreride.files.reading.ranges import Checked, Seed
+from foreride.files.writing.names import check_name
+from foreride.preview.settings import Settings as EstimatorSettings
+from foreride.road.camera.pinhole import Camera, CameraMount
+from foreride.road.render.appearance import Appearance
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping, RigidWheel
+from foreride.scenarios.definition.applicability import require_applicable
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
+from foreride.scenarios.definition.speed import KM_H, SpeedPoint, profile
+from foreride.scenarios.perceptions.box_errors import BoxErrors
+from foreride.scenarios.perceptions.oracle import OracleErrors
+from foreride.scenarios.simulation.fault_injection import Fault
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import SensorNoise
+from foreride.vehicle.speed_profile import SpeedProfile
+
+MOST_INTERVALS = 400
+"""Most control periods in a horizon; the work of a plan grows with their cube."""
+LONGEST_S = 7200
+"""Longest drive: its signals, one sample per millisecond, still fit into memory."""
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Car of a scenario: `model` names the origin of its parameters, `parameters` holds all of them."""
+
+    model: str
+    parameters: Car
+
+
+@dataclass(frozen=True)
+class CameraSetup(Checked):
+    """Camera of a scenario: mounting, rate, latency and calibration errors.
+
+    The camera is `behind_front_axle_m` behind the front axle. The actual mounting differs from the one
+    assumed by the estimator by errors with the two sigmas, drawn from the run's seed. `stereo_base_m` adds a
+    second, identical camera at this distance to its right; 0 for none. The residual relative yaw of the pair
+    is drawn with `stereo_yaw_sigma_deg`.
+    """
+
+    intrinsics: Camera = field(default_factory=Camera)
+    behind_front_axle_m: Annotated[float, Interval(ge=-1.0, le=5.0), "m"] = 1.6
+    height_m: Annotated[float, Interval(ge=0.3, le=4.0), "m"] = 1.3
+    pitch_deg: Annotated[float, Interval(ge=-10.0, le=30.0), "degrees"] = 6.0
+    pitch_sigma_deg: Annotated[float, Interval(ge=0.0, le=2.0), "degrees"] = 0.2
+    height_sigma_m: Annotated[float, Interval(ge=0.0, le=0.2), "m"] = 0.01
+    stereo_base_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.0
+    stereo_yaw_sigma_deg: Annotated[float, Interval(ge=0.0, le=0.2), "degrees"] = 0.005
+    rate_hz: Annotated[int, Interval(ge=1, le=200), "Hz"] = 20
+    latency_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.05
+
+    def mount(self, front_axle_m: float) -> CameraMount:
+        """Nominal camera mounting relative to the centre of gravity of a car with this front axle."""
+        return CameraMount(
+            x_m=front_axle_m - self.behind_front_axle_m, height_m=self.height_m, pitch_deg=self.pitch_deg
+        )
+
+
+@dataclass(frozen=True)
+class Detection(Checked):
+    """Detector settings: its confidence threshold and, unless the shipped ones, its weights."""
+
+    weights: str | None = None
+    confidence: Annotated[float, Interval(ge=0.01, le=0.99), "1"] = 0.2
+    threads: Annotated[int, Interval(ge=1, le=64), "threads"] = 2
+
+
+@dataclass(frozen=True)
+class MapSetup(Checked):
+    """Road map for the perception `map`.
+
+    file: .csv or .crg (see `preview.prior_drives.road_map`), found beside the scenario's.
+    localisation_sigma_m: standard deviation of the car's position on the map, m; the error is drawn once per
+    drive.
+    """
+
+    file: str
+    localisation_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.05
+
+
+@dataclass(frozen=True)
+class Control(Checked):
+    """Sampling rate and delay of the controller, and the controllers' settings."""
+
+    rate_hz: Annotated[int, Interval(ge=10, le=1000), "Hz"] = 200
+    delay_s: Annotated[float, Interval(ge=0.0, le=0.2), "s"] = 0.0
+    settings: ControllerSettings = field(default_factory=ControllerSettings)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        longest_s = MOST_INTERVALS / self.rate_hz
+        for name in ("horizon_s", "blind_horizon_s"):
+            if getattr(self.settings.mpc, name) > longest_s:
+                raise InputError(
+                    f"settings.mpc.{name} must be <= {longest_s:g} s at {self.rate_hz} Hz, "
+                    f"got {getattr(self.settings.mpc, name):g}"
+                )
+
+
+@dataclass(frozen=True)
+class Scenario(Checked):
+    """Scenario of one drive: road, car, speed, sensors, camera and control; distances in m, speed in km/h.
+
+    The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
+    between them. Its centre of gravity starts at `start_m`; the run ends when the front axle reaches the
+    road's end. `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the
+    quantities of detected objects that are replaced by the truth, to measure the cost of errors. `memory` is
+    the memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho
+    in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
+    """
+
+    name: str
+    title: str
+    speed_kmh: Annotated[float, Interval(ge=1.0, le=200.0), "km/h"]
+    road: Road
+    vehicle: Vehicle
+    start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"] = 2.0
+    speed: tuple[SpeedPoint, ...] = ()
+    enveloping: Enveloping = field(default_factory=RigidWheel)
+    observer: Literal["truth", "sensors"] = "sensors"
+    sensors: SensorNoise = field(default_factory=SensorNoise)
+    camera: CameraSetup = field(default_factory=CameraSetup)
+    detection: Detection = field(default_factory=Detection)
+    boxes: BoxErrors = field(default_factory=BoxErrors)
+    oracle: OracleErrors = field(default_factory=OracleErrors)
+    faults: tuple[Fault, ...] = ()
+    estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
+    told: tuple[Literal["distance", "shape"], ...] = ()
+    memory: str | None = None
+    map: MapSetup | None = None
+    appearance: Appearance = field(default_factory=Appearance)
+    control: Control = field(default_factory=Control)
+    tyre_load_weight: Annotated[float, Interval(ge=0.0, le=1000.0), "(m/s²)²"] = 3.0
+    seed: Seed = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_name("name", self.name)
+        require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
+        room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+        if not 0.0 <= self.start_m < room - 1.0:
+            raise InputError(
+                f"start_m must lie in 0 ... {room - 1.0:g} m (the road's end), got {self.start_m:g}"
+            )
+        if self.ticks > LONGEST_S * TICKS_PER_SECOND:
+            raise InputError(
+                f"road.length_m, speed_kmh and speed must give a drive of at most {LONGEST_S} s, "
+                f"got {self.ticks / TICKS_PER_SECOND:.0f} s"
+            )
+
+    @property
+    def speed_m_s(self) -> float:
+        """Initial forward speed."""
+        return self.speed_kmh * KM_H
+
+    @cached_property
+    def motion(self) -> float | SpeedProfile:
+        """Forward motion over the drive: a constant speed, m/s, or a speed profile."""
+        return profile(self.speed_kmh, self.start_m, self.speed) if self.speed else self.speed_m_s
+
+    @property
+    def ticks(self) -> int:
+        """Length of the run in plant ticks."""
+        end = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+        if isinstance(self.motion, SpeedProfile):
+            return int(self.motion.time_at(end) * TICKS_PER_SECOND)
+        distance = end - self.start_m
+        return int(distance / self.speed_m_s * TICKS_PER_SECOND)
+
+    @cached_property
+    def mapping(self) -> dict[str, Any]:
+        """All fields as plain values, defaults included: the input of the scenario hash."""
+        mapping = strict.to_mapping(self)
+        assert isinstance(mapping, dict)
+        return mapping

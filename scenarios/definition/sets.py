@@ -1,0 +1,40 @@
+"""Scenario sets: a YAML list of scenarios in one file, shipped or user-defined."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from foreride.files.errors import InputError
+from foreride.scenarios.definition.loading import FOLDER, load, read, structure
+from foreride.scenarios.definition.schema import Scenario
+
+SETS = FOLDER / "sets"
+
+
+def set_names() -> list[str]:
+    """Names of the shipped sets."""
+    return sorted(path.stem for path in SETS.glob("*.yaml"))
+
+
+def load_all(names: Iterable[str], overrides: Sequence[str] = ()) -> list[Scenario]:
+    """Load the scenarios that names and files stand for, in order; a set stands for all its members.
+
+    Overrides apply to each of them. Raises one-line `InputError` for invalid input.
+    """
+    return [scenario for name in names for scenario in _one_or_many(name, overrides)]
+
+
+def _one_or_many(name: str, overrides: Sequence[str]) -> list[Scenario]:
+    path = SETS / f"{name}.yaml" if name in set_names() else Path(name)
+    if not path.is_file():
+        return [load(name, overrides)]
+    content = read(path)
+    if not isinstance(content, list):
+        return [load(name, overrides)]
+    if not content:
+        raise InputError(f"{path}: a set must hold at least one scenario, got none")
+    found = [structure(mapping, path, overrides, f"[{index}]") for index, mapping in enumerate(content)]
+    names = [scenario.name for scenario in found]
+    for index, own in enumerate(names):
+        if own in names[:index]:
+            raise InputError(f"{path}: [{index}].name must differ from the others, got {own!r} twice")
+    return found

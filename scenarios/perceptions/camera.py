@@ -1,0 +1,128 @@
+"""Camera perceptions of the closed loop: true boxes with errors, or rendered images through the detector."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from foreride.detector.runtime import WEIGHTS, Detector
+from foreride.preview.estimator import Estimator
+from foreride.preview.height.stereo import second_pose
+from foreride.preview.prior_drives.memory_file import read as read_memory
+from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
+from foreride.road.render.scene import Scene
+from foreride.road.tyre.wheel_profile import WheelProfile
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.perceptions.box_errors import degrade, true_boxes
+from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
+from foreride.scenarios.perceptions.interface import DetectorPerception, Exposure, NoPreview, Perception
+from foreride.scenarios.perceptions.oracle import build_oracle
+from foreride.scenarios.perceptions.road_map import build_map
+from foreride.vehicle.state import VehicleState
+
+BoxSource = Callable[[int, VehicleState], Exposure]
+_SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise
+
+
+def build_perception(
+    case: Case,
+    profiles: Sequence[WheelProfile],
+    streams: dict[str, np.random.Generator],
+    keep_images: bool,
+) -> Perception:
+    """Build the perception that a case names."""
+    scenario, car = case.scenario, case.scenario.vehicle.parameters
+    if case.perception == "none":
+        return NoPreview()
+    if case.perception == "oracle":
+        rng, enveloping = streams["oracle"], scenario.enveloping
+        return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping)
+    if case.perception == "map":
+        return build_map(scenario, streams["map"])
+    nominal = scenario.camera.mount(max(car.axle_x_m))
+    mount = true_mount(scenario, nominal, streams["mounting"])
+    if case.perception == "boxes":
+        eye = true_box_source(scenario, mount, streams["boxes"])
+    else:
+        eye = rendered_box_source(scenario, mount, load_detector(scenario), streams["image"])
+    estimator = Estimator(
+        scenario.camera.intrinsics,
+        nominal,
+        car.axle_x_m,
+        car.wheel_y_m,
+        scenario.estimator,
+        x_m=scenario.start_m,
+        memory=None if scenario.memory is None else read_memory(scenario.memory),
+        stereo_base_m=scenario.camera.stereo_base_m,
+    )
+    setup = scenario.camera
+    correct = track_corrector(scenario.road.features, scenario.told)
+    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct)
+
+
+def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
+    """Actual camera mounting: the nominal one with calibration errors."""
+    pitch, height = rng.standard_normal(2)
+    return replace(
+        nominal,
+        pitch_deg=nominal.pitch_deg + scenario.camera.pitch_sigma_deg * float(pitch),
+        height_m=nominal.height_m + scenario.camera.height_sigma_m * float(height),
+    )
+
+
+def load_detector(scenario: Scenario) -> Detector:
+    """Load the detector with the scenario's weights and threshold."""
+    wanted = scenario.detection
+    weights = WEIGHTS if wanted.weights is None else Path(wanted.weights)
+    written_ns = weights.stat().st_mtime_ns if weights.exists() else 0
+    return _session(weights, wanted.threads, wanted.confidence, written_ns)
+
+
+@lru_cache(maxsize=4)
+def _session(weights: Path, threads: int, confidence: float, written_ns: int) -> Detector:
+    """Return one detector shared by all runs of a process; `written_ns` detects a changed file."""
+    return Detector(weights, threads=threads, confidence=confidence)
+
+
+def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
+    """Camera pose for the sprung mass in `state`."""
+    attitude = float(state.heave_m), float(state.pitch_rad)
+    return pose_of(mount, float(state.x_m), *attitude, roll=float(state.roll_rad))
+
+
+def true_box_source(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> BoxSource:
+    """Box source: true outlines with the scenario's box errors."""
+    camera, errors = scenario.camera.intrinsics, scenario.boxes
+
+    def look(tick: int, state: VehicleState) -> Exposure:
+        exact = true_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
+        return Exposure(tick, degrade(exact, camera, errors, rng))
+
+    return look
+
+
+def rendered_box_source(
+    scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator
+) -> BoxSource:
+    """Box source: render the image, or the stereo pair, and run the detector on the first image."""
+    setup = scenario.camera
+    seed = int(rng.integers(2**31))
+    scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)
+    yaw = np.deg2rad(setup.stereo_yaw_sigma_deg) * float(rng.standard_normal())
+
+    def look(tick: int, state: VehicleState) -> Exposure:
+        started = perf_counter()
+        first = pose(mount, state)
+        image = scene.render(setup.intrinsics, first, tick).image
+        second = None
+        if setup.stereo_base_m > 0.0:
+            right = second_pose(first, setup.stereo_base_m)
+            right = replace(right, yaw=right.yaw + yaw)
+            second = scene.render(setup.intrinsics, right, tick + _SECOND_CAMERA_OFFSET).image
+        return Exposure(tick, detector(image), image, second, perf_counter() - started)
+
+    return look

@@ -1,0 +1,120 @@
+"""Perception `oracle`: the true road ahead, optionally with prescribed errors."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Interval
+
+from foreride.files.reading.ranges import Checked, Share
+from foreride.preview.road_preview import RoadPreview, oracle_preview
+from foreride.road.features.feature import Feature, HalfSineBump, Pothole
+from foreride.road.road import Road
+from foreride.road.tyre.contact_models import Enveloping
+from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
+from foreride.scenarios.perceptions.interface import NoPreview
+from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import Measurement
+from foreride.vehicle.state import VehicleState
+
+
+@dataclass(frozen=True)
+class OracleErrors(Checked):
+    """Errors of the oracle's preview, and its stated uncertainty.
+
+    bias_m: longitudinal error of the features, positive farther ahead.
+    height_gain: previewed over true height.
+    latency_s: age of the view, extrapolated with the measured speed.
+    miss_probability: of each feature, for the whole drive. false_per_100m: mean number of non-existent bumps
+    and potholes. position_sigma_m, height_sigma (relative), existence: stated uncertainty of the preview.
+    """
+
+    bias_m: Annotated[float, Interval(ge=-5.0, le=5.0), "m"] = 0.0
+    height_gain: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 1.0
+    latency_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.0
+    miss_probability: Share = 0.0
+    false_per_100m: Annotated[float, Interval(ge=0.0, le=50.0), "1/(100 m)"] = 0.0
+    position_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.0
+    height_sigma: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 0.0
+    existence: Share = 1.0
+
+
+class OraclePerception(NoPreview):
+    """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
+
+    def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
+        super().__init__()
+        self._believed, self._errors = believed, errors
+        self._exact = errors == OracleErrors()
+        self._axles = np.asarray(car.axle_x_m)
+        self._speed_m_s = 0.0
+        self._travelled_m = 0.0
+        self._views: deque[tuple[float, float, float]] = deque()
+
+    def sense(self, measurement: Measurement) -> None:
+        """Record the measured speed, used to extrapolate old views."""
+        self._speed_m_s = measurement.speed_m_s
+
+    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
+        """Return the believed profile ahead of the wheels."""
+        x_m = float(state().x_m)
+        errors = self._errors
+        if errors.latency_s > 0.0:
+            x_m = self._carried_forward(time_s, x_m)
+        seen = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s)
+        if self._exact:
+            return seen
+        height = errors.height_gain * seen.height_m
+        return replace(
+            seen,
+            height_m=height,
+            position_sigma_m=np.full_like(height, errors.position_sigma_m),
+            height_sigma_m=errors.height_sigma * np.abs(height),
+            existence=np.full_like(height, errors.existence),
+            age_s=errors.latency_s,
+        )
+
+    def _carried_forward(self, time_s: float, x_m: float) -> float:
+        """Position extrapolated from the view's time by the measured speed."""
+        if self._views:
+            self._travelled_m += self._speed_m_s * (time_s - self._views[-1][0])
+        self._views.append((time_s, x_m, self._travelled_m))
+        while len(self._views) > 1 and self._views[1][0] <= time_s - self._errors.latency_s:
+            self._views.popleft()
+        _, then_m, travelled_m = self._views[0]
+        return then_m + self._travelled_m - travelled_m
+
+
+def build_oracle(
+    road: Road,
+    true: Sequence[WheelProfile],
+    car: Car,
+    errors: OracleErrors,
+    rng: np.random.Generator,
+    enveloping: Enveloping | None = None,
+) -> OraclePerception:
+    """Build the oracle of a drive; missed and false features are drawn once."""
+    if errors.miss_probability == errors.false_per_100m == 0.0:
+        return OraclePerception(true, car, errors)
+    believed = believed_road(road, car.track_m, errors, rng)
+    tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, enveloping) for y in car.wheel_y_m}
+    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors)
+
+
+def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.random.Generator) -> Road:
+    """Road without the missed features and with the false ones."""
+    found = rng.random(len(road.features)) >= errors.miss_probability
+    kept = [feature for feature, seen in zip(road.features, found, strict=True) if seen]
+    count = rng.poisson(errors.false_per_100m * road.length_m / 100.0)
+    imagined = [_false_feature(start, track_m, rng) for start in rng.uniform(0.0, road.length_m - 1.0, count)]
+    return replace(road, features=(*kept, *imagined))
+
+
+def _false_feature(start_m: float, track_m: float, rng: np.random.Generator) -> Feature:
+    """False feature of common size: a bump across the lane or a pothole on the right track."""
+    size, length = float(rng.uniform(0.04, 0.08)), float(rng.uniform(0.35, 0.8))
+    if rng.random() < 0.5:
+        return HalfSineBump(float(start_m), size, length)
+    return Pothole(float(start_m), size, length, 0.6, -track_m / 2, seed=int(rng.integers(1000)))

@@ -1,0 +1,1 @@
+"""Regression tests of ride metrics: baselines and tolerances."""

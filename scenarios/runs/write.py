@@ -1,0 +1,193 @@
+"""Writing of run folders, atomically; `scenarios.runs.read` reads them."""
+
+import hashlib
+import io
+import json
+import platform
+import sys
+from collections.abc import Callable
+from dataclasses import fields
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from foreride.files.writing.folder import atomic_folder
+from foreride.files.writing.names import joined
+from foreride.files.writing.sharing import shared_name, shared_target
+from foreride.preview.prior_drives.memory_file import to_text as memory_text
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.simulation.preview_log import PreviewLog
+from foreride.scenarios.simulation.simulate import Run
+
+KIND = "run"
+"""ObstacleTemplate of run folders in their marker."""
+MANIFEST = "manifest.json"
+FRAMES = "frames"
+_VERSIONED = (
+    "foreride",
+    "casadi",
+    "daqp",
+    "mujoco",
+    "numba",
+    "numpy",
+    "onnxruntime",
+    "opencv-python-headless",
+)
+
+
+def versions() -> dict[str, str]:
+    """Installed versions of foreride and of every library that can affect a result."""
+    found = {"python": platform.python_version()}
+    for name in _VERSIONED:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def digest(value: Any) -> str:
+    """SHA-256 of a JSON-serialisable value, independent of key order."""
+    return hashlib.sha256(to_json(value, indent=None).encode()).hexdigest()
+
+
+def scenario_hash(scenario: Scenario) -> str:
+    """SHA-256 of a scenario's fields; files enter by name only, as folders differ between machines."""
+    return digest(_with_files(scenario, lambda file: Path(file).name))
+
+
+def definition(scenario: Scenario) -> dict[str, Any]:
+    """Fields of a scenario as shared: file names without folders."""
+    told = _with_files(scenario, shared_name)
+    return told | {"vehicle": told["vehicle"] | {"model": vehicle_name(scenario)}}
+
+
+def vehicle_name(scenario: Scenario) -> str:
+    """Shared name of a scenario's car: its name in the library, or the name of its file."""
+    return shared_name(scenario.vehicle.model)
+
+
+def _with_files(scenario: Scenario, named: Callable[[str], str]) -> dict[str, Any]:
+    told = dict(scenario.mapping)
+    for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
+        if told[block] and told[block][field]:
+            told[block] = told[block] | {field: named(told[block][field])}
+    if told["memory"]:
+        told["memory"] = named(told["memory"])
+    return told
+
+
+def to_json(value: Any, indent: int | None = 2) -> str:
+    """Canonical JSON: sorted keys, arrays as lists, no NaN."""
+    return json.dumps(value, indent=indent, sort_keys=True, allow_nan=False, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no place in a result file")
+
+
+def environment() -> dict[str, Any]:
+    """Versions and platform with which a result was computed."""
+    return {"versions": versions(), "platform": f"{sys.platform}-{platform.machine()}"}
+
+
+def manifest(run: Run) -> dict[str, Any]:
+    """Manifest of a run: everything needed to repeat it, and its run times."""
+    return {
+        "schema": 1,
+        "scenario": run.case.scenario.name,
+        "scenario_hash": scenario_hash(run.case.scenario),
+        "definition": definition(run.case.scenario),
+        "vehicle": vehicle_name(run.case.scenario),
+        "controller": shared_target(run.case.controller),
+        "perception": run.case.perception,
+        "seed": run.case.seed,
+        **run.files_sha256,
+        "observer_error": run.observer,
+        "track_y_m": run.track_y_m,
+        "timing": run.timing,
+        "solver": run.solver,
+        "perception_stats": run.perception_stats,
+        **_bound(run),
+        **environment(),
+    }
+
+
+def row(run: Run) -> dict[str, Any]:
+    """Summary row of a run for a comparison: case, metrics and run times."""
+    return {
+        "scenario": run.case.scenario.name,
+        "vehicle": vehicle_name(run.case.scenario),
+        "controller": shared_target(run.case.controller),
+        "perception": run.case.perception,
+        "seed": run.case.seed,
+        "metrics": run.metrics,
+        "timing": run.timing,
+        "solver": run.solver,
+        "observer_error": run.observer,
+        "perception_stats": run.perception_stats,
+        **_bound(run),
+    }
+
+
+def _bound(run: Run) -> dict[str, Any]:
+    return {} if run.bound is None else {"bound": run.bound}
+
+
+def folder_name(case: Case) -> str:
+    """Folder name that identifies a run, such as `bump_8x40_30-half-mpc_preview-camera-seed0`."""
+    car, controller = case.scenario.vehicle.model, case.controller
+    shown = (vehicle_name(case.scenario), shared_target(controller))
+    others = (case.perception, f"seed{case.seed}")
+    return joined((case.scenario.name, *shown, *others), (case.scenario.name, car, controller, *others))
+
+
+def write(run: Run, folder: Path) -> None:
+    """Write manifest, metrics, signals, events, previews and, if any, memory and frames."""
+    with atomic_folder(folder, KIND) as draft:
+        draft.write(MANIFEST, to_json(manifest(run)) + "\n")
+        draft.write("metrics.json", to_json(run.metrics) + "\n")
+        draft.write("events.jsonl", "".join(to_json(event, indent=None) + "\n" for event in run.events))
+        draft.write("signals.parquet", to_parquet(pa.table(run.signals)))
+        draft.write("previews.parquet", to_parquet(_preview_table(run.previews)))
+        if run.memory is not None:
+            draft.write("memory.yaml", memory_text(run.memory))
+        for look in run.looks:
+            if look.image is not None:
+                draft.write(frame_name(look.tick), encode_jpeg(look.image))
+
+
+def frame_name(tick: int) -> str:
+    """Path within the run folder of the image exposed at a tick."""
+    return f"{FRAMES}/{tick:07d}.jpg"
+
+
+def to_parquet(table: pa.Table) -> bytes:
+    """Encode the table as a Parquet file."""
+    sink = io.BytesIO()
+    pq.write_table(table, sink, compression="zstd")
+    return sink.getvalue()
+
+
+def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:
+    """Encode an RGB image (H, W, 3) as JPEG."""
+    done, data = cv2.imencode(
+        ".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, quality]
+    )
+    assert done
+    return data.tobytes()
+
+
+def _preview_table(log: PreviewLog) -> pa.Table:
+    rows = {field.name: list(getattr(log, field.name)) for field in fields(log)}
+    return pa.table(rows | {"distance_m": [log.distance_m] * len(log)})

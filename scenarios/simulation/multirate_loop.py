@@ -1,0 +1,127 @@
+"""Multirate loop of a run: expose, sense, decide, actuate, integrate, event by event."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.controller.laws.passive import Constant
+from foreride.controller.observer.observer import Observer, exact_estimate
+from foreride.controller.observer.sensor_monitor import SensorMonitor
+from foreride.controller.registry import build
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
+from foreride.scenarios.perceptions.interface import Event, NoPreview, Perception
+from foreride.scenarios.simulation import preview_log
+from foreride.scenarios.simulation.fault_injection import LATE_ANSWER, Faults
+from foreride.vehicle.equations import state_size
+from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import Sensors
+from foreride.vehicle.state import VehicleState
+
+
+class MultirateLoop:
+    """Scheduler of plant, perception and controller for one case; call `drive` once, then read the rest.
+
+    events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
+    controller's counts, without its run times; timing: those run times; estimates: the observer's, one per
+    decision; seen: the previews, 20 Hz. For fixed dampers without perception neither sensors nor controller
+    are evaluated: no estimates.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        plant: Plant,
+        sensors: Sensors,
+        perception: Perception,
+        faults: Faults,
+        controller: Controller | None = None,
+    ) -> None:
+        """Build the controller named by the case unless `controller` is given."""
+        scenario, car = case.scenario, case.scenario.vehicle.parameters
+        control = scenario.control
+        timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
+        known = control_model(car)
+        self._controller = controller or build(case.controller, known, control.settings, timing)
+        self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
+        self._states = state_size(known)
+        self._watch = SensorMonitor(car.wheels, scenario.sensors)
+        self._plant, self._sensors, self._perception = plant, sensors, perception
+        self._faults = faults
+        self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
+        self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
+        self._waiting: deque[tuple[int, np.ndarray]] = deque()
+        self._open_loop = False
+        if isinstance(self._controller, Constant) and isinstance(perception, NoPreview):
+            self._open_loop = True
+            self._waiting.append((self._delay, self._controller.command))
+        self.estimates: list[Estimate] = []
+        self._wheel = int(np.argmin(car.wheel_y_m))  # right front wheel
+        self.seen: list[tuple[float, np.ndarray, np.ndarray]] = []
+        self._active: tuple[str, ...] = ()
+        self.events: list[Event] = []
+        self.solver: dict[str, object] = {}
+        self.timing: dict[str, float] = {}
+
+    def drive(self, advance: Callable[[int], None]) -> None:
+        """Run all ticks, from one event to the next."""
+        tick = 0
+        while tick < self._total:
+            self._perception.expose(tick, self._state)
+            asked = not self._open_loop and due(tick, self._rate_hz)
+            estimate = self._sense() if asked else None
+            self.events += self._perception.receive(tick)
+            if estimate is not None:
+                self._waiting.append((tick + self._delay, self._decide(tick, estimate)))
+            while self._waiting and self._waiting[0][0] <= tick:
+                self._command = self._waiting.popleft()[1]
+            following = self._next_event(tick)
+            self._plant.step(self._command, following - tick)
+            advance(following - tick)
+            tick = following
+        stats = dict(getattr(self._controller, "stats", {}))
+        self.timing = {
+            name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
+        }
+        self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
+
+    def _state(self) -> VehicleState:
+        return self._plant.state
+
+    def _sense(self) -> Estimate:
+        """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
+        state = self._plant.state
+        checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
+        self._perception.sense(checked.measurement)
+        if self._observer is None:
+            return replace(exact_estimate(state), x=state.x[: self._states])
+        estimate = self._observer.update(checked, self._command)
+        self.estimates.append(estimate)
+        return estimate
+
+    def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
+        time_s = tick / TICKS_PER_SECOND
+        preview = self._faults.preview(self._perception.preview(time_s, self._state), time_s)
+        if preview is not None and due(tick, preview_log.RATE_HZ):
+            self.seen.append(preview_log.decimated(preview, self._wheel))
+        if self._faults.late(time_s):
+            estimate = replace(estimate, faults=(*estimate.faults, LATE_ANSWER))
+        command = self._controller.step(estimate, preview)
+        if problem := getattr(self._controller, "problem", None):
+            self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
+        active = getattr(self._controller, "active", ())
+        if active != self._active:
+            self.events.append({"time_s": time_s, "event": "constraints", "active": list(active)})
+            self._active = active
+        return np.asarray(command, dtype=float)
+
+    def _next_event(self, tick: int) -> int:
+        asking = tick + TICKS_PER_SECOND if self._open_loop else next_due(tick, self._rate_hz)
+        candidates = [self._total, asking]
+        candidates += [when for when, _ in self._waiting]
+        looked = self._perception.next_tick(tick)
+        return min(candidates if looked is None else [*candidates, looked])

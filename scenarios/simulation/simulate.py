@@ -1,0 +1,150 @@
+"""Multirate closed-loop simulation: plant at 1 kHz, controller and camera at their own rates."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from foreride.comfort.metrics import ride_metrics
+from foreride.controller.clairvoyant.optimum import PlanReplay
+from foreride.controller.registry import CLAIRVOYANT
+from foreride.preview.prior_drives.memory_file import Memory
+from foreride.scenarios.bound.optimum_cache import bound
+from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
+from foreride.scenarios.perceptions.camera import build_perception
+from foreride.scenarios.perceptions.interface import Event, Exposure
+from foreride.scenarios.simulation.fault_injection import Faults
+from foreride.scenarios.simulation.multirate_loop import MultirateLoop
+from foreride.scenarios.simulation.observer_errors import observer_errors
+from foreride.scenarios.simulation.preview_log import PreviewLog, collect
+from foreride.scenarios.simulation.referenced_files import hashes
+from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
+from foreride.vehicle.energy_audit import energy_audit
+from foreride.vehicle.equations import input_size
+from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.plant.sensors import Sensors
+from foreride.vehicle.state import VehicleState
+
+
+@dataclass(frozen=True)
+class Run:
+    """Results of one run.
+
+    signals: one value per tick under each name; per-wheel names end in `_0`, `_1`, ... (front, rear or
+        front left, front right, rear left, rear right).
+    metrics: the ride metrics (see `comfort.metrics`). events: detections and fallbacks in order of time.
+    observer: RMS errors of its states (see `scenarios.simulation.observer_errors`).
+    solver, perception_stats: counts and qualities; timing: run times on this machine.
+    files_sha256: hashes of the files that the case names beside its road (see
+    `scenarios.simulation.referenced_files`). track_y_m: lateral position of the right wheels. looks:
+    exposures, with images if requested. previews: record of the previews given to the controller.
+    memory: the estimator's map for the next drive, if any. bound: passive and clairvoyant objective (see
+        `scenarios.bound.headroom`), if requested.
+    """
+
+    case: Case
+    signals: dict[str, np.ndarray]
+    metrics: dict[str, float]
+    events: list[Event]
+    solver: dict[str, Any]
+    observer: dict[str, float]
+    perception_stats: dict[str, Any]
+    timing: dict[str, float]
+    files_sha256: dict[str, str | None]
+    track_y_m: float
+    looks: list[Exposure]
+    previews: PreviewLog
+    memory: Memory | None = None
+    bound: dict[str, float] | None = None
+
+
+def random_streams(seed: int) -> dict[str, np.random.Generator]:
+    """Independent generators for each source of randomness, so that adding one never shifts another."""
+    names = ("sensors", "boxes", "mounting", "image", "oracle", "faults", "map")
+    children = np.random.SeedSequence(seed).spawn(len(names))
+    return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
+
+
+def simulate(
+    case: Case, keep_images: bool = False, advance: Callable[[int], None] = lambda ticks: None
+) -> Run:
+    """Simulate one case; `advance` is called with every number of completed ticks (for progress bars).
+
+    The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
+    """
+    started = perf_counter()
+    scenario, car = case.scenario, case.scenario.vehicle.parameters
+    streams = random_streams(case.seed)
+    profiles = wheel_profiles(scenario)
+    plant = Plant(car)
+    plant.reset(profiles, scenario.start_m, scenario.motion)
+    sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
+    perception = build_perception(case, profiles, streams, keep_images)
+    files_sha256 = hashes(case)
+    faults = Faults(scenario.faults, streams["faults"])
+    replay = PlanReplay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
+    driver = MultirateLoop(case, plant, sensors, perception, faults, replay)
+    try:
+        driver.drive(advance)
+    finally:
+        perception.close()
+    record = plant.signals
+    wall_s = perf_counter() - started
+    timing = {"wall_s": wall_s, "real_time_factor": scenario.ticks / TICKS_PER_SECOND / wall_s}
+    return Run(
+        case=case,
+        signals=flat_signals(record),
+        metrics=metrics_of(record, case),
+        events=driver.events,
+        solver=driver.solver,
+        observer=observer_errors(control_model(car), driver.estimates, record),
+        perception_stats=perception.stats(),
+        timing=timing | driver.timing | perception.timing(),
+        files_sha256=files_sha256,
+        track_y_m=min(car.wheel_y_m),
+        looks=perception.looks,
+        previews=collect(driver.seen),
+        memory=perception.memory(),
+    )
+
+
+def commands(case: Case) -> np.ndarray:
+    """Simulate a case; return the command during each tick, (inputs, ticks), N·s/m and N."""
+    signals, car = simulate(case).signals, case.scenario.vehicle.parameters
+    names = [f"{kind}_{wheel}" for kind in ("command", "force_command") for wheel in range(car.wheels)]
+    return np.array([signals[name][1:] for name in names[: input_size(car)]])
+
+
+def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
+    """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`)."""
+    car = case.scenario.vehicle.parameters
+    ride = ride_metrics(
+        TICKS_PER_SECOND,
+        seat_acc=record.seat_acc,
+        rattle=record.rattle_m,
+        tyre_force=record.tyre_force,
+        static_tyre_force=record.static_tyre_force[:, 0],
+        damper_power=-record.damper_force * record.rattle_velocity,
+        stop_gap_m=np.array([corner.stop_gap_m for corner in car.corners]),
+        rebound_gap_m=np.array([corner.rebound_gap_m for corner in car.corners]),
+        pitch_acc=record.pitch_acc,
+        roll_acc=record.roll_acc,
+        rho=case.scenario.tyre_load_weight,
+    )
+    return ride | energy_audit(car, record)
+
+
+def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:
+    """Signals as one array of length n per name; rows of per-wheel and per-seat signals get their index."""
+    flat: dict[str, np.ndarray] = {}
+    for field in fields(record):
+        values = np.asarray(getattr(record, field.name), dtype=float)
+        if values.ndim == 1:
+            flat[field.name] = values
+        elif field.name != "x":
+            flat |= {f"{field.name}_{index}": row for index, row in enumerate(values)}
+    return flat

@@ -1,0 +1,1 @@
+"""Parameter studies: axes, sweeps on Dask, resumable results, and tuning."""

@@ -1,0 +1,148 @@
+"""Execution of a study on a Dask cluster, local or reached by an address."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent import futures
+from contextlib import contextmanager
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from foreride.files.errors import InputError, shown
+from foreride.files.writing.sharing import shared_name, shared_target, without_folders
+from foreride.scenarios.commands.tables import flat
+from foreride.scenarios.comparison.parallel import WorkerDied
+from foreride.scenarios.runs.write import row, to_json
+from foreride.scenarios.simulation.simulate import simulate
+from foreride.scenarios.studies.results import Results
+from foreride.scenarios.studies.study import Sample
+
+if TYPE_CHECKING:  # the extra `sweep`
+    from distributed import Client, Future
+
+QUEUED_PER_WORKER = 4
+"""Drives submitted per worker thread: enough to keep it busy, few enough to stop quickly."""
+REACH_S = 10
+PATIENCE_S = 120
+"""Time without any result after which the cluster is asked whether it has workers, s."""
+LOOPBACK = "127.0.0.1:0"
+_CANCELLED = (futures.CancelledError, asyncio.CancelledError)
+
+_SIMULATION_LOCK = threading.Lock()
+"""Prediction models are shared within a process, so worker threads must take turns."""
+
+
+def simulate_sample(sample: Sample) -> dict[str, Any]:
+    """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
+    try:
+        with _SIMULATION_LOCK:
+            found = json.loads(to_json(flat(row(simulate(sample.case())))))
+        return sample_columns(sample, None) | found
+    except Exception as error:  # any failure of a case is its result
+        return sample_columns(
+            sample, without_folders(f"{type(error).__name__}: {' '.join(str(error).split())}")
+        )
+
+
+def sample_columns(sample: Sample, error: str | None) -> dict[str, Any]:
+    """Common columns of every row: key, error and inputs."""
+    asked = {f"set.{path}": value for path, value in sample.point}
+    names = {"scenario": shared_name(sample.scenario), "controller": shared_target(sample.controller)}
+    drive = {"perception": sample.perception, "seed": sample.seed}
+    return {"key": sample.key, "error": error, **names, **drive, **asked}
+
+
+def run(
+    client: Client, samples: Sequence[Sample], results: Results, advance: Callable[[], None] = lambda: None
+) -> None:
+    """Run all samples; each row is in `results` before `advance` is called. The order is arbitrary.
+
+    The drives of a worker that dies are given to others; one that kills its worker four times is recorded as
+    failed. Raises `WorkerDied` if no worker is left, or the scheduler is gone.
+    """
+
+    waiting = iter(samples)
+    asked: dict[str, Sample] = {}
+
+    def hand_out(count: int) -> list[Future]:
+        given = []
+        for sample in islice(waiting, count):
+            future = client.submit(simulate_sample, sample, key=f"foreride-{sample.key}", pure=False)
+            asked[str(future.key)] = sample
+            given.append(future)
+        return given
+
+    running = set(hand_out(QUEUED_PER_WORKER * max(1, sum(client.nthreads().values()))))
+    while running:
+        finished, running = _wait(client, running)
+        for future in finished:
+            sample, problem = asked.pop(str(future.key)), future.exception()
+            lost = sample_columns(sample, f"{type(problem).__name__}: {problem}")
+            results.add(future.result() if problem is None else lost)
+            advance()
+        running |= set(hand_out(len(finished)))
+
+
+def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future]]:
+    """Wait for results; return the finished futures, at least one, and the others."""
+    from distributed import wait
+
+    while True:
+        try:
+            done, others = wait(running, timeout=PATIENCE_S, return_when="FIRST_COMPLETED")
+            if any(future.status in ("cancelled", "lost") for future in done):
+                raise WorkerDied("the scheduler is gone")
+            return done, others
+        except TimeoutError:
+            if not _threads(client):
+                raise WorkerDied("no worker is left") from None
+        except _CANCELLED:
+            raise WorkerDied("the scheduler is gone") from None
+
+
+def _threads(client: Client) -> int:
+    """Threads of all workers; none if the scheduler does not answer."""
+    try:
+        return sum(client.nthreads().values())
+    except (OSError, TimeoutError, *_CANCELLED):
+        return 0
+
+
+@contextmanager
+def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Iterator[Client]:
+    """Connect to the cluster at `address`, or start one of `workers` processes on this machine.
+
+    A cluster of this machine talks over the loopback interface only; its dashboard listens at `dashboard`.
+    """
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise InputError("sweep needs Dask: pip install 'foreride[sweep]'") from None
+    host, _, port = dashboard.rpartition(":")
+    if not host or not (port.isascii() and port.isdigit()) or int(port) > 65535:
+        raise InputError(f"--dashboard: must be HOST:PORT, such as 0.0.0.0:8787, got {shown(dashboard)}")
+    if address is not None:
+        try:
+            client = Client(address, timeout=REACH_S)
+        except (OSError, ValueError) as error:
+            told = " ".join(str(error).split()) or type(error).__name__
+            raise InputError(f"--scheduler {address}: cannot be reached ({told})") from None
+        with client:
+            yield client
+        return
+    with (
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address=dashboard,
+            worker_dashboard_address=LOOPBACK,
+            silence_logs=50,
+        ) as local,
+        Client(local) as client,
+    ):
+        yield client

@@ -1,0 +1,67 @@
+"""Tests that settings which do not apply to the car are refused by name."""
+
+import pytest
+
+from foreride.files.errors import InputError
+from foreride.scenarios.definition.loading import load, names
+
+WINDOW = "mode: stuck, start_s: 0.1, duration_s: 0.2"
+
+
+@pytest.mark.parametrize(
+    ("model", "override", "told"),
+    [
+        ("half", f"faults=[{{kind: sensor, channel: rattle_m, wheel: 2, {WINDOW}}}]", "faults[0].wheel"),
+        ("quarter", f"faults=[{{kind: sensor, channel: wheel_acc, wheel: 1, {WINDOW}}}]", "faults[0].wheel"),
+        ("full", f"faults=[{{kind: sensor, channel: speed_m_s, wheel: 1, {WINDOW}}}]", "faults[0].wheel"),
+        ("half", f"faults=[{{kind: sensor, channel: roll_rate, {WINDOW}}}]", "faults[0].channel"),
+        ("quarter", f"faults=[{{kind: sensor, channel: pitch_rate, {WINDOW}}}]", "faults[0].channel"),
+        ("half", "sensors.roll_rate_offset_rad_s=0.1", "sensors.roll_rate_offset_rad_s"),
+        ("quarter", "sensors.pitch_rate_density_rad_s=0.1", "sensors.pitch_rate_density_rad_s"),
+        ("half", "sensors.interface.roll_rate_step_rad_s=0.1", "sensors.interface.roll_rate_step_rad_s"),
+        ("quarter", "control.settings.fixed.rear_ns_m=700", "control.settings.fixed.rear_ns_m"),
+        ("half", "control.settings.mpc.force.power_w=700", "control.settings.mpc.force.power_w"),
+    ],
+)
+def test_parts_that_the_car_lacks_cannot_be_set(model: str, override: str, told: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load("bump_8x40_30", [f"vehicle.model={model}", override])
+    assert f": {told} must be " in str(caught.value)
+    assert f"{model}_car" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("model", "override"),
+    [
+        ("full", f"faults=[{{kind: sensor, channel: rattle_m, wheel: 3, {WINDOW}}}]"),
+        ("full", f"faults=[{{kind: sensor, channel: roll_rate, {WINDOW}}}]"),
+        ("half", f"faults=[{{kind: sensor, channel: all, {WINDOW}}}]"),
+        ("half", "sensors.roll_rate_offset_rad_s=0"),
+        ("full", "sensors.roll_rate_offset_rad_s=0.1"),
+        ("half", "control.settings.fixed.rear_ns_m=700"),
+    ],
+)
+def test_parts_that_the_car_has_can_be_set(model: str, override: str) -> None:
+    assert load("bump_8x40_30", [f"vehicle.model={model}", override]).vehicle.model == model
+
+
+def test_an_actuator_takes_its_settings() -> None:
+    actuator = "vehicle.parameters.actuator={kind: slow_active}"
+    scenario = load("bump_8x40_30", [actuator, "control.settings.mpc.force.power_w=700"])
+    assert scenario.control.settings.mpc.force.power_w == 700
+
+
+@pytest.mark.parametrize("model", ["quarter", "half", "full", "compact", "heavy_van", "suv", "van"])
+def test_the_library_applies_to_each_shipped_car(model: str) -> None:
+    for name in names():
+        assert load(name, [f"vehicle.model={model}"]).ticks > 0
+
+
+def test_a_horizon_has_a_most_of_control_periods() -> None:
+    with pytest.raises(InputError, match=r"control\.settings\.mpc\.horizon_s must be <= 0\.4 s at 1000 Hz"):
+        load("bump_8x40_30", ["control.rate_hz=1000", "control.settings.mpc.horizon_s=0.5"])
+
+
+def test_a_drive_has_a_longest_duration() -> None:
+    with pytest.raises(InputError, match="must give a drive of at most 7200 s"):
+        load("bump_8x40_30", ["road.length_m=9000", "speed_kmh=1"])
