@@ -20,27 +20,10 @@ TRACEBACK = "FORERIDE_TRACEBACK"
 
 def parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
-    from foreride.scenarios.commands import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
-        detector,
-        doctor,
-        validation,
-    )
-    from foreride.scenarios.commands.drive import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
-        bound,
-        compare,
-        demo,
-        regress,
-        run,
-        sweep,
-        tune,
-    )
-    from foreride.scenarios.commands.inspect import (  # here, so that an interrupt during these seconds is caught        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )        bound,        calibrate,        compare,        demo,        detector,        doctor,        perception,        regress,        render,        report,        road,        run,        sweep,        tune,        validation,    )
-        calibrate,
-        perception,
-        render,
-        report,
-        road,
-    )
+    # Imported here, so that an interrupt during these seconds is caught.
+    from foreride.scenarios.commands import detector, doctor, validation
+    from foreride.scenarios.commands.drive import bound, compare, demo, regress, run, sweep, tune
+    from foreride.scenarios.commands.inspect import calibrate, perception, render, report, road
 
     top = Parser(
         prog="foreride",

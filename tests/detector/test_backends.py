@@ -63,6 +63,9 @@ def test_openvino_refuses_a_graph_quantised_for_onnxruntime(tmp_path: Path) -> N
 
 
 def test_no_other_runtime_is_loaded_unasked() -> None:
-    code = "import sys; from foreride.detector.runtime import Detector; Detector(); print('openvino' in sys.modules)"
+    code = (
+        "import sys; from foreride.detector.runtime import Detector; Detector(); "
+        "print('openvino' in sys.modules)"
+    )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ)
     assert said.stdout.strip() == "False"

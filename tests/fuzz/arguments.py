@@ -60,9 +60,9 @@ def _without_work() -> None:
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing.pool import Pool
 
-    import foreride.scenarios.bound.optimum_cache
-    import foreride.scenarios.commands.drive.sweep
     from foreride.road.render.scene import Scene
+    from foreride.scenarios.bound import optimum_cache
+    from foreride.scenarios.commands.drive import sweep
     from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 
     for owner, name in (
@@ -70,8 +70,8 @@ def _without_work() -> None:
         (Scene, "__init__"),
         (Pool, "__init__"),
         (ProcessPoolExecutor, "__init__"),
-        (scenarios.bound, "optimise"),
-        (scenarios.commands.sweep, "cluster"),
+        (optimum_cache, "optimise"),
+        (sweep, "cluster"),
     ):
         setattr(owner, name, _reached)
 

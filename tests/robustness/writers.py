@@ -60,16 +60,16 @@ def _sweep_in_this_process() -> None:
 
 
 def _quick_bound() -> None:
-    import foreride.scenarios.bound.optimum_cache
     from foreride.controller.clairvoyant.optimum import Optimum
     from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
+    from foreride.scenarios.bound import optimum_cache
 
     def optimise(car, whole: WholeDriveObjective, plans) -> Optimum:  # type: ignore[no-untyped-def]
         found = {name: whole.objective(plan)[0] for name, plan in plans.items()}
         best = min(found, key=found.__getitem__)
         return Optimum(plans[best], found[best], found)
 
-    scenarios.bound.optimise = optimise
+    optimum_cache.optimise = optimise
 
 
 _PASSIVE = ("--controllers", "passive")
