@@ -10,9 +10,9 @@ from pathlib import Path
 from statistics import median
 
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
-from foreride.scenarios.simulation.simulate import simulate
 
 CASES = (
     ("quarter", "mpc_preview", "oracle", 100),
@@ -28,7 +28,7 @@ def measure(vehicle: str, controller: str, perception: str, rate_hz: int, repeat
     """Median real-time factor and run times of one kind of drive."""
     overrides = [f"vehicle.model={vehicle}", f"control.rate_hz={rate_hz}"]
     case = Case(load("hump_flat_30", overrides), controller, perception, 0)
-    runs = [simulate(case).timing for _ in range(repeats + 1)][1:]
+    runs = [simulate_case(case).timing for _ in range(repeats + 1)][1:]
     medians = {name: median(run[name] for run in runs) for name in runs[0]}
     return {"vehicle": vehicle, "perception": perception, "control_hz": rate_hz} | medians
 

@@ -13,12 +13,12 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.html import page
 from foreride.scenarios.runs.write import row
-from foreride.scenarios.simulation.simulate import simulate
 
 _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
@@ -32,7 +32,7 @@ def write_report(path: Path) -> float:
     """Write the report of a passive and a camera drive, with images; return the simulated seconds."""
     scenario = load("hump_flat_30", LONG)
     cases = Case(scenario, "passive", "none", 0), Case(scenario, "mpc_preview", "camera", 0)
-    runs = tuple(simulate(case, keep_images=True) for case in cases)
+    runs = tuple(simulate_case(case, keep_images=True) for case in cases)
     path.write_text(page(ReportInput(runs, tuple(row(run) for run in runs))))
     return scenario.ticks / 1000
 

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foreride.controller.mpc.prediction_model import KILO
 from foreride.vehicle.equations import input_size
 from foreride.vehicle.load import Car
 
+KILO = 1000.0
+"""Plans are in kN·s/m and kN, so that their entries are of order one."""
 BOUND_MARGIN = 1e-9
 """Margin to the limits of a plan's entries, kN·s/m and kN."""
 

@@ -9,6 +9,9 @@ import numpy as np
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
 
+ALL_SILENT = "all sensors silent"
+"""Name of the fault in which no sensor gives a reading."""
+
 
 @dataclass(frozen=True)
 class Estimate:

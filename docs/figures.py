@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import colour_of, save, write_event_figure
-from foreride.scenarios.simulation.simulate import simulate
 
 FOLDER = Path(__file__).parent / "figures"
 NUMBERS = FOLDER / "physics.json"
@@ -49,7 +49,7 @@ def measure() -> None:
         for field, values in SWEEPS.items()
     }
     write_text(NUMBERS, json.dumps({"events": events, "sweeps": sweeps}, indent=1) + "\n")
-    runs = [simulate(_case("hump_flat_30", law)) for law in TRACED]
+    runs = [simulate_case(_case("hump_flat_30", law)) for law in TRACED]
     write_event_figure(FOLDER / "hump.png", runs)
 
 
@@ -69,8 +69,8 @@ _passive: dict[str, float] = {}
 
 def _ratio(name: str, law: str, *overrides: str) -> float:
     if name not in _passive:
-        _passive[name] = simulate(_case(name, "passive")).metrics["objective"]
-    ratio = simulate(_case(name, law, *overrides)).metrics["objective"] / _passive[name]
+        _passive[name] = simulate_case(_case(name, "passive")).metrics["objective"]
+    ratio = simulate_case(_case(name, law, *overrides)).metrics["objective"] / _passive[name]
     print(f"{name} {law} {' '.join(overrides)} {ratio:.3f}", flush=True)
     return round(ratio, 4)
 

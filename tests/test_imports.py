@@ -1,8 +1,10 @@
-"""The packages form a house with one-way doors: who may import whom."""
+"""Imports flow one way: between packages, and between the rooms (sub-packages) inside them."""
 
 import ast
 import subprocess
 import sys
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -19,57 +21,114 @@ MAY_IMPORT: dict[str, set[str]] = {
     "controller": {"preview", "vehicle", "comfort"},
     "scenarios": {"road", "comfort", "detector", "vehicle", "preview", "controller"},
 }
-TORCH_FREE = {"__init__", "detection", "evaluate", "metrics", "nms", "runtime"}
-"""Files of the detector that a scenario or an evaluation needs; the rest trains, and may use torch."""
+TORCH_ROOMS = {"detector.network", "detector.training", "detector.export"}
+"""Rooms in which PyTorch may be imported; a drive and an evaluation need none of them."""
+TRUE_ROAD = {"road.road", "road.features", "road.roughness", "road.render", "road.summary", "road.dataset"}
+"""What the estimator may not see: the road as it is."""
+MAX_FILES = 15
+"""Largest number of files in a room."""
 
 
-def imported_modules(path: Path) -> set[str]:
-    """Dotted names of all modules that a file imports, wherever in the file the import stands."""
+@cache
+def imported(path: Path) -> frozenset[str]:
+    """Dotted names, relative to `foreride`, of the modules that a file imports, wherever in it."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
-            names.add(node.module)
-    return {name.removeprefix("foreride.") for name in names}
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return frozenset(name.removeprefix("foreride.") for name in names)
 
 
-def files_of(package: str) -> list[Path]:
-    return sorted((ROOT / package).rglob("*.py"))
+@cache
+def files_of(package: str) -> tuple[Path, ...]:
+    return tuple(sorted((ROOT / package).rglob("*.py")))
+
+
+def room_of(dotted: str) -> str:
+    """The room of a module: its package's sub-package, or the module itself where it stands at the root."""
+    return ".".join(dotted.split(".")[:2])
+
+
+def inside(name: str, places: set[str]) -> bool:
+    return any(f"{name}.".startswith(f"{place}.") for place in places)
 
 
 @pytest.mark.parametrize("package", MAY_IMPORT)
-def test_imports_flow_one_way(package: str) -> None:
+def test_imports_between_packages_flow_one_way(package: str) -> None:
     allowed = MAY_IMPORT[package] | {package, "files"}
     wrong = [
         f"{path.relative_to(ROOT)} imports {name}"
         for path in files_of(package)
-        for name in imported_modules(path)
+        for name in imported(path)
         if name.split(".")[0] in MAY_IMPORT and name.split(".")[0] not in allowed
     ]
     assert files_of(package), f"package {package} has no files"
     assert not wrong
 
 
-def test_preview_takes_only_the_detection_type_from_the_detector() -> None:
-    taken = {
-        name
-        for path in files_of("preview")
-        for name in imported_modules(path)
-        if name.split(".")[0] == "detector"
-    }
-    assert taken <= {"detector.detection"}
+def test_imports_between_rooms_form_no_circle() -> None:
+    graph: dict[str, set[str]] = {}
+    for package in MAY_IMPORT:
+        for path in files_of(package):
+            dotted = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+            targets = {room_of(name) for name in imported(path) if name.split(".")[0] in MAY_IMPORT}
+            graph.setdefault(room_of(dotted), set()).update(targets - {room_of(dotted)})
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(f"circle: {' -> '.join(error.args[1])}")
 
 
-def test_torch_only_where_the_detector_is_trained() -> None:
-    users = {
-        str(path.relative_to(ROOT))
+def test_every_file_of_the_packages_imports_by_the_public_name() -> None:
+    wrong = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
         for package in MAY_IMPORT
         for path in files_of(package)
-        if any(name.split(".")[0] == "torch" for name in imported_modules(path))
+        for node in ast.walk(ast.parse(path.read_text()))
+        if (
+            isinstance(node, ast.ImportFrom)
+            and (node.level or (node.module or "").split(".")[0] in MAY_IMPORT)
+        )
+        or (isinstance(node, ast.Import) and any(a.name.split(".")[0] in MAY_IMPORT for a in node.names))
+    ]
+    assert not wrong
+
+
+def test_rooms_are_small() -> None:
+    rooms = {path.parent for package in MAY_IMPORT for path in files_of(package)}
+    crowded = {str(room.relative_to(ROOT)): len(list(room.glob("*.py"))) for room in rooms}
+    assert {room: count for room, count in crowded.items() if count > MAX_FILES} == {}
+
+
+def test_the_estimator_does_not_see_the_true_road() -> None:
+    seen = {name for path in files_of("preview") for name in imported(path) if inside(name, TRUE_ROAD)}
+    assert not seen
+
+
+def test_preview_takes_only_the_detection_type_from_the_detector() -> None:
+    taken = {name for path in files_of("preview") for name in imported(path) if inside(name, {"detector"})}
+    assert all(inside(name, {"detector.detections"}) for name in taken)
+
+
+def test_layers_and_objects_of_the_renderer_know_nothing_of_the_renderer() -> None:
+    shared = {"road.render.appearance", "road.render.map_tile", "road.render.noise"}
+    for room in ("road.render.paint", "road.render.objects"):
+        for path in (ROOT / room.replace(".", "/")).glob("*.py"):
+            used = {name for name in imported(path) if inside(name, {"road.render"})}
+            assert all(inside(name, shared | {room}) for name in used), path
+
+
+def test_torch_only_in_the_rooms_that_train_and_export() -> None:
+    users = {
+        room_of(".".join(path.relative_to(ROOT).with_suffix("").parts))
+        for package in MAY_IMPORT
+        for path in files_of(package)
+        if any(name.split(".")[0] == "torch" for name in imported(path))
     }
-    assert all(user.startswith("detector/") for user in users)
-    assert not users & {f"detector/{name}.py" for name in TORCH_FREE}
+    assert users
+    assert users <= TORCH_ROOMS
 
 
 def test_everything_a_scenario_needs_imports_without_torch() -> None:

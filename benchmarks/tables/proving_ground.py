@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from benchmarks.tables.command import command
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import environment, to_json
-from foreride.scenarios.simulation.simulate import simulate
 
 BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
 PRIMARY_RIDE_HZ = 4.0
@@ -56,7 +56,7 @@ def primary_ride(acceleration: NDArray[np.float64]) -> float:
 def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: str, seed: int) -> Ride:
     """Simulate one car over one bump."""
     scenario = load(bump, [f"vehicle.model={vehicle}", *(ACTIVE if actuator else ())])
-    run = simulate(Case(scenario, controller, perception, seed))
+    run = simulate_case(Case(scenario, controller, perception, seed))
     heave, pitch = (primary_ride(run.signals[name]) for name in ("cg_acc", "pitch_acc"))
     metrics = run.metrics["wk_rms"], run.metrics["peak_acc"]
     return Ride(vehicle, actuator, bump, controller, *metrics, heave, pitch)

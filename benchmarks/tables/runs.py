@@ -12,11 +12,11 @@ from rich.progress import track
 from foreride.files.errors import InputError
 from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.comparison.statistics import Interval, Row, intervals
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import environment, row, scenario_hash, to_json
-from foreride.scenarios.simulation.simulate import simulate
 
 Key = tuple[str, str, str, int]
 """Key of a row: names of variant, vehicle and scenario, and the seed."""
@@ -68,7 +68,7 @@ def run_all(
         if (name := key(variant, scenario, seed)) in known:
             return known[name][1]
         with variant.around(scenario):
-            run = simulate(Case(scenario, variant.controller, variant.perception, seed))
+            run = simulate_case(Case(scenario, variant.controller, variant.perception, seed))
         return row(run) | settings(variant, scenario)
 
     return {

@@ -25,8 +25,9 @@ from benchmarks.tables.wrong_maps import wrong_map
 from benchmarks.tables.wrong_roads import drawn_road, scenario
 from benchmarks.tables.wrong_settings import Unstated, applied, unstated, wrong_camera, wrong_oracle
 from foreride.files.errors import InputError
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
-from foreride.scenarios.simulation.simulate import Run, simulate
+from foreride.scenarios.simulation.simulate import Run
 
 A_ROAD = 8
 """Drives that share a road, and with it the drive with `mpc_reactive`."""
@@ -40,7 +41,7 @@ Row = dict[str, Any]
 def drives_on(road: int, numbers: Sequence[int]) -> list[Row]:
     """Rows of those of a road's drives that are wanted."""
     fields = drawn_road(np.random.default_rng([road, 0]))
-    reactive = simulate(Case(scenario(fields, f"road_{road}"), "mpc_reactive", "none", road))
+    reactive = simulate_case(Case(scenario(fields, f"road_{road}"), "mpc_reactive", "none", road))
     return [driven(fields, road, number, reactive) for number in numbers]
 
 
@@ -61,7 +62,7 @@ def driven(fields: dict[str, Any], road: int, number: int, reactive: Run) -> Row
             kind = "camera" if rng.random() < _RENDERED else kind
         there = scenario(fields | wrong, f"drive_{number}")
         with applied(missed):
-            run = simulate(Case(there, "mpc_preview", kind, road))
+            run = simulate_case(Case(there, "mpc_preview", kind, road))
     objective, without = run.metrics["objective"], reactive.metrics["objective"]
     return {
         "drive": number, "perception": kind, "ratio": objective / without, "objective": objective,

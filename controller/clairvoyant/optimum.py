@@ -13,9 +13,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
-from foreride.controller.command_limits import plan_limits
+from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.interface import Estimate, Stateless
-from foreride.controller.mpc.prediction_model import KILO
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.command_limits import KILO
 from foreride.controller.mpc.qp import ConstraintRows
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.settings import ForceSettings

@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from foreride.controller.command_limits import command_limits, passive_command, plan_limits
+from foreride.controller.command_limits import KILO, command_limits, passive_command, plan_limits
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
-from foreride.controller.mpc.prediction_model import KILO, prediction_model
+from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid

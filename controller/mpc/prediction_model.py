@@ -12,12 +12,11 @@ import casadi
 import numpy as np
 
 from foreride.comfort.weighting import wk_second_order
+from foreride.controller.command_limits import KILO
 from foreride.controller.mpc.casadi_llvm import CompiledFunction
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car
 
-KILO = 1000.0
-"""Plans are in kN·s/m and kN, so that their entries are of order one."""
 SIMD_LANES = 8
 """Number of steps linearised together in SIMD lanes."""
 

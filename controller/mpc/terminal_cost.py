@@ -6,8 +6,8 @@ import casadi
 import numpy as np
 from scipy.linalg import cholesky, solve_continuous_lyapunov
 
-from foreride.controller.command_limits import DampingLimits
-from foreride.controller.mpc.prediction_model import KILO, PredictionModel, derivative
+from foreride.controller.command_limits import KILO, DampingLimits
+from foreride.controller.mpc.prediction_model import PredictionModel, derivative
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.load import Car

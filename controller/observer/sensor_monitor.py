@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from foreride.controller.interface import ALL_SILENT
 from foreride.vehicle.plant.sensors import Measurement, SensorNoise
 
 STUCK_READINGS = 4
@@ -17,7 +18,6 @@ MAX_MAGNITUDE = {
     "roll_rate": 10.0,
 }
 """Largest plausible magnitude of each channel, SI units."""
-ALL_SILENT = "all sensors silent"
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.command_limits import command_limits, full_command
-from foreride.controller.interface import Controller, Estimate, Timing
-from foreride.controller.observer.sensor_monitor import ALL_SILENT
+from foreride.controller.interface import ALL_SILENT, Controller, Estimate, Timing
 from foreride.controller.settings import SupervisorSettings
 from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.controller.supervision.step_statistics import ControllerStatistics

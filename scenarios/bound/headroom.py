@@ -4,7 +4,7 @@ from foreride.controller.clairvoyant.optimum import Optimum
 from foreride.scenarios.bound.optimum_cache import bound
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.simulation.simulate import commands, simulate
+from foreride.scenarios.simulation.simulate import simulate
 
 
 def room(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:
@@ -13,7 +13,7 @@ def room(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:
     The bound is computed once, then taken from the cache (`scenarios.bound.optimum_cache`), unless it is
     `known`.
     """
-    optimum = known or bound(scenario, commands)
+    optimum = known or bound(scenario)
     passive = simulate(Case(scenario, "passive", "none", scenario.seed)).metrics
     return {
         "objective": optimum.objective,

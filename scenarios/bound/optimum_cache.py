@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from foreride.controller.clairvoyant.optimum import Optimum, optimise
 from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDriveObjective
-from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.command_limits import KILO
 from foreride.controller.tuned_settings import tuned_settings
 from foreride.files.cache import cached
 from foreride.files.writing.atomic import write_bytes
@@ -18,7 +17,9 @@ from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, ticks
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.oracle import OracleErrors
+from foreride.scenarios.simulation.simulate import simulate
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
+from foreride.vehicle.equations import input_size
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.speed_profile import ConstantSpeed, SpeedProfile
 from foreride.vehicle.state import road_under
@@ -26,11 +27,8 @@ from foreride.vehicle.state import road_under
 START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")
 """Controllers whose commands serve as starting points of the optimisation."""
 
-Commands = Callable[[Case], np.ndarray]
-"""Simulates a case and returns the command during each tick (inputs, ticks), N·s/m and N."""
 
-
-def bound(scenario: Scenario, commands: Commands) -> Optimum:
+def bound(scenario: Scenario) -> Optimum:
     """Return the optimal plan for the scenario's whole drive, from the cache if available.
 
     A cached plan is accepted only if it still yields the J stored with it.
@@ -47,7 +45,7 @@ def bound(scenario: Scenario, commands: Commands) -> Optimum:
     first = np.searchsorted(drive.interval, np.arange(whole.intervals))
     plans = {}
     for name in START_CONTROLLERS:
-        plans[name] = commands(_start_case(scenario, name))[:, first].T / KILO
+        plans[name] = _commands(_start_case(scenario, name))[:, first].T / KILO
     optimum = optimise(car, whole, plans)
     with suppress(OSError):  # a bound that cannot be cached is still valid
         write_bytes(path, _bytes(optimum))
@@ -95,6 +93,13 @@ def _start_case(scenario: Scenario, controller: str) -> Case:
         control=replace(scenario.control, settings=settings),
     )
     return Case(clear, controller, "oracle" if controller == "mpc_preview" else "none", scenario.seed)
+
+
+def _commands(case: Case) -> np.ndarray:
+    """Simulate a case; return the command during each tick, (inputs, ticks), N·s/m and N."""
+    signals, car = simulate(case).signals, case.scenario.vehicle.parameters
+    names = [f"{kind}_{wheel}" for kind in ("command", "force_command") for wheel in range(car.wheels)]
+    return np.array([signals[name][1:] for name in names[: input_size(car)]])
 
 
 def _key(scenario: Scenario, drive: DriveInputs) -> str:

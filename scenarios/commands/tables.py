@@ -1,21 +1,17 @@
 """Output of comparison tables: terminal, JSON, Parquet, Markdown, LaTeX."""
 
 import argparse
-import io
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.commands.options import console
-from foreride.scenarios.comparison.statistics import Row, Variant, pick, summarise, variants_of
+from foreride.scenarios.comparison.document import document, parquet
+from foreride.scenarios.comparison.statistics import Row, pick, summarise, variants_of
 from foreride.scenarios.comparison.table import comparison, latex, markdown
-from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.runs.write import to_json
 
 DEFAULT_BASELINE = "passive"
 
@@ -56,31 +52,3 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
     if any(files):
         console.print(f"numbers: {', '.join(str(path) for path in files if path)}")
     return whole
-
-
-def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None) -> dict[str, Any]:
-    """Comparison as a JSON document of schema 1: manifest, rows and summary."""
-    summary = [variant.plain() for variant in variants]
-    return {
-        "schema": 1, "manifest": environment(), "rows": list(rows), "baseline": baseline, "summary": summary,
-    }  # fmt: skip
-
-
-def parquet(rows: Sequence[Row]) -> bytes:
-    """Rows as a Parquet file: metrics under their own names, the rest under dotted ones."""
-    sink = io.BytesIO()
-    pq.write_table(pa.Table.from_pylist([flat(row) for row in rows]), sink, compression="zstd")
-    return sink.getvalue()
-
-
-def flat(row: Row) -> dict[str, Any]:
-    """Row without nesting: metrics under their own names, deeper mappings as JSON text."""
-    line: dict[str, Any] = {}
-    for name, value in row.items():
-        if not isinstance(value, dict):
-            line[name] = value
-            continue
-        prefix = "" if name == "metrics" else f"{name}."
-        for inner, part in value.items():
-            line[prefix + inner] = json.dumps(part, sort_keys=True) if isinstance(part, dict | list) else part
-    return line

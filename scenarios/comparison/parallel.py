@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
-from foreride.scenarios.simulation.simulate import Run, simulate
+from foreride.scenarios.simulation.simulate import Run
 
 Advance = Callable[[Case, int], None]
 """Called with every number of ticks that a case has completed."""
@@ -26,12 +27,12 @@ def simulate_each(
     """
     if jobs == 1 or len(wanted) < 2:
         for case in wanted:
-            yield simulate(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
+            yield simulate_case(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
         return
     # Spawned: forking a process whose libraries have started threads may hang.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=context) as pool:
-        waiting = [pool.submit(simulate, case, keep_images) for case in wanted]
+        waiting = [pool.submit(simulate_case, case, keep_images) for case in wanted]
         try:
             for case, future in zip(wanted, waiting, strict=True):
                 future.add_done_callback(lambda _, case=case: advance(case, case.scenario.ticks))  # type: ignore[misc]

@@ -8,12 +8,13 @@ from typing import Any
 
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.strict_json import read_json
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.comparison.statistics import Row
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.runs.read import is_run, read
 from foreride.scenarios.runs.validate import check_row
 from foreride.scenarios.runs.write import row, scenario_hash
-from foreride.scenarios.simulation.simulate import Run, simulate
+from foreride.scenarios.simulation.simulate import Run
 
 COMPARISON = "comparison.json"
 
@@ -48,7 +49,7 @@ def _single(path: Path) -> ReportInput:
     run = read(path)
     if run.case.controller == "passive":
         return ReportInput((run,), (row(run),))
-    beside = _passive_beside(path, run) or simulate(
+    beside = _passive_beside(path, run) or simulate_case(
         replace(run.case, controller="passive", perception="none")
     )
     return ReportInput((beside, run), (row(beside), row(run)))

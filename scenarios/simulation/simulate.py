@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 
 from foreride.comfort.metrics import ride_metrics
-from foreride.controller.clairvoyant.optimum import PlanReplay
-from foreride.controller.registry import CLAIRVOYANT
+from foreride.controller.interface import Controller
 from foreride.preview.prior_drives.memory_file import Memory
-from foreride.scenarios.bound.optimum_cache import bound
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.perceptions.camera import build_perception
@@ -23,7 +21,6 @@ from foreride.scenarios.simulation.preview_log import PreviewLog, collect
 from foreride.scenarios.simulation.referenced_files import hashes
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.energy_audit import energy_audit
-from foreride.vehicle.equations import input_size
 from foreride.vehicle.load import control_model
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.plant.sensors import Sensors
@@ -70,9 +67,14 @@ def random_streams(seed: int) -> dict[str, np.random.Generator]:
 
 
 def simulate(
-    case: Case, keep_images: bool = False, advance: Callable[[int], None] = lambda ticks: None
+    case: Case,
+    keep_images: bool = False,
+    advance: Callable[[int], None] = lambda ticks: None,
+    controller: Controller | None = None,
 ) -> Run:
     """Simulate one case; `advance` is called with every number of completed ticks (for progress bars).
+
+    Without `controller`, the one that the case names is built.
 
     The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
     """
@@ -86,8 +88,7 @@ def simulate(
     perception = build_perception(case, profiles, streams, keep_images)
     files_sha256 = hashes(case)
     faults = Faults(scenario.faults, streams["faults"])
-    replay = PlanReplay(bound(scenario, commands).plan) if case.controller == CLAIRVOYANT else None
-    driver = MultirateLoop(case, plant, sensors, perception, faults, replay)
+    driver = MultirateLoop(case, plant, sensors, perception, faults, controller)
     try:
         driver.drive(advance)
     finally:
@@ -110,13 +111,6 @@ def simulate(
         previews=collect(driver.seen),
         memory=perception.memory(),
     )
-
-
-def commands(case: Case) -> np.ndarray:
-    """Simulate a case; return the command during each tick, (inputs, ticks), N·s/m and N."""
-    signals, car = simulate(case).signals, case.scenario.vehicle.parameters
-    names = [f"{kind}_{wheel}" for kind in ("command", "force_command") for wheel in range(car.wheels)]
-    return np.array([signals[name][1:] for name in names[: input_size(car)]])
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:

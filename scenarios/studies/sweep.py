@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from foreride.files.errors import InputError, shown
 from foreride.files.writing.sharing import shared_name, shared_target, without_folders
-from foreride.scenarios.commands.tables import flat
+from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.comparison.document import flat
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import row, to_json
-from foreride.scenarios.simulation.simulate import simulate
 from foreride.scenarios.studies.results import Results
 from foreride.scenarios.studies.study import Sample
 
@@ -39,7 +39,7 @@ def simulate_sample(sample: Sample) -> dict[str, Any]:
     """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
     try:
         with _SIMULATION_LOCK:
-            found = json.loads(to_json(flat(row(simulate(sample.case())))))
+            found = json.loads(to_json(flat(row(simulate_case(sample.case())))))
         return sample_columns(sample, None) | found
     except Exception as error:  # any failure of a case is its result
         return sample_columns(

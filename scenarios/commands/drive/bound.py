@@ -8,12 +8,12 @@ from foreride.controller.registry import CLAIRVOYANT
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.headroom import room
 from foreride.scenarios.bound.optimum_cache import bound
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.commands.options import add_field_options, console, overrides_of
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import environment, scenario_hash, to_json, vehicle_name
-from foreride.scenarios.simulation.simulate import commands, simulate
 from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
 
 ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
@@ -36,8 +36,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.actuator:
         scenario = with_actuator(scenario, arguments.actuator)
     with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
-        optimum = bound(scenario, commands)
-        metrics = simulate(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
+        optimum = bound(scenario)
+        metrics = simulate_case(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
         found = room(scenario, optimum)
     console.print(
         f"{scenario.name}, {scenario.vehicle.model}: J {metrics['objective']:.4f} (m/s²)², "

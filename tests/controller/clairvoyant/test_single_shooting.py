@@ -8,8 +8,7 @@ import pytest
 from foreride.comfort.metrics import ride_metrics
 from foreride.controller.clairvoyant.optimum import PlanReplay, optimise
 from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDriveObjective
-from foreride.controller.command_limits import plan_limits
-from foreride.controller.mpc.prediction_model import KILO
+from foreride.controller.command_limits import KILO, plan_limits
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.load import Car, load_vehicle
 from foreride.vehicle.plant.plant import Plant

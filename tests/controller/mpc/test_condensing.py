@@ -6,9 +6,9 @@ import casadi
 import numpy as np
 import pytest
 
-from foreride.controller.command_limits import plan_limits
+from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.mpc.condensing import Condenser
-from foreride.controller.mpc.prediction_model import KILO, PredictionModel, prediction_model
+from foreride.controller.mpc.prediction_model import PredictionModel, prediction_model
 from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.terminal_cost import TerminalCost, terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid

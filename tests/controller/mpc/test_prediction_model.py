@@ -7,8 +7,8 @@ from scipy.signal import StateSpace, lsim
 
 from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.weighting import wk_second_order
-from foreride.controller.command_limits import DampingLimits
-from foreride.controller.mpc.prediction_model import KILO, prediction_model
+from foreride.controller.command_limits import KILO, DampingLimits
+from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car, load_vehicle
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from foreride.controller.command_limits import DampingLimits
-from foreride.controller.mpc.prediction_model import KILO, prediction_model
+from foreride.controller.command_limits import KILO, DampingLimits
+from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.controller.observer.sensor_monitor import ALL_SILENT, STUCK_READINGS, SensorMonitor
+from foreride.controller.interface import ALL_SILENT
+from foreride.controller.observer.sensor_monitor import STUCK_READINGS, SensorMonitor
 from foreride.vehicle.plant.sensors import NO_NOISE, Measurement, SensorNoise
 
 

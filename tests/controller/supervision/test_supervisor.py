@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import foreride.controller.mpc.program as program
-from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.controller.interface import ALL_SILENT, Controller, Estimate, Timing
 from foreride.controller.mpc.qp import Solution
-from foreride.controller.observer.sensor_monitor import ALL_SILENT
 from foreride.controller.registry import build
 from foreride.controller.settings import ControllerSettings, SupervisorSettings
 from foreride.controller.supervision.preview_gate import INCONSISTENT
