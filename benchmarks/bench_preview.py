@@ -28,7 +28,8 @@ from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, P
 from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
-from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes  # noqa: E402
+from foreride.scenarios.definition.box_errors import BoxErrors  # noqa: E402
+from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes  # noqa: E402
 from foreride.vehicle.load import load_vehicle  # noqa: E402
 from foreride.vehicle.plant.plant import Plant  # noqa: E402
 from foreride.vehicle.plant.sensors import Sensors  # noqa: E402

@@ -6,9 +6,9 @@ from typing import Annotated, Literal, get_args
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
+from foreride.files.reading.checks import check_choice
 from foreride.files.reading.ranges import Checked
 from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias
-from foreride.road.checks import check_choice
 
 Angle = Annotated[float, Interval(ge=1e-3, le=30.0), "degrees"]
 EdgeSigma = Annotated[float, Interval(ge=1e-3, le=100.0), "px"]

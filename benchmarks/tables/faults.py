@@ -19,9 +19,9 @@ from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, s
 from foreride.controller.interface import Estimate
 from foreride.controller.mpc.controller import PredictiveController
 from foreride.preview.road_preview import RoadPreview
+from foreride.scenarios.definition.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.definition.sets import load_all
-from foreride.scenarios.simulation.fault_injection import Fault, LateAnswers, PreviewFault, SensorFault
 
 AHEAD_S, WINDOW_S = 0.2, 1.0
 LIMIT = 1.02

@@ -13,9 +13,9 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
+from foreride.files.reading.checks import check_number
 from foreride.files.reading.ranges import Checked
 from foreride.road.camera.distortion import NO_DISTORTION, Distortion, distort, folds, undistort
-from foreride.road.checks import check_number
 
 Array = NDArray[np.float64]
 Pixel = Annotated[float, Interval(ge=0.0, le=8192.0), "px"]

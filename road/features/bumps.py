@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
+from foreride.files.reading.checks import check_choice, check_number
 from foreride.files.reading.ranges import Checked
-from foreride.road.checks import check_choice, check_number
-from foreride.road.quantities import Height, Lateral, Length, Position, Ramp, Taper
+from foreride.road.features.quantities import Height, Lateral, Length, Position, Ramp, Taper
 
 PAINTS = (
     "plain",

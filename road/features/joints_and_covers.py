@@ -8,9 +8,9 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
+from foreride.files.reading.checks import check_number
 from foreride.files.reading.ranges import Checked
-from foreride.road.checks import check_number
-from foreride.road.quantities import Lateral, Position, Ramp
+from foreride.road.features.quantities import Lateral, Position, Ramp
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
+from foreride.files.reading.checks import check_number
 from foreride.files.reading.ranges import Checked, Seed
-from foreride.road.checks import check_number
 from foreride.road.features.pothole_rim import Rim, irregular_rim
-from foreride.road.quantities import Height, Lateral, Length, Position, Ramp
+from foreride.road.features.quantities import Height, Lateral, Length, Position, Ramp
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
+from foreride.files.reading.checks import check_choice
 from foreride.files.reading.ranges import Checked, Share
-from foreride.road.checks import check_choice
 
 LIGHTS = ("noon", "overcast", "sunset", "night")
 WEATHERS = ("dry", "wet", "rain", "fog", "snow")

@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 from foreride.files.errors import InputError
-from foreride.road.checks import check_number
+from foreride.files.reading.checks import check_number
 
 SPEED_M_S = 80 / 3.6
 # Golden car, all per sprung mass: tyre and suspension stiffness (1/s²), damping (1/s), wheel mass.

@@ -8,8 +8,8 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
+from foreride.files.reading.checks import check_choice
 from foreride.files.reading.ranges import Checked, Seed
-from foreride.road.checks import check_choice
 
 ISO_CLASSES = ("A", "B", "C", "D", "E", "F", "G", "H")
 REFERENCE_N0 = 0.1  # cycles/m

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import welch
 
 from foreride.files.errors import InputError
-from foreride.road.checks import check_number
+from foreride.files.reading.checks import check_number
 from foreride.road.roughness.iso8608 import ISO_CLASSES, REFERENCE_N0, WAVINESS
 
 BAND = (0.02, 2.83)  # cycles/m, band of the fit where covered; the upper end is that of ISO 8608

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
-from foreride.road.checks import check_number
+from foreride.files.reading.checks import check_number
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 

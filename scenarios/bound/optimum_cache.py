@@ -15,8 +15,8 @@ from foreride.files.cache import cached
 from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, ticks
+from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.perceptions.oracle import OracleErrors
 from foreride.scenarios.simulation.simulate import simulate
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.equations import input_size

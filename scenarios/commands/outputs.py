@@ -13,7 +13,7 @@ from foreride.scenarios.runs import write
 from foreride.scenarios.runs.write import folder_name
 
 KIND = "runs"
-"""ObstacleTemplate, in their marker, of folders to which runs, comparisons and figures are added."""
+"""Kind, in their marker, of folders to which runs, comparisons and figures are added."""
 USUAL = Path("runs")
 _FILES = ("json", "parquet", "markdown", "latex", "film")
 

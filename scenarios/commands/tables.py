@@ -11,7 +11,7 @@ from foreride.scenarios.commands.options import console
 from foreride.scenarios.comparison.document import document, parquet
 from foreride.scenarios.comparison.statistics import Row, pick, summarise, variants_of
 from foreride.scenarios.comparison.table import comparison, latex, markdown
-from foreride.scenarios.runs.write import to_json
+from foreride.scenarios.runs.write import environment, to_json
 
 DEFAULT_BASELINE = "passive"
 
@@ -39,7 +39,7 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
     baseline = baseline_of(arguments.baseline, variants_of(rows))
     variants = summarise(rows, baseline)
     console.print(comparison(variants, title, console.width, baseline))
-    whole = document(rows, variants, baseline)
+    whole = document(rows, variants, baseline, environment())
     if arguments.json:
         write_text(arguments.json, to_json(whole) + "\n")
     if arguments.parquet:

@@ -2,21 +2,22 @@
 
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from foreride.scenarios.comparison.statistics import Row, Variant
-from foreride.scenarios.runs.write import environment
 
 
-def document(rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None) -> dict[str, Any]:
-    """Comparison as a JSON document of schema 1: manifest, rows and summary."""
+def document(
+    rows: Sequence[Row], variants: Sequence[Variant], baseline: str | None, manifest: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Comparison as a JSON document of schema 1: manifest (versions and platform), rows and summary."""
     summary = [variant.plain() for variant in variants]
     return {
-        "schema": 1, "manifest": environment(), "rows": list(rows), "baseline": baseline, "summary": summary,
+        "schema": 1, "manifest": manifest, "rows": list(rows), "baseline": baseline, "summary": summary,
     }  # fmt: skip
 
 

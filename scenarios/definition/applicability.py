@@ -6,7 +6,7 @@ from typing import Any
 
 from foreride.controller.settings import ControllerSettings, FixedSettings, ForceSettings
 from foreride.files.errors import InputError, shown
-from foreride.scenarios.simulation.fault_injection import Fault, SensorFault
+from foreride.scenarios.definition.faults import Fault, SensorFault
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorInterface, SensorNoise
 

@@ -17,11 +17,11 @@ from foreride.road.render.appearance import Appearance
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 from foreride.scenarios.definition.applicability import require_applicable
+from foreride.scenarios.definition.box_errors import BoxErrors
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
+from foreride.scenarios.definition.faults import Fault
+from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.definition.speed import KM_H, SpeedPoint, profile
-from foreride.scenarios.perceptions.box_errors import BoxErrors
-from foreride.scenarios.perceptions.oracle import OracleErrors
-from foreride.scenarios.simulation.fault_injection import Fault
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorNoise
 from foreride.vehicle.speed_profile import SpeedProfile

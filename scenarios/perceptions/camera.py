@@ -17,11 +17,11 @@ from foreride.road.render.scene import Scene
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.perceptions.box_errors import degrade, true_boxes
 from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
 from foreride.scenarios.perceptions.interface import DetectorPerception, Exposure, NoPreview, Perception
 from foreride.scenarios.perceptions.oracle import build_oracle
 from foreride.scenarios.perceptions.road_map import build_map
+from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 from foreride.vehicle.state import VehicleState
 
 BoxSource = Callable[[int, VehicleState], Exposure]

@@ -2,43 +2,20 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated
+from dataclasses import replace
 
 import numpy as np
-from annotated_types import Interval
 
-from foreride.files.reading.ranges import Checked, Share
 from foreride.preview.road_preview import RoadPreview, oracle_preview
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
+from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.perceptions.interface import NoPreview
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
-
-
-@dataclass(frozen=True)
-class OracleErrors(Checked):
-    """Errors of the oracle's preview, and its stated uncertainty.
-
-    bias_m: longitudinal error of the features, positive farther ahead.
-    height_gain: previewed over true height.
-    latency_s: age of the view, extrapolated with the measured speed.
-    miss_probability: of each feature, for the whole drive. false_per_100m: mean number of non-existent bumps
-    and potholes. position_sigma_m, height_sigma (relative), existence: stated uncertainty of the preview.
-    """
-
-    bias_m: Annotated[float, Interval(ge=-5.0, le=5.0), "m"] = 0.0
-    height_gain: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 1.0
-    latency_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.0
-    miss_probability: Share = 0.0
-    false_per_100m: Annotated[float, Interval(ge=0.0, le=50.0), "1/(100 m)"] = 0.0
-    position_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.0
-    height_sigma: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 0.0
-    existence: Share = 1.0
 
 
 class OraclePerception(NoPreview):

@@ -26,7 +26,7 @@ from foreride.scenarios.simulation.preview_log import PreviewLog
 from foreride.scenarios.simulation.simulate import Run
 
 KIND = "run"
-"""ObstacleTemplate of run folders in their marker."""
+"""Kind of run folders in their marker."""
 MANIFEST = "manifest.json"
 FRAMES = "frames"
 _VERSIONED = (

@@ -19,7 +19,7 @@ from foreride.files.writing.atomic import write_bytes, writing
 from foreride.files.writing.folder import claim
 
 KIND = "sweep"
-"""ObstacleTemplate of result folders in their marker."""
+"""Kind of result folders in their marker."""
 ROWS_PER_PART = 500
 _PART = re.compile(r"part-[0-9]{5,}\.parquet")
 _JOURNAL = "journal.jsonl"

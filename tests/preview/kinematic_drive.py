@@ -13,7 +13,8 @@ from foreride.preview.settings import Settings
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
-from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes
+from foreride.scenarios.definition.box_errors import BoxErrors
+from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 
 AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)

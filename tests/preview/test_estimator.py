@@ -9,7 +9,7 @@ from foreride.preview.estimator import Estimator
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.box_errors import degrade, true_boxes
+from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Drive, Reading, box_errors, drive, unbiased
 
 EXACT = box_errors(pixel_sigma=0.0, miss_probability=0.0)

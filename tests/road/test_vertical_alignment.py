@@ -15,7 +15,7 @@ from foreride.road.render.raycast import FAR_M
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
 from foreride.road.vertical_alignment import MAX_GRADE, GradeChange, grade_at, grade_height
-from foreride.scenarios.perceptions.box_errors import true_boxes
+from foreride.scenarios.perceptions.true_boxes import true_boxes
 
 UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
 

@@ -1,4 +1,4 @@
-"""Drives without end in one process: does memory grow? `python -m tests.robustness.apply_wetness --minutes
+"""Drives without end in one process: does memory grow? `python -m tests.robustness.soak --minutes
 60`.
 """
 
@@ -55,7 +55,7 @@ def drive(rng: random.Random) -> Case:
     return case
 
 
-def apply_wetness(seconds: float, seed: int, every_s: float, tell: Callable[[Sample], None]) -> list[Sample]:
+def soak(seconds: float, seed: int, every_s: float, tell: Callable[[Sample], None]) -> list[Sample]:
     """Drive for so long; what the process held at intervals."""
     rng, samples, drives = random.Random(seed), [], 0
     began = told = time.monotonic()
@@ -88,7 +88,7 @@ def growth(samples: list[Sample]) -> float:
 
 def main() -> int:
     """Soak and print the curve."""
-    parser = argparse.ArgumentParser(prog="python -m tests.robustness.apply_wetness", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.robustness.soak", description=__doc__)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
@@ -97,7 +97,7 @@ def main() -> int:
         told = f"{one.rss_mib:8.1f} MiB  {one.descriptors:4} descriptors  {one.threads:3} threads"
         print(f"{one.minutes:6.1f} min  {one.drives:6} drives  {told}", flush=True)
 
-    samples = apply_wetness(60 * arguments.minutes, arguments.seed, 60.0, tell)
+    samples = soak(60 * arguments.minutes, arguments.seed, 60.0, tell)
     print(f"second half: {growth(samples):+.2f} MiB per 1000 drives; {samples[-1].drives} drives")
     return 0
 

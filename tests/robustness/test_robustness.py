@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.robustness.apply_wetness import Sample, apply_wetness, growth
 
 from tests.robustness.drives import every_edge, trial
+from tests.robustness.soak import Sample, growth, soak
 from tests.robustness.state import problems, state_of
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,7 @@ def test_a_number_at_the_end_of_its_range_can_be_driven() -> None:
 
 
 def test_a_soak_counts_what_the_process_holds() -> None:
-    (sample, *_) = apply_wetness(0.0, 0, 60.0, lambda sample: None)
+    (sample, *_) = soak(0.0, 0, 60.0, lambda sample: None)
     assert sample.drives == 1
     assert sample.rss_mib > 50
     samples = [Sample(k, 1000 * k, 100.0 + 2 * max(0, k - 4), 9, 1) for k in range(8)]
@@ -67,5 +67,5 @@ def test_a_soak_counts_what_the_process_holds() -> None:
 
 
 def test_the_long_runs_say_how_they_are_started() -> None:
-    for module in ("kill_points", "faults", "apply_wetness", "drives"):
+    for module in ("kill_points", "faults", "soak", "drives"):
         assert re.search(r"usage: python -m tests\.robustness\.", run(module, "--help"))

@@ -13,7 +13,7 @@ from foreride.preview.tracking.observation import rectify_frame
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.box_errors import true_boxes
+from foreride.scenarios.perceptions.true_boxes import true_boxes
 from tests.preview.kinematic_drive import Reading, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()

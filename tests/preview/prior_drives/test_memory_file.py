@@ -17,7 +17,7 @@ from foreride.preview.tracking.obstacle_templates import POTHOLE
 from foreride.preview.tracking.tracker import Tracker
 from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.box_errors import BoxErrors
+from foreride.scenarios.definition.box_errors import BoxErrors
 from tests.preview.kinematic_drive import Drive, drive
 
 BUMP = RememberedObject("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)

@@ -9,15 +9,22 @@ import pytest
 
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.bound.optimum_cache import START_CONTROLLERS, _key, _start_case, bound, drive_inputs
+from foreride.scenarios.bound.optimum_cache import (
+    START_CONTROLLERS,
+    _commands,
+    _key,
+    _start_case,
+    bound,
+    drive_inputs,
+)
+from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cli import main
 from foreride.scenarios.commands.drive.bound import ACTUATORS, with_actuator
 from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.definition.faults import LateAnswers
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.report.gather import gather
-from foreride.scenarios.simulation.fault_injection import LateAnswers
-from foreride.scenarios.simulation.simulate import commands, simulate
 
 
 @pytest.fixture(autouse=True)
@@ -35,31 +42,34 @@ def short() -> Scenario:
 
 def test_the_replay_reaches_the_bound_and_no_start_beats_it() -> None:
     scenario = short()
-    optimum = bound(scenario, commands)
-    reached = simulate(Case(scenario, "clairvoyant", "none", 0)).metrics["objective"]
+    optimum = bound(scenario)
+    reached = simulate_case(Case(scenario, "clairvoyant", "none", 0)).metrics["objective"]
     assert reached == pytest.approx(optimum.objective, rel=1e-9)
     for controller, perception in (("passive", "none"), ("mpc_reactive", "none"), ("mpc_preview", "oracle")):
-        assert simulate(Case(scenario, controller, perception, 0)).metrics["objective"] > optimum.objective
+        assert (
+            simulate_case(Case(scenario, controller, perception, 0)).metrics["objective"] > optimum.objective
+        )
 
 
-def test_it_is_kept_and_believed_only_while_it_is_true(cache: Path) -> None:
+def test_it_is_kept_and_believed_only_while_it_is_true(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = short()
-    found = bound(scenario, commands)
+    found = bound(scenario)
     (file,) = cache.iterdir()
     whole = file.read_bytes()
 
     def never(case: Case) -> np.ndarray:
         raise AssertionError("searched again")
 
-    again = bound(scenario, never)
+    monkeypatch.setattr("foreride.scenarios.bound.optimum_cache._commands", never)
+    again = bound(scenario)
     np.testing.assert_array_equal(again.plan, found.plan)
     assert again.found == found.found
     for damaged in (b"", whole[: len(whole) // 2], whole[:-40] + bytes(40)):
         file.write_bytes(damaged)
         with pytest.raises(AssertionError, match="searched again"):
-            bound(scenario, never)
+            bound(scenario)
     with pytest.raises(AssertionError, match="searched again"):
-        bound(replace(scenario, speed_kmh=31.0), never)
+        bound(replace(scenario, speed_kmh=31.0))
 
 
 def test_what_is_kept_does_not_depend_on_the_settings_or_oracle_errors_of_who_asked_first() -> None:
@@ -68,14 +78,17 @@ def test_what_is_kept_does_not_depend_on_the_settings_or_oracle_errors_of_who_as
     other = replace(
         scenario,
         oracle=load("bump_8x40_30", told[:1]).oracle,
-        control=replace(scenario.control, settings=load("bump_8x40_30", told[1:]).control.settings),
+        control=replace(
+            scenario.control,
+            settings=load("bump_8x40_30", ["vehicle.model=quarter", *told[1:]]).control.settings,
+        ),
         faults=(LateAnswers(0.0, 1.0),),
         observer="sensors",
     )
     drives = [drive_inputs(one) for one in (scenario, other)]
     assert _key(scenario, drives[0]) == _key(other, drives[1])
     for name in START_CONTROLLERS:
-        ours, theirs = (commands(_start_case(one, name)) for one in (scenario, other))
+        ours, theirs = (_commands(_start_case(one, name)) for one in (scenario, other))
         np.testing.assert_array_equal(ours, theirs)
 
 
@@ -110,7 +123,7 @@ def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
 
 def test_what_works_beside_the_dampers_lowers_the_bound() -> None:
     scenario = short()
-    found = [bound(with_actuator(scenario, actuator), commands) for actuator in ACTUATORS]
+    found = [bound(with_actuator(scenario, actuator)) for actuator in ACTUATORS]
     semi_active, hybrid, active = (optimum.objective for optimum in found)
     assert active < hybrid < semi_active
     assert all(0.0 <= optimum.gap < 0.2 for optimum in found)

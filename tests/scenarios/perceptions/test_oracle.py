@@ -12,7 +12,8 @@ from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.scenarios.perceptions.oracle import OracleErrors, OraclePerception, believed_road, build_oracle
+from foreride.scenarios.definition.oracle_errors import OracleErrors
+from foreride.scenarios.perceptions.oracle import OraclePerception, believed_road, build_oracle
 from foreride.vehicle.load import load_vehicle
 
 CAR = load_vehicle("half")

@@ -5,7 +5,8 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import flat_preview
-from foreride.scenarios.simulation.fault_injection import Faults, LateAnswers, PreviewFault, SensorFault
+from foreride.scenarios.definition.faults import LateAnswers, PreviewFault, SensorFault
+from foreride.scenarios.simulation.fault_injection import Faults
 from foreride.vehicle.plant.sensors import Measurement
 
 

@@ -1,39 +1,16 @@
 """Simulated detections without rendering: projected true outlines with box errors."""
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
-from annotated_types import Interval
 
 from foreride.detector.detections import Detections
-from foreride.files.reading.ranges import Checked
-from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias, edge_bias
+from foreride.preview.edge_bias import edge_bias
 from foreride.road.camera.pinhole import Camera, CameraPose, project
 from foreride.road.features.feature import Feature
 from foreride.road.road import Road
+from foreride.scenarios.definition.box_errors import BoxErrors
 
 _GRID_ALONG, _GRID_ACROSS = 61, 61
 _MIN_AHEAD_M = 0.3
-
-
-@dataclass(frozen=True)
-class BoxErrors(Checked):
-    """Error model of a detector, relative to true boxes.
-
-    pixel_sigma: white noise of every box edge; bottom_bias_px, top_bias_px: systematic shift of these rows of
-    bumps and of potholes, downwards; miss_probability: of one object in one frame; false_per_frame: mean
-    number of false boxes; range_m: farthest near edge, along the road from the camera; min_height_px: least
-    height of a detected box.
-    """
-
-    pixel_sigma: Annotated[float, Interval(ge=0.0, le=100.0), "px"] = 1.0
-    bottom_bias_px: tuple[Bias, Bias] = BOTTOM_BIAS_PX  # as the estimator assumes by default
-    top_bias_px: tuple[Bias, Bias] = TOP_BIAS_PX
-    miss_probability: Annotated[float, Interval(ge=0.0, lt=1.0), "1"] = 0.15
-    false_per_frame: Annotated[float, Interval(ge=0.0, le=100.0), "boxes"] = 0.0
-    range_m: Annotated[float, Interval(ge=0.1, le=500.0), "m"] = 30.0
-    min_height_px: Annotated[float, Interval(ge=0.0, le=1000.0), "px"] = 1.5
 
 
 def true_boxes(

@@ -8,7 +8,8 @@ from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.box_errors import BoxErrors, degrade, true_boxes
+from foreride.scenarios.definition.box_errors import BoxErrors
+from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 
 CAMERA = Camera()
 POSE = CameraPose(0.0, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)
