@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import onnxruntime as ort
 from numpy.typing import NDArray
 
 from foreride.detector.backends import Run, open_network, open_session, require
@@ -14,7 +15,7 @@ from foreride.detector.edge_refinement import refine
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.numbers import whole
-from foreride.files.reading.regular_file import read_bytes
+from foreride.files.reading.regular_file import read_bytes, reading
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
@@ -142,6 +143,11 @@ def read_metadata(path: Path) -> dict[str, str]:
     """
     read_bytes(path, MODEL_LIMIT)
     session = open_session(path)
+    with reading(path):  # names in a damaged file need not be text
+        return _metadata(path, session)
+
+
+def _metadata(path: Path, session: ort.InferenceSession) -> dict[str, str]:
     inputs = [(i.name, i.type) for i in session.get_inputs()]
     if inputs != [("image", "tensor(uint8)")]:
         raise InputError(f"{path}: expected one input image of uint8, got {shown(inputs)}")
