@@ -16,6 +16,8 @@ from vehicle.parameters import Car
 INCONSISTENT = "inconsistent preview"
 LOSS = 0.5
 """Factor of the trust at a contradiction."""
+APART_M = 2.0
+"""Contradictions closer together are one, as the high pass of the residuals echoes."""
 
 
 class PreviewGate:
@@ -31,7 +33,8 @@ class PreviewGate:
         self._settings = settings
         self._residuals = [Residual(wheel, settings) for wheel in self._front]
         self._correlations = [Correlation(settings.memory_m, settings.correlation) for _ in self._front]
-        self._trust, self._trusted, self._contradicted = 1.0, True, False
+        self._trust, self._trusted = 1.0, True
+        self._consistent_m = APART_M
         self._suspended_m = 0.0
         self._time_s: float | None = None
 
@@ -44,16 +47,17 @@ class PreviewGate:
         unannounced = Strike.UNANNOUNCED in strikes
         self._suspended_m = self._settings.aside_m if unannounced else self._suspended_m - travelled_m
         contradicted = Strike.CONTRADICTED in strikes
-        self._update_trust(contradicted, since)
+        self._update_trust(contradicted, since, travelled_m)
         believed = self._trusted and alike and not contradicted and self._suspended_m <= 0.0
         return None if believed else INCONSISTENT
 
-    def _update_trust(self, contradicted: bool, since_s: float) -> None:
+    def _update_trust(self, contradicted: bool, since_s: float, travelled_m: float) -> None:
         settings = self._settings
         self._trust = 1.0 - (1.0 - self._trust) * 0.5 ** (since_s / settings.half_life_s)
-        if contradicted and not self._contradicted:
-            self._trust *= LOSS
-        self._contradicted = contradicted
+        self._consistent_m += travelled_m
+        if contradicted:
+            self._trust *= LOSS if self._consistent_m >= APART_M else 1.0
+            self._consistent_m = 0.0
         self._trusted = self._trust >= (settings.lost if self._trusted else settings.regained)
 
     def _compare(

@@ -15,13 +15,15 @@ FORGET_M = 0.1
 """Distance constant of the sums."""
 PLAIN_M = 0.01
 """Height below which a claim announces nothing."""
-LEVEL_M, HELD_M = 2.0, 10.0
-"""Distance constants of the felt road's level, on plain road and at announced obstacles."""
+LEVEL_M = 2.0
+"""Distance constant of the high pass of both heights, as observers know no absolute height of the road."""
 ROUGH_M = 10.0
-"""Distance constant of the roughness."""
+"""Distance constant of the roughness, the mean absolute residual on plain road."""
 SMOOTH_M = 0.002
 """Least roughness."""
-ROUGHS_PLAIN, ROUGHS_CLAIMED = 3.0, 2.0
+LATE_M, LATE_SHARE = 2.0, 0.5
+"""An obstacle not announced is one announced too late if one of this share of its height follows so soon."""
+ROUGHS_PLAIN, ROUGHS_CLAIMED = 4.0, 2.5
 """Roughnesses that are tolerated, on plain road and at announced obstacles."""
 _SAMPLES = np.linspace(-1.0, 1.0, 7)
 _LEAST_SIZE_M = 0.02
@@ -40,9 +42,9 @@ class Residual:
 
     def __init__(self, wheel: int, settings: GateSettings):
         self._wheel, self._settings = wheel, settings
-        self._level: float | None = None
+        self._levels: tuple[float, float] | None = None
         self._rough = SMOOTH_M
-        self._unannounced, self._contradicted = 0.0, 0.0
+        self._unannounced, self._contradicted, self._late = 0.0, 0.0, False
 
     def feel(self, felt_m: float, contact: bool, preview: RoadPreview, travelled_m: float) -> Strike:
         """Add the road height felt now, `travelled_m` after the last one; ignored while in the air."""
@@ -54,26 +56,28 @@ class Residual:
         limit = self._settings.strike_m
         if self._contradicted > limit:
             return Strike.CONTRADICTED
-        return Strike.UNANNOUNCED if self._unannounced > limit else Strike.CONSISTENT
+        if self._unannounced > limit:
+            return Strike.CONTRADICTED if self._late else Strike.UNANNOUNCED
+        return Strike.CONSISTENT
 
     def _compare(self, felt_m: float, preview: RoadPreview, travelled_m: float) -> None:
         claimed, low, high = self._claims(preview)
+        felt_level, claimed_level = self._levels or (felt_m, claimed)
+        height, low, high = felt_m - felt_level, low - claimed_level, high - claimed_level
         size = max(-low, high)
         plain = size < PLAIN_M
-        if self._level is None:
-            self._level = felt_m - claimed
-        height = felt_m - self._level
-        roughs = ROUGHS_PLAIN if plain else ROUGHS_CLAIMED
-        tolerated = self._settings.height_m + roughs * self._rough
+        tolerated = self._settings.height_m + (ROUGHS_PLAIN if plain else ROUGHS_CLAIMED) * self._rough
         least, most = self._gains(preview, size)
         above = height - max(least * high, most * high) - tolerated
         below = min(least * low, most * low) - tolerated - height
         if plain:
             self._unannounced += max(above, below, 0.0)
-            self._learn_roughness(abs(height - claimed), travelled_m)
+            self._late = self._follows(preview, height)
+            self._learn_roughness(abs(claimed - claimed_level - height), travelled_m)
         else:
             self._contradicted += max(above, below, 0.0)
-        self._level += min(1.0, travelled_m / (LEVEL_M if plain else HELD_M)) * (height - claimed)
+        share = min(1.0, travelled_m / LEVEL_M)
+        self._levels = felt_level + share * height, claimed_level + share * (claimed - claimed_level)
 
     def _claims(self, preview: RoadPreview) -> tuple[float, float, float]:
         """Height claimed here, and lowest and highest claim within the tolerated position error."""
@@ -90,8 +94,14 @@ class Residual:
         doubt = self._settings.gain + 2.0 * sigma / max(size_m, _LEAST_SIZE_M)
         return max(self._settings.least_gain, 1.0 - doubt), 1.0 + doubt
 
+    def _follows(self, preview: RoadPreview, height_m: float) -> bool:
+        """Whether an obstacle like the one felt is claimed close ahead."""
+        close = (preview.distance_m > 0.0) & (preview.distance_m < LATE_M)
+        claims = (preview.existence[self._wheel] * preview.height_m[self._wheel])[close]
+        return bool((claims * np.sign(height_m)).max(initial=0.0) > LATE_SHARE * abs(height_m))
+
     def _learn_roughness(self, error_m: float, travelled_m: float) -> None:
-        """Update the RMS on plain road; an obstacle counts no more than three times the present value."""
-        error = min(max(error_m, SMOOTH_M), 3.0 * self._rough)
+        """Update the roughness; an obstacle counts no more than twice the present value."""
         share = min(1.0, travelled_m / ROUGH_M)
-        self._rough = float(np.sqrt((1.0 - share) * self._rough**2 + share * error**2))
+        usual = min(max(error_m, SMOOTH_M), 2.0 * self._rough)
+        self._rough += share * (usual - self._rough)

@@ -124,6 +124,10 @@ class RoadSettings(Checked):
     blend_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.2
     slope_decay_s: Annotated[float, Interval(ge=1e-4, le=1.0), "s"] = 0.01
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ordered("known_m", self.known_m, "unknown_m", self.unknown_m)
+
 
 @dataclass(frozen=True)
 class ForceSettings(Checked):
@@ -193,6 +197,10 @@ class GateSettings(Checked):
     lost: Share = 0.6
     regained: Share = 0.8
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ordered("lost", self.lost, "regained", self.regained)
+
 
 @dataclass(frozen=True)
 class SupervisorSettings(Checked):
@@ -235,3 +243,8 @@ class ControllerSettings(Checked):
 def _hard_and_soft(hard_ns_m: float, soft_ns_m: float) -> None:
     if soft_ns_m > hard_ns_m:
         raise InputError(f"soft_ns_m must lie in 0 ... {hard_ns_m:g} N·s/m, hard_ns_m, got {soft_ns_m:g}")
+
+
+def _ordered(lower: str, low: float, upper: str, high: float) -> None:
+    if not low < high:
+        raise InputError(f"{lower} must be < {high:g}, {upper}, got {low:g}")

@@ -15,9 +15,9 @@ _SIGHT_M = (14.0, 20.0)
 
 def drawn_road(rng: np.random.Generator) -> dict[str, Any]:
     """The fields of a scenario with a road that is short enough for a drive of a few seconds."""
-    speed_kmh = float(rng.uniform(20.0, 65.0))
+    speed_kmh = float(rng.uniform(25.0, 70.0))
     features, place = [], _NOTHING_M + rng.uniform(*_SIGHT_M)
-    for _ in range(rng.integers(1, 4)):
+    for _ in range(rng.integers(1, 3)):
         features.append(_feature(float(round(place, 2)), rng))
         place += features[-1].get("length_m", 1.0) + rng.uniform(1.5, 12.0)
     road: dict[str, Any] = {"length_m": float(round(place + 2.0 + 0.15 * speed_kmh, 1)), "features": features}

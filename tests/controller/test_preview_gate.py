@@ -14,7 +14,7 @@ from vehicle.parameters import load_vehicle
 
 CAR = load_vehicle("half")
 SPEED, PERIOD = 10.0, 0.005
-FIRST_M, SECOND_M, END_M = 10.0, 30.0, 45.0
+FIRST_M, SECOND_M, END_M = 10.0, 30.0, 60.0
 
 Road = Callable[[np.ndarray], np.ndarray]
 
