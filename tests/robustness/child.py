@@ -5,6 +5,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,9 +28,9 @@ class Ended:
 
 
 def start(
-    arguments: list[str], folder: Path, before: Callable[[], None], stderr: Path, prepare: Callable[[], None]
+    arguments: list[str], folder: Path, before: Callable[[], None], stderr: int, prepare: Callable[[], None]
 ) -> int:
-    """Fork a process that runs the command in the folder; returns its number."""
+    """Fork a process that runs the command in the folder, its stderr a pipe; returns its number."""
     sys.stdout.flush()
     sys.stderr.flush()
     if pid := os.fork():
@@ -51,7 +52,8 @@ def start(
         traceback.print_exc()
         status = 70
     finally:
-        sys.stderr.flush()
+        with suppress(OSError, ValueError):
+            sys.stderr.flush()
         os._exit(status)
 
 
@@ -63,19 +65,22 @@ def run(
     kill_after_s: float | None = None,
 ) -> Ended:
     """The command on the inputs of that version, from start to end, or killed after so long."""
-    stderr = folder.parent / "stderr.txt"
+    told, stderr = os.pipe()
+    os.set_blocking(told, False)
     pid = start(writer.command(version), folder, before, stderr, writer.prepare)
+    os.close(stderr)
     if kill_after_s is not None:
         time.sleep(kill_after_s)
         os.kill(pid, signal.SIGKILL)
     _, code = os.waitpid(pid, 0)
-    return Ended(os.waitstatus_to_exitcode(code), stderr.read_text(errors="replace").splitlines())
+    with open(told, "rb") as stream:
+        text = (stream.read() or b"").decode(errors="replace")
+    return Ended(os.waitstatus_to_exitcode(code), text.splitlines())
 
 
-def _redirect(stderr: Path) -> None:
+def _redirect(stderr: int) -> None:
     nothing = os.open(os.devnull, os.O_RDWR)
-    told = os.open(stderr, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
-    for number, target in ((0, nothing), (1, nothing), (2, told)):
+    for number, target in ((0, nothing), (1, nothing), (2, stderr)):
         os.dup2(target, number)
 
 

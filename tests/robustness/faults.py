@@ -5,6 +5,7 @@ leaves old or whole new files.
 """
 
 import argparse
+import ctypes
 import os
 import resource
 import subprocess
@@ -21,15 +22,18 @@ from tests.robustness.state import problems, scratch_in
 from tests.robustness.writers import SLOW, WORK, WRITERS, Writer, fresh
 
 ROOT = Path(__file__).parents[2]
-NOBODY = 65534
 
 
 @dataclass(frozen=True)
 class Fault:
-    """limit: what is done in the process of the command. ends: exit codes that are right."""
+    """limit: what is done in the process of the command. ends: exit codes that are right.
+
+    over: whether an older result is there.
+    """
 
     limit: Callable[[Path], None]
     ends: tuple[int, ...] = (0, 2)
+    over: bool = True
 
 
 def _soft(kind: int, value: int) -> None:
@@ -48,16 +52,26 @@ def memory(more_mib: int) -> Fault:
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         _soft(resource.RLIMIT_AS, pages * resource.getpagesize() + (more_mib << 20))
 
-    return Fault(limit)
+    return Fault(limit, (0, 2, 70))  # 70: Python itself could not go on
 
 
 def _read_only(work: Path) -> None:
-    """No folder may be written to; as an ordinary user, since root may always."""
+    """No folder may be written to."""
     for folder in (work, *(path for path in work.rglob("*") if path.is_dir())):
         folder.chmod(0o555)
     if os.getuid() == 0:
-        os.setgid(NOBODY)
-        os.setuid(NOBODY)
+        _without_override()
+
+
+def _without_override() -> None:
+    """Take from root what lets it pass by permissions (CAP_DAC_OVERRIDE and the two after it)."""
+    libc, header = ctypes.CDLL(None, use_errno=True), (ctypes.c_uint32 * 2)(0x20080522, 0)
+    sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable; twice 32 of each
+    libc.capget(header, sets)
+    sets[0] &= ~0b1110
+    sets[1] &= ~0b1110
+    if libc.capset(header, sets):
+        raise OSError(ctypes.get_errno(), "capset")
 
 
 def _few_files(work: Path) -> None:
@@ -93,7 +107,7 @@ FAULTS: dict[str, Fault] = {
     "stderr closed": _closed(2),
     "stdout full": Fault(_full_output, (0, 1, 2)),
     "stdout a broken pipe": Fault(_broken_pipe, (0, 1, 2)),
-    "umask 077": Fault(_private, (0,)),
+    "umask 077": Fault(_private, (0,), over=False),
 }
 ENVIRONMENTS: dict[str, dict[str, str | None]] = {
     "no home": {"HOME": None, "XDG_CACHE_HOME": None, "FORERIDE_CACHE": None},
@@ -106,10 +120,11 @@ def trial(staged: Stage, fault: Fault) -> list[str]:
     """What is wrong when the command meets the fault, and in its next run without."""
     work = staged.place / WORK
     _writable(work)
-    fresh(work, staged.start)
+    fresh(work, staged.start if fault.over else staged.place / "empty")
     ended = run(staged.writer, "new", work, lambda: fault.limit(work))
     _writable(work)
-    told = _wrong(ended, fault.ends) + problems(work, staged.before, staged.after)
+    before = staged.before if fault.over else {}
+    told = _wrong(ended, fault.ends) + problems(work, before, staged.after)
     told += [f"{name} is still there" for name in scratch_in(work)]
     if fault is FAULTS["umask 077"]:
         told += [f"{path.name}: open to others" for path in _new(work) if path.stat().st_mode & 0o077]
@@ -124,13 +139,13 @@ def _wrong(ended: Ended, ends: tuple[int, ...]) -> list[str]:
         return [f"exit code {ended.status}: {' | '.join(lines)[-300:]}"]
     if any(line.startswith("Traceback") for line in lines):
         return [f"traceback: {' | '.join(lines)[-300:]}"]
-    if ended.status == 2 and (len(lines) > 1 or not all(map(str.isprintable, lines))):
+    if ended.status in (2, 70) and (len(lines) > 1 or not all(map(str.isprintable, lines))):
         return [f"{len(lines)} lines: {' | '.join(lines)[:300]}"]
     return []
 
 
 def _new(work: Path) -> list[Path]:
-    return [path for path in work.rglob("*") if path.is_file()]
+    return [path for path in work.rglob("*") if path.is_file() and "cache" not in path.parts]
 
 
 def _writable(work: Path) -> None:
