@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import onnxruntime as ort
 from numpy.typing import NDArray
 
 from detector.backends import Run, open_network, open_session, require
@@ -14,7 +15,7 @@ from detector.edges import sharpen
 from detector.nms import OVERLAP, select
 from files.errors import InputError, shown
 from files.numbers import whole
-from files.reading import read_bytes
+from files.reading import read_bytes, reading
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
@@ -141,6 +142,11 @@ def read_metadata(path: Path) -> dict[str, str]:
     """Metadata of a model file. Raises InputError unless it has the interface of `detector.export`."""
     read_bytes(path, MODEL_LIMIT)
     session = open_session(path)
+    with reading(path):  # names in a damaged file need not be text
+        return _metadata(path, session)
+
+
+def _metadata(path: Path, session: ort.InferenceSession) -> dict[str, str]:
     inputs = [(i.name, i.type) for i in session.get_inputs()]
     if inputs != [("image", "tensor(uint8)")]:
         raise InputError(f"{path}: expected one input image of uint8, got {shown(inputs)}")

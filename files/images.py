@@ -85,7 +85,21 @@ def _frames(image: Image.Image) -> int:
 
 
 def _is_cut_short(data: bytes) -> bool:
-    """Whether the end marker of a JPEG or PNG is missing: decoders silently fill the rest with grey."""
+    """Whether the end of a JPEG or PNG is missing: decoders silently fill the rest with grey."""
     if data[:2] == b"\xff\xd8":
         return b"\xff\xd9" not in data[len(data) // 2 :]
-    return data[:4] == b"\x89PNG" and b"IEND" not in data[-64:]
+    return data[:4] == b"\x89PNG" and not _has_whole_chunks(data)
+
+
+def _has_whole_chunks(data: bytes) -> bool:
+    """Whether a PNG is made of chunks that lie in the file, to the last (ISO 15948, 5.3).
+
+    The decoder allocates what a chunk claims, up to 2 GiB, before it looks for it.
+    """
+    place = 8
+    while place + 12 <= len(data):
+        size, kind = int.from_bytes(data[place : place + 4]), data[place + 4 : place + 8]
+        place += size + 12
+        if kind == b"IEND":
+            return place <= len(data)
+    return False

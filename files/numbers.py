@@ -22,6 +22,6 @@ def whole(text: str, name: str, low: int, high: int) -> int:
 
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
     """Raise InputError, by `name`, unless the number lies in low ... high."""
-    if not (math.isfinite(value) and low <= value <= high):
+    if not (-math.inf < value < math.inf and low <= value <= high):  # holds for integers of any size
         allowed = f"{low:.10g} ... {high:.10g} {unit}".rstrip()
         raise InputError(f"{name} must lie in {allowed}, got {shown(value)}")

@@ -83,7 +83,8 @@ def _check(value: Any, left: int) -> None:
     elif isinstance(value, dict | list):
         if not left:
             raise InputError(f"is nested more than {DEPTH} deep")
-        for inner in value:
-            _check(inner, left)
+        if isinstance(value, dict):
+            for name in value:
+                _check(name, left)
         for inner in value.values() if isinstance(value, dict) else value:
             _check(inner, left - 1)

@@ -38,9 +38,9 @@ class Held:
     def case(self, folder: Path) -> Case:
         """Return the case to simulate; `folder` is the baseline's."""
         own = folder / self.scenario
-        scenario = load(str(own) if own.is_file() else self.scenario, self.overrides)
+        scenario = load(str(own) if os.path.isfile(own) else self.scenario, self.overrides)
         controller = self.controller
-        if ":" in controller and (folder / controller.rpartition(":")[0]).is_file():
+        if ":" in controller and os.path.isfile(folder / controller.rpartition(":")[0]):
             controller = str(folder / controller)
         return Case(scenario, controller, self.perception, self.seed)
 
@@ -101,7 +101,7 @@ class _File:
 def seen_from(folder: Path, name: str) -> str:
     """Path of a scenario or user controller relative to the baseline's `folder`; other names unchanged."""
     path, separator, inner = name.rpartition(":") if ".py:" in name else (name, "", "")
-    return os.path.relpath(path, folder) + separator + inner if Path(path).is_file() else name
+    return os.path.relpath(path, folder) + separator + inner if os.path.isfile(path) else name
 
 
 def write(path: Path, baseline: Baseline) -> None:
@@ -123,7 +123,7 @@ def write(path: Path, baseline: Baseline) -> None:
 
 def read(path: Path) -> Baseline:
     """Read a baseline file; InputError where it is absent, broken, of another schema or a newer foreride."""
-    if not path.exists():
+    if not os.path.exists(path):
         raise InputError(f"{path}: cannot be read (No such file or directory); --accept writes a new one")
     document = read_json(path)
     found = document.get("schema") if isinstance(document, dict) else None

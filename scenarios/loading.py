@@ -1,6 +1,7 @@
 """Loading of scenarios by name or file, with single fields overridden."""
 
 import difflib
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -61,8 +62,8 @@ def read(path: Path) -> Any:
 def _find(name_or_path: str) -> Path:
     path = Path(name_or_path)
     with reading(name_or_path):
-        if path.suffix in {".yaml", ".yml"} or path.exists():
-            if not path.exists():
+        if path.suffix in {".yaml", ".yml"} or os.path.exists(path):
+            if not os.path.exists(path):
                 raise InputError(f"{printable(path)}: no such scenario file")
             return path
     if name_or_path not in names():
@@ -115,7 +116,7 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
         raise InputError(f"{scenario}: vehicle.model must be text, got {shown(model)}")
     own = scenario.parent / model
     try:
-        parameters = strict.to_mapping(load_vehicle(own if own.is_file() else model))
+        parameters = strict.to_mapping(load_vehicle(own if os.path.isfile(own) else model))
     except InputError as error:
         raise InputError(f"{scenario}: vehicle.model: {error}") from None
     replaced = choice.get("parameters", {})
@@ -139,7 +140,7 @@ def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
     wanted = mapping.get("map")
     if isinstance(wanted, dict) and isinstance(wanted.get("file"), str):
         beside = scenario.parent / wanted["file"]
-        mapping["map"] = wanted | ({"file": str(beside)} if beside.is_file() else {})
+        mapping["map"] = wanted | ({"file": str(beside)} if os.path.isfile(beside) else {})
 
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:

@@ -1,5 +1,6 @@
 """Reading of run folders, for reports and videos."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -78,10 +79,10 @@ def _read(folder: Path) -> Run:
 def _with_road(definition: Any, folder: Path) -> Any:
     """Definition with the file of its road located: as given, beside the run or in a parent folder."""
     road = definition.get("road") if isinstance(definition, dict) else None
-    if not isinstance(road, dict) or not isinstance(name := road.get("file"), str) or Path(name).is_file():
+    if not isinstance(road, dict) or not isinstance(name := road.get("file"), str) or os.path.isfile(name):
         return definition
     places = [parent / Path(name).name for parent in list(folder.resolve().parents)[:ABOVE]]
-    found = next((str(place) for place in [folder / Path(name).name, *places] if place.is_file()), name)
+    found = next((str(place) for place in [folder / Path(name).name, *places] if os.path.isfile(place)), name)
     return definition | {"road": road | {"file": found}}
 
 

@@ -1,5 +1,6 @@
 """Road block of a scenario file: defaults from its surface file and from the car."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ def fill_in(road: Any, folder: Path, track_m: Any) -> Any:
     filled = dict(road)
     if isinstance(filled.get("file"), str):
         beside = folder / filled["file"]
-        filled["file"] = str(beside) if beside.is_file() else filled["file"]
+        filled["file"] = str(beside) if os.path.isfile(beside) else filled["file"]
         filled.setdefault("length_m", read_surface(filled["file"]).length_m)
     track = {"track_m": track_m} if isinstance(track_m, int | float) else {}
     if isinstance(filled.get("roughness"), dict):

@@ -1,5 +1,6 @@
 """Scenario sets: a YAML list of scenarios in one file, shipped or user-defined."""
 
+import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -25,7 +26,7 @@ def load_all(names: Iterable[str], overrides: Sequence[str] = ()) -> list[Scenar
 
 def _one_or_many(name: str, overrides: Sequence[str]) -> list[Scenario]:
     path = SETS / f"{name}.yaml" if name in set_names() else Path(name)
-    if not path.is_file():
+    if not os.path.isfile(path):
         return [load(name, overrides)]
     content = read(path)
     if not isinstance(content, list):

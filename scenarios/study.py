@@ -1,6 +1,7 @@
 """Study files: the variation of scenario fields, and the resulting list of drives."""
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -160,7 +161,7 @@ def _samples(
 ) -> Iterator[Sample]:
     if len({Path(name).name for name in study.scenarios}) < len(set(study.scenarios)):
         raise InputError("scenarios must differ in their files' names, got two of one name")
-    places = [str(folder / name) if (folder / name).is_file() else name for name in study.scenarios]
+    places = [str(folder / name) if os.path.isfile(folder / name) else name for name in study.scenarios]
     sight = {name: study.perception if sees_ahead(name) else ("none",) for name in study.controllers}
     for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):
         for perception in sight[controller]:

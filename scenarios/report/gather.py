@@ -1,5 +1,6 @@
 """Collection of a report's input: the runs of a folder, the passive reference, and missing parts."""
 
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -74,7 +75,7 @@ def _folder(path: Path, folders: Sequence[Path]) -> Gathered:
     listed = path / COMPARISON
     planned = _planned(_document(listed), listed) if listed.is_file() else []
     runs: dict[str, Run] = {}
-    missing = [f"{name} did not run" for name in planned if not (path / name).is_dir()]
+    missing = [f"{name} did not run" for name in planned if not os.path.isdir(path / name)]
     for folder in folders:
         try:
             runs[folder.name] = read(folder)

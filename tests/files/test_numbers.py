@@ -17,7 +17,7 @@ def test_a_whole_number_lies_in_its_range() -> None:
         whole("10", "--n", 0, 9)
 
 
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-300, 2.1, 1e300])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-300, 2.1, 1e300, 10**400])
 def test_a_number_lies_in_its_range(value: float) -> None:
     within("x_m", 2.0, 0.0, 2.0, "m")
     with pytest.raises(InputError, match=r"^x_m must lie in 0 \.\.\. 2 m, got "):

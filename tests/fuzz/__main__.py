@@ -49,6 +49,7 @@ def _write(out: Path, seed: int, valid: dict[str, bytes], tally: Tally) -> None:
             (out / name.replace(" ", "_").replace("'", "")).write_bytes(small)
             told = {"index": index, "times": tally.times[key], "bytes": len(small), "file": name}
             lines.write(json.dumps(vars(finding) | told) + "\n")
+            lines.flush()
 
 
 if __name__ == "__main__":

@@ -113,7 +113,7 @@ def _read(path: Path) -> None:
         usage = bool(lines) and lines[0].startswith("usage:")
         raise InputError(lines[-1] if usage else told.getvalue().removesuffix("\n"))
     if status not in (0, 1):
-        raise AssertionError(f"exit code {status!r}")
+        raise AssertionError(f"exit code {status!r}: {told.getvalue()[:400]}")
 
 
 def _vector(path: Path) -> list[str]:
