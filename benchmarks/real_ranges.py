@@ -16,7 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from benchmarks.tables.command import command
+from benchmarks.command import command
 from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import image_paths, read_labels
 from foreride.files.errors import InputError

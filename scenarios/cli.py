@@ -21,7 +21,7 @@ TRACEBACK = "FORERIDE_TRACEBACK"
 def parser() -> argparse.ArgumentParser:
     """Build the parser of the whole command line."""
     # Imported here, so that an interrupt during these seconds is caught.
-    from foreride.scenarios.commands import detector, doctor, validation
+    from foreride.scenarios.commands import detector, doctor, table, validation
     from foreride.scenarios.commands.drive import bound, compare, demo, regress, run, sweep, tune
     from foreride.scenarios.commands.inspect import calibrate, perception, render, report, road
 
@@ -44,6 +44,7 @@ def parser() -> argparse.ArgumentParser:
         report,
         road,
         detector,
+        table,
         validation,
         doctor,
     ):

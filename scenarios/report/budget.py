@@ -12,7 +12,7 @@ _NUMBERS = ("reactive", "whole", "all_true")
 
 
 def error_budget_section(path: Path) -> str:
-    """HTML section for the output of `python -m benchmarks.tables.budget --json`, one table per event.
+    """HTML section for the output of `foreride table budget --json`, one table per event.
 
     Raises InputError for a file that is no such budget.
     """

@@ -30,7 +30,7 @@ def add(commands: argparse._SubParsersAction) -> None:
     command.add_argument("--film", type=Path, metavar="FILE.mp4", help="passive and preview side by side")
     none = "for runs without camera images show boxes only, instead of rendering the images again"
     command.add_argument("--no-render", action="store_true", help=none)
-    told = "add where the gain of preview is lost, as `python -m benchmarks.tables.budget --json` wrote it"
+    told = "add where the gain of preview is lost, as `foreride table budget --json` wrote it"
     command.add_argument("--budget", type=Path, metavar="FILE", help=told)
     command.set_defaults(execute=execute, out_is_file=True)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.tables.proving_ground import primary_ride
+from foreride.scenarios.tables.proving_ground import primary_ride
 
 
 def test_of_a_mixture_only_what_lies_below_4_hz_counts() -> None:

@@ -1,6 +1,6 @@
 """Tables 1 and 3 of arXiv 2508.01339 on a folder of images: model ablation, distillation; and NWD.
 
-`python -m benchmarks.tables.ladder --table 1|3|nwd --data DIR --out FOLDER --passes 60000 [--json FILE]`
+`python -m benchmarks.paper.ladder --table 1|3|nwd --data DIR --out FOLDER --passes 60000 [--json FILE]`
 
 Every row is trained for the same number of images, at the same size, on the same images, with the same seed,
 and then validated on DIR/val; finished rows are read from their run folders, so an interrupted run can be
@@ -12,13 +12,14 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.tables.command import command, parse_words
-from benchmarks.tables.training import check_same_settings, settings_of, train_ours
+from benchmarks.command import command
+from benchmarks.paper.training import check_same_settings, settings_of, train_ours
 from foreride.detector.evaluation.plots import read_history
 from foreride.detector.network.complexity import parameters
 from foreride.detector.network.models import build
 from foreride.detector.training.schedule import Stage, parse_stages
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.tables.options import parse_words
 
 LADDER = {
     "yolo11n": ["--model", "yolo11n"],

@@ -16,8 +16,8 @@ import yaml
 pytest.importorskip("torch")
 import torch
 
-from benchmarks.tables import dfine
-from benchmarks.tables.detectors import main
+from benchmarks.paper import dfine
+from benchmarks.paper.detectors import main
 from foreride.detector.data.yolo_folder import read_labels
 from foreride.detector.training.assigner import GroundTruth
 from foreride.detector.training.batches import Batch, batches
@@ -144,7 +144,7 @@ def test_an_unknown_row_is_told_the_known_ones(data: Path, capsys: pytest.Captur
 
 
 def test_no_rival_is_imported_unasked() -> None:
-    code = "import sys, benchmarks.tables.detectors; print({'ultralytics', 'transformers'} & {*sys.modules})"
+    code = "import sys, benchmarks.paper.detectors; print({'ultralytics', 'transformers'} & {*sys.modules})"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ)
     assert said.stdout.strip() == "set()"
 

@@ -1,21 +1,21 @@
 """Tests of the table commands: merging of partial results, and fault injection into the solver."""
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from benchmarks.tables import budget, degraded, faults, proving_ground, rivals
-from benchmarks.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
-from benchmarks.tables.runs import Variant, run_all, settings, write
 from foreride.files.errors import InputError
+from foreride.scenarios import cli
+from foreride.scenarios.commands.table import TABLES
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import to_json
 from foreride.scenarios.simulation.simulate import simulate
+from foreride.scenarios.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
+from foreride.scenarios.tables.runs import Variant, run_all, settings, write
 
 SHORT = """
 title: One bump
@@ -108,21 +108,49 @@ def test_pieces_that_cannot_be_read_are_named(short: Scenario, tmp_path: Path, c
 
 
 @pytest.mark.parametrize(
-    ("main", "options", "said"),
+    ("words", "said"),
     [
-        (faults.main, ["--lines", "solver fials"], "--lines: must be of body_acc stuck, "),
-        (degraded.main, ["--lines", "20 % missed,fog"], "--lines: must be of true, bias +0.1 m, "),
-        (degraded.main, ["--seeds", "x"], "--seeds: must be whole numbers >= 0, separated by commas"),
-        (rivals.main, ["--events", "nowhere.yaml"], "nowhere.yaml: no such scenario file"),
-        (budget.main, ["--set", "speed_kmh"], "must read path.to.field=value"),
-        (proving_ground.main, ["--vehicles", "tank"], "tank"),
+        (["faults", "--lines", "solver fials"], "--lines: must be of body_acc stuck, "),
+        (["degraded", "--lines", "20 % missed,fog"], "--lines: must be of true, bias +0.1 m, "),
+        (["degraded", "--seeds", "x"], "--seeds: must be whole numbers >= 0, separated by commas"),
+        (["rivals", "--events", "nowhere.yaml"], "nowhere.yaml: no such scenario file"),
+        (["rivals", "--json", "no/folder/"], "no/folder"),
+        (["budget", "--set", "speed_kmh"], "must read path.to.field=value"),
+        (["proving_ground", "--vehicles", "tank"], "tank"),
+        (["wrong_previews", "--drives", "0"], "--drives and --jobs must be >= 1"),
+        (["wrong_previews", "--json", "rows.jsonl"], "rows.jsonl: expected the rows of this table"),
     ],
 )
 def test_bad_input_is_told_in_one_line_before_anything_is_driven(
-    main: Callable, options: list[str], said: str, capsys: pytest.CaptureFixture
+    words: list[str],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
 ) -> None:
-    assert main(options) == 2
+    monkeypatch.chdir(tmp_path)
+    Path("rows.jsonl").write_text('{"drive": 1000}\n')
+    Path("no").write_text("a file")
+    assert cli.main(["table", *words]) == 2
     told = capsys.readouterr().err
-    assert told.startswith("error: ")
+    assert told.startswith("foreride: ")
     assert said in told
     assert told.count("\n") == 1
+
+
+def test_every_table_is_a_command_with_help(capsys: pytest.CaptureFixture) -> None:
+    for name in TABLES:
+        with pytest.raises(SystemExit, match="0"):
+            cli.main(["table", name, "--help"])
+        assert capsys.readouterr().out.startswith(f"usage: foreride table {name} ")
+
+
+def test_random_drives_are_drawn_from_their_number_and_resumed(tmp_path: Path) -> None:
+    rows = tmp_path / "rows.jsonl"
+    words = ["table", "wrong_previews", "--first", "0", "--json", str(rows), "--drives"]
+    assert cli.main([*words, "1"]) == 0
+    (first,) = rows.read_text().splitlines()
+    assert cli.main([*words, "2"]) == 0
+    again, second = rows.read_text().splitlines()
+    assert again == first
+    assert [json.loads(row)["drive"] for row in (first, second)] == [0, 1]

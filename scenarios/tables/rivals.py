@@ -1,6 +1,6 @@
 """All controllers on the reporting set, and the gain of the MPCs over the best tuned reactive law.
 
-`python -m benchmarks.tables.rivals` runs all of them; `--controllers` fewer. Gains are means over the events
+`foreride table rivals` runs all of them; `--controllers` fewer. Gains are means over the events
 of 1 − (value / value of the best law), where the best law is the one with the smallest J relative to passive
 on these very events.
 """
@@ -9,19 +9,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.tables.command import command, whole_numbers
-from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from foreride.controller.tuned_settings import TUNED_CONTROLLERS
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
+from foreride.scenarios.tables.options import shared_parser, whole_numbers
+from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = shared_options("controllers on the reporting set", seeds="0,1,2")
+    """Simulate, print the table, and write JSON if requested. Raises InputError."""
+    parser = shared_parser("rivals", "controllers on the reporting set", seeds="0,1,2")
     parser.add_argument("--controllers", default=",".join([*TUNED_CONTROLLERS, *MPCS]))
     asked = parser.parse_args(arguments)
+    check_files(asked.json)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     names = [
         name for name in asked.controllers.split(",") if asked.vehicle != "quarter" or name != "mpc_wheelbase"
@@ -58,7 +60,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
             better = int(np.sum(gains["objective"].mean(axis=0) > 0.0))
             print(f"| {name} | {' | '.join(cells)} | {better} of {len(scenarios)} |")
     write(asked.json, done)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

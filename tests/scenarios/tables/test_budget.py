@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.tables.budget import SOURCES, table
+from foreride.scenarios.tables.budget import SOURCES, table
 
 
 def driven(**lines: list[list[float]]) -> dict[str, np.ndarray]:

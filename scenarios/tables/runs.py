@@ -1,6 +1,5 @@
 """Simulation of table lines over a set of events, and means over it."""
 
-import argparse
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
@@ -33,21 +32,6 @@ class Variant(NamedTuple):
     perception: str
     scenarios: Sequence[Scenario]
     around: Callable[[Scenario], AbstractContextManager[None]] = lambda scenario: nullcontext()
-
-
-def shared_options(description: str, seeds: str) -> argparse.ArgumentParser:
-    """Parser with the options common to all tables."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument(
-        "--events", nargs="+", default=["reporting"], help="scenarios or sets (default reporting)"
-    )
-    parser.add_argument("--vehicle", default="half", help="quarter, half or full (default half)")
-    parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
-    parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
-    told = "reuse rows of --json files of parts of this table, and simulate only missing ones"
-    parser.add_argument("--read", nargs="+", type=Path, default=[], metavar="FILE", help=told)
-    return parser
 
 
 def run_all(

@@ -1,6 +1,6 @@
 """Comfort budget: cost of each error source relative to the gain of a perfect preview.
 
-`python -m benchmarks.tables.budget [--events SCENARIO ...] [--vehicle half] [--seeds 0,1,2] [--json FILE]`
+`foreride table budget [--events SCENARIO ...] [--vehicle half] [--seeds 0,1,2] [--json FILE]`
 
 The whole chain (rendered image, detector, estimator, observer, latency, solver in its real-time setting) is
 simulated with `mpc_preview`; then one source at a time is replaced by the truth. The reference gain is that
@@ -29,11 +29,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.tables.command import command, whole_numbers
-from benchmarks.tables.runs import Variant, metric, run_all, shared_options
 from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
 from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.tables.options import shared_parser, whole_numbers
+from foreride.scenarios.tables.runs import Variant, metric, run_all
 
 EXACT_BOXES = [
     "boxes.pixel_sigma=0",
@@ -88,11 +89,12 @@ def _told(share: float | None, style: str) -> str:
     return "-" if share is None else format(share, style)
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = shared_options("what each source of error costs", seeds="0,1,2")
+    """Simulate, print the table, and write JSON if requested. Raises InputError."""
+    parser = shared_parser("budget", "what each source of error costs", seeds="0,1,2")
     parser.set_defaults(events=EVENTS)
     asked = parser.parse_args(arguments)
+    check_files(asked.json)
     if asked.read:
         parser.error("--read: a budget is driven in one piece")
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
@@ -123,7 +125,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
         names = {"vehicle": asked.vehicle, "seeds": seeds, "events": [one.name for one in plain]}
         document = {"schema": 1, "manifest": environment(), **names, "table": rows}
         write_text(asked.json, to_json(document) + "\n")
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,6 +1,6 @@
 """Effect of each fault under the supervisor: `mpc_preview` against `mpc_reactive` with the same fault.
 
-`python -m benchmarks.tables.faults`, on the reporting set. Each fault lasts WINDOW_S, from AHEAD_S before the
+`foreride table faults`, on the reporting set. Each fault lasts WINDOW_S, from AHEAD_S before the
 front axle meets the first obstacle; on roads without one, from the same time after the start. Solver faults
 are injected into the solver itself, all others through the scenario.
 """
@@ -14,14 +14,15 @@ from unittest.mock import patch
 import daqp
 import numpy as np
 
-from benchmarks.tables.command import command, parse_words, whole_numbers
-from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
 from foreride.controller.interface import Estimate
 from foreride.controller.mpc.controller import PredictiveController
+from foreride.files.writing.targets import check_files
 from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.definition.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.definition.sets import load_all
+from foreride.scenarios.tables.options import parse_words, shared_parser, whole_numbers
+from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 AHEAD_S, WINDOW_S = 0.2, 1.0
 LIMIT = 1.02
@@ -94,11 +95,12 @@ def variants(name: str, scenarios: list[Scenario]) -> list[Variant]:
     return [Variant(f"{name}, {c}", c, seen, spoilt, **around) for c, seen in pair]
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = shared_options("mpc_preview and its supervisor under faults", seeds="0")
+    """Simulate, print the table, and write JSON if requested. Raises InputError."""
+    parser = shared_parser("faults", "mpc_preview and its supervisor under faults", seeds="0")
     parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
+    check_files(asked.json)
     scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
     known = [*faults(0.0), *SOLVER]
     names = parse_words("--lines", asked.lines, known) if asked.lines else known
@@ -120,7 +122,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
             f" | {shown(mean_over_events(objective / sound))} | {fallbacks:.0f} a drive |"
         )
     write(asked.json, done)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,6 +1,6 @@
 """Table 5 of arXiv 2508.01339: size, latency and accuracy in FP32, FP16 and INT8, in one run.
 
-`python -m benchmarks.tables.deployment --data DIR --calibrate DIR [--json FILE]`
+`python -m benchmarks.paper.deployment --data DIR --calibrate DIR [--json FILE]`
 
 DIR holds images/ and labels/; INT8 is calibrated on other images than those of the evaluation. All rows read
 the same images, and are timed in turn (see `foreride.detector.export.benchmark`). Losses are in points of
@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.tables.command import command
+from benchmarks.command import command
 from foreride.detector.backends import BACKENDS, installed, require
 from foreride.detector.data.yolo_folder import image_paths, read_samples
 from foreride.detector.evaluation.average_precision import match_detections, summarise

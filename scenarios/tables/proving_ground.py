@@ -1,6 +1,6 @@
 """Proving-ground bumps of Theunissen et al.: ride of passive cars and the effect of control.
 
-`python -m benchmarks.tables.proving_ground [--vehicles half,suv] [--seed 0] [--json FILE]`
+`foreride table proving_ground [--vehicles half,suv] [--seed 0] [--json FILE]`
 
 J. Theunissen et al., Regionless explicit model predictive control of active suspension systems with preview,
 IEEE Trans. Industrial Electronics 67(6), 2020, evaluate ride by heave and pitch acceleration below 4 Hz, the
@@ -9,7 +9,6 @@ content below 4 Hz, by Parseval's theorem. Each car is also simulated with slow-
 with its dampers, because the car of the paper has hydraulic actuators.
 """
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -17,13 +16,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.tables.command import command
 from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.tables.options import table_parser
 
 BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
 PRIMARY_RIDE_HZ = 4.0
@@ -62,14 +62,14 @@ def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: 
     return Ride(vehicle, actuator, bump, controller, *metrics, heave, pitch)
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Simulate, print the table, and write JSON if requested."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Simulate, print the table, and write JSON if requested. Raises InputError."""
+    parser = table_parser("proving_ground", "rides over the proving-ground bumps of Theunissen et al.")
     parser.add_argument("--vehicles", default="half,suv")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args(arguments)
+    check_files(asked.json)
     rides = []
     print("| car | bump | controller | Wk RMS | peak | heave < 4 Hz | pitch < 4 Hz |")
     print("|---|---|---|---|---|---|---|")
@@ -84,7 +84,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
                     rides.append(ride._asdict())
     if asked.json:
         write_text(asked.json, to_json({"schema": 1, "manifest": environment(), "rides": rides}) + "\n")
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

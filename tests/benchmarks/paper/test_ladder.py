@@ -8,8 +8,8 @@ import pytest
 
 pytest.importorskip("torch")
 
-from benchmarks.tables import training
-from benchmarks.tables.ladder import main
+from benchmarks.paper import training
+from benchmarks.paper.ladder import main
 from tests.detector import roads
 
 

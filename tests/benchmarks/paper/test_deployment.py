@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("torch")
 pytest.importorskip("onnx")
 
-from benchmarks.tables.deployment import main
+from benchmarks.paper.deployment import main
 from tests.detector import roads
 
 

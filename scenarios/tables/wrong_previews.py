@@ -1,13 +1,12 @@
-"""The supervisor's gate put to the test: thousands of drives with previews that are wrong in random ways.
+"""Monte Carlo test of the supervisor's gate: drives with previews that are wrong at random.
 
-`python -m benchmarks.tables.wrong_previews --drives 2000 --first 1000 --json rows.jsonl`. Each drive is drawn
+`foreride table wrong_previews --drives 2000 --first 1000 --json rows.jsonl`. Each drive is drawn
 from its number alone: an oracle that errs, a wrong map, boxes or a rendered camera with a wrong mounting,
 wrong boxes and wrong beliefs. Each is told as J of `mpc_preview` over J of `mpc_reactive` on the same road,
 eight drives a road. The file of rows grows drive by drive, and a second call goes on where the first ended.
 Settings of the gate were chosen on numbers below 1000.
 """
 
-import argparse
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -20,14 +19,17 @@ from typing import Any
 import numpy as np
 from rich.progress import track
 
-from benchmarks.tables.command import command
-from benchmarks.tables.wrong_maps import wrong_map
-from benchmarks.tables.wrong_roads import drawn_road, scenario
-from benchmarks.tables.wrong_settings import Unstated, applied, unstated, wrong_camera, wrong_oracle
-from foreride.files.errors import InputError
+from foreride.files.errors import InputError, printable
+from foreride.files.reading.regular_file import DATA_LIMIT, read_text
+from foreride.files.reading.strict_json import parse_json
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.simulation.simulate import Run
+from foreride.scenarios.tables.options import table_parser
+from foreride.scenarios.tables.wrong_maps import wrong_map
+from foreride.scenarios.tables.wrong_roads import drawn_road, scenario
+from foreride.scenarios.tables.wrong_settings import Unstated, applied, unstated, wrong_camera, wrong_oracle
 
 A_ROAD = 8
 """Drives that share a road, and with it the drive with `mpc_reactive`."""
@@ -87,11 +89,11 @@ def each(numbers: Sequence[int], jobs: int) -> Iterator[Row]:
 
 def read(path: Path) -> list[Row]:
     """Rows that an earlier call has written; a line cut short by its end is left out."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
-        return [json.loads(line) for line in lines if line.endswith("\n")]
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: expected the rows of this table, one a line ({error})") from None
+    lines = read_text(path, DATA_LIMIT).splitlines(keepends=True) if path.exists() else []
+    rows = [parse_json(line, str(path)) for line in lines if line.endswith("\n")]
+    if not all(isinstance(row, dict) and {"drive", "perception", "ratio"} <= set(row) for row in rows):
+        raise InputError(f"{printable(path)}: expected the rows of this table, one a line")
+    return rows
 
 
 def table(rows: Sequence[Row]) -> list[str]:
@@ -121,9 +123,9 @@ def worst(rows: Sequence[Row], count: int) -> list[str]:
     ]
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description="mpc_preview with previews that are wrong at random")
+    """Simulate, print the table, and keep the rows if requested. Raises InputError."""
+    parser = table_parser("wrong_previews", "mpc_preview with previews that are wrong at random")
     parser.add_argument("--drives", type=int, default=2000, help="how many (default 2000)")
     parser.add_argument("--first", type=int, default=1000, help="number of the first one (default 1000)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
@@ -132,6 +134,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     if asked.drives < 1 or asked.first < 0 or asked.jobs < 1:
         raise InputError("--drives and --jobs must be >= 1, --first >= 0")
+    check_files(asked.json)
     wanted = range(asked.first, asked.first + asked.drives)
     kept = [row for row in read(asked.json) if row["drive"] in wanted] if asked.json else []
     have = {row["drive"] for row in kept}
@@ -143,7 +146,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
             with asked.json.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
     print("\n".join([*table(rows), "", *worst(rows, asked.worst)]))
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

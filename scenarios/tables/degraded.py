@@ -1,15 +1,16 @@
 """Cost of preview errors: `mpc_preview` with an erroneous oracle against `mpc_reactive`.
 
-`python -m benchmarks.tables.degraded`, on the reporting set. The oracle states the size of its errors, like a
+`foreride table degraded`, on the reporting set. The oracle states the size of its errors, like a
 perception with consistent uncertainty: a position sigma equal to the bias, a height sigma equal to the height
 error.
 """
 
 from collections.abc import Mapping, Sequence
 
-from benchmarks.tables.command import command, parse_words, whole_numbers
-from benchmarks.tables.runs import Variant, mean_over_events, metric, run_all, shared_options, shown, write
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
+from foreride.scenarios.tables.options import parse_words, shared_parser, whole_numbers
+from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 SIGMA_M = 0.05
 """Stated position sigma for errors other than position, m."""
@@ -30,11 +31,12 @@ def errors() -> dict[str, Mapping[str, float]]:
     return {name: {"position_sigma_m": SIGMA_M, **line} if line else line for name, line in lines.items()}
 
 
-@command
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = shared_options("mpc_preview with preview errors", seeds="0")
+    """Simulate, print the table, and write JSON if requested. Raises InputError."""
+    parser = shared_parser("degraded", "mpc_preview with preview errors", seeds="0")
     parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
+    check_files(asked.json)
     common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
     variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]
     lines = errors()
@@ -56,7 +58,3 @@ def main(arguments: Sequence[str] | None = None) -> None:
         verdict = "" if mean.mean <= limit else " **over**"
         print(f"| {name} | {shown(mean)}{verdict} | {worst.max():.3f} ({where}) | {limit:.2f} |")
     write(asked.json, done)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -1,6 +1,6 @@
 """Table 4 of arXiv 2508.01339: SBP-YOLO and other detectors, trained on the same images.
 
-`python -m benchmarks.tables.detectors --data DIR --out FOLDER --passes 60000 [--rows a,b] [--json FILE]`
+`python -m benchmarks.paper.detectors --data DIR --out FOLDER --passes 60000 [--rows a,b] [--json FILE]`
 
 DIR holds train/ and val/. Every row starts from random weights and is trained for the same number of images
 at the same size; all are evaluated by the same code on DIR/val. Our models and D-FINE-N see the same batches;
@@ -18,9 +18,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from benchmarks.tables import dfine, with_ultralytics
-from benchmarks.tables.command import command, parse_words
-from benchmarks.tables.training import check_same_settings, record_settings, settings_of, train_ours
+from benchmarks.command import command
+from benchmarks.paper import dfine, with_ultralytics
+from benchmarks.paper.training import check_same_settings, record_settings, settings_of, train_ours
 from foreride.detector.data.crops import whole_view
 from foreride.detector.data.yolo_folder import Sample, read_samples
 from foreride.detector.detections import Detections
@@ -33,6 +33,7 @@ from foreride.detector.nms import MIN_CONFIDENCE, NMS_IOU, select
 from foreride.detector.training.schedule import Stage, parse_stages
 from foreride.files.progress import Progress
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.tables.options import parse_words
 
 OURS = ("sbp-yolo", "yolo11n")
 ROWS = (*OURS, "d-fine-n", *with_ultralytics.YOLOS)

@@ -1,1 +1,0 @@
-"""Result tables over the reporting set, one command each."""

@@ -1,0 +1,28 @@
+"""`foreride table`: the result tables of README and documentation, each with its own options."""
+
+import argparse
+import importlib
+
+TABLES = {
+    "budget": "cost of each source of error, as a share of the gain of perfect preview",
+    "degraded": "cost of errors of the preview, with an erroneous oracle",
+    "faults": "cost of failing sensors, previews and solvers under the supervisor",
+    "rivals": "all controllers on the reporting set",
+    "proving_ground": "proving-ground bumps of Theunissen et al.",
+    "wrong_previews": "random drives with wrong previews, against the supervisor's gate",
+}
+
+
+def add(commands: argparse._SubParsersAction) -> None:
+    """Add the subcommand; the options after the table's name belong to its module."""
+    summary = "; ".join(f"{name}: {text}" for name, text in TABLES.items())
+    command = commands.add_parser("table", help=", ".join(TABLES), description=summary)
+    command.add_argument("name", choices=TABLES)
+    command.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="options; `--help` lists them")
+    command.set_defaults(execute=execute)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Simulate and print the table."""
+    importlib.import_module(f"foreride.scenarios.tables.{arguments.name}").main(arguments.rest)
+    return 0

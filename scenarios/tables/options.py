@@ -1,0 +1,46 @@
+"""Options of the table commands: events, vehicle, seeds, files of rows, and comma-separated lists."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from foreride.files.command_line import Parser
+from foreride.files.errors import InputError, shown
+from foreride.files.reading.numbers import is_integer
+
+
+def table_parser(name: str, description: str) -> Parser:
+    """Parser of `foreride table NAME`."""
+    return Parser(prog=f"foreride table {name}", description=description)
+
+
+def shared_parser(name: str, description: str, seeds: str) -> Parser:
+    """Parser with the options of all tables over a set of events."""
+    parser = table_parser(name, description)
+    parser.add_argument(
+        "--events", nargs="+", default=["reporting"], help="scenarios or sets (default reporting)"
+    )
+    parser.add_argument("--vehicle", default="half", help="quarter, half or full (default half)")
+    parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
+    parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
+    told = "reuse rows of --json files of parts of this table, and simulate only missing ones"
+    parser.add_argument("--read", nargs="+", type=Path, default=[], metavar="FILE", help=told)
+    return parser
+
+
+def parse_words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
+    """Split a comma-separated option. Raises InputError for an entry that is not allowed."""
+    words = text.split(",")
+    for word in words:
+        if word not in allowed:
+            raise InputError(f"{option}: must be of {', '.join(allowed)}, got {shown(word)}")
+    return words
+
+
+def whole_numbers(option: str, text: str) -> list[int]:
+    """Split a comma-separated option into integers >= 0. Raises InputError."""
+    words = text.split(",")
+    for word in words:
+        if not is_integer(word):
+            raise InputError(f"{option}: must be whole numbers >= 0, separated by commas, got {shown(word)}")
+    return [int(word) for word in words]
