@@ -14,7 +14,9 @@ from foreride.files.errors import InputError
 class Profile(Protocol):
     """Effective road height (m) as a function of position x (m), for example a `WheelProfile`."""
 
-    def height(self, x: np.ndarray) -> np.ndarray: ...
+    def height(self, x: np.ndarray) -> np.ndarray:
+        """Height (m) at x (m)."""
+        ...
 
 
 @dataclass(frozen=True)

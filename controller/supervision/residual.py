@@ -30,7 +30,7 @@ _LEAST_SIZE_M = 0.02
 
 
 class Strike(Enum):
-    """What was felt lately: as claimed, an obstacle not announced, or not what was announced."""
+    """Verdict on the road measured lately: as claimed, unannounced obstacle, or other than claimed."""
 
     CONSISTENT = "consistent"
     UNANNOUNCED = "unannounced"

@@ -56,6 +56,7 @@ class Images(CalibrationDataReader):
         self.rest: Iterator[NDArray[np.uint8]] = iter(images)
 
     def get_next(self) -> dict[str, NDArray[np.uint8]] | None:
+        """Next input of the network by name; None at the end."""
         image = next(self.rest, None)
         return None if image is None else {"image": image[None]}
 

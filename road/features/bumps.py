@@ -51,6 +51,7 @@ class _RaisedFeature(Checked):
 
     @property
     def end_m(self) -> float:
+        """Position of the far edge, m."""
         return self.start_m + self.length_m
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:

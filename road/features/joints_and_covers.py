@@ -41,10 +41,12 @@ class ExpansionJoint(Checked):
 
     @property
     def length_m(self) -> float:
+        """Length along the road, m."""
         return self.gap_m + 2 * self._edge_m
 
     @property
     def end_m(self) -> float:
+        """Position of the far edge, m."""
         return self.start_m + self.length_m
 
     @property
@@ -85,18 +87,22 @@ class ManholeCover(Checked):
 
     @property
     def length_m(self) -> float:
+        """Length along the road, m."""
         return self.diameter_m
 
     @property
     def end_m(self) -> float:
+        """Position of the far edge, m."""
         return self.start_m + self.diameter_m
 
     @property
     def y_min_m(self) -> float:
+        """Position of the right edge, m."""
         return self.y_m - self.diameter_m / 2
 
     @property
     def y_max_m(self) -> float:
+        """Position of the left edge, m."""
         return self.y_m + self.diameter_m / 2
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
@@ -136,10 +142,12 @@ class Step(Checked):
 
     @property
     def length_m(self) -> float:
+        """Length along the road, m."""
         return self.ramp_m
 
     @property
     def end_m(self) -> float:
+        """Position of the far edge, m."""
         return self.start_m + self.ramp_m
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:

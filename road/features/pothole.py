@@ -45,14 +45,17 @@ class Pothole(Checked):
 
     @property
     def end_m(self) -> float:
+        """Position of the far edge, m."""
         return self.start_m + self.length_m
 
     @property
     def y_min_m(self) -> float:
+        """Position of the right edge, m."""
         return self.y_m - self.width_m / 2
 
     @property
     def y_max_m(self) -> float:
+        """Position of the left edge, m."""
         return self.y_m + self.width_m / 2
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:

@@ -45,6 +45,7 @@ class MeasuredSurface(NamedTuple):
 
     @property
     def length_m(self) -> float:
+        """Length of the surface, m."""
         return float(self.x_m[-1])
 
 

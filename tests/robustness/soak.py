@@ -29,7 +29,7 @@ EVENTS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40", "rough_c_60", "mixe
 
 @dataclass(frozen=True)
 class Sample:
-    """What the process holds after so many drives."""
+    """Resources of the process after so many drives."""
 
     minutes: float
     drives: int

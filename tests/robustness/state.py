@@ -1,4 +1,4 @@
-"""What a command left: its files by unit, each of which must be the old one or the whole new one."""
+"""State of output files after a command, by unit, each of which must be the old one or the whole new one."""
 
 import json
 from collections.abc import Callable
