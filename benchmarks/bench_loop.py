@@ -11,7 +11,7 @@ from statistics import median
 
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 
 CASES = (

@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.html import page

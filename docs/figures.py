@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import colour_of, save, write_event_figure
 

@@ -2,7 +2,7 @@
 
 from foreride.controller.clairvoyant.optimum import Optimum
 from foreride.scenarios.bound.optimum_cache import bound
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.simulate import simulate
 

@@ -13,7 +13,7 @@ from foreride.controller.command_limits import KILO
 from foreride.controller.tuned_settings import tuned_settings
 from foreride.files.cache import cached
 from foreride.files.writing.atomic import write_bytes
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, ticks
 from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.definition.schema import Scenario

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from foreride.controller.clairvoyant.optimum import PlanReplay
 from foreride.controller.registry import CLAIRVOYANT
 from foreride.scenarios.bound.optimum_cache import bound
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run, simulate
 
 

@@ -24,10 +24,11 @@ from foreride.files.reading import strict, yaml12
 from foreride.files.reading.numbers import is_integer, within
 from foreride.files.reading.regular_file import read_text
 from foreride.files.writing.sharing import shared_target
+from foreride.scenarios.cases import Case, cases, distinct
 from foreride.scenarios.comparison.parallel import simulate_each
 from foreride.scenarios.comparison.table import short_name
-from foreride.scenarios.definition.cases import PERCEPTIONS, Case, cases, distinct
 from foreride.scenarios.definition.sets import load_all
+from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.runs.write import vehicle_name
 from foreride.scenarios.simulation.referenced_files import check_case_files
 from foreride.scenarios.simulation.simulate import Run

@@ -8,7 +8,7 @@ from typing import Any
 
 from foreride.files.writing.folder import check_folder, claim
 from foreride.files.writing.targets import check_files
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.runs import write
 from foreride.scenarios.runs.write import folder_name
 

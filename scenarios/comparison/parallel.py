@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run
 
 Advance = Callable[[Case, int], None]

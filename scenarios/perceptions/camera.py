@@ -1,6 +1,6 @@
 """Camera perceptions of the closed loop: true boxes with errors, or rendered images through the detector."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -11,16 +11,14 @@ import numpy as np
 from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
+from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
 from foreride.road.render.scene import Scene
-from foreride.road.tyre.wheel_profile import WheelProfile
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.perceptions.detector_perception import DetectorPerception
 from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
-from foreride.scenarios.perceptions.interface import DetectorPerception, Exposure, NoPreview, Perception
-from foreride.scenarios.perceptions.oracle import build_oracle
-from foreride.scenarios.perceptions.road_map import build_map
+from foreride.scenarios.perceptions.interface import Drive, Exposure, ReferencedFile
 from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 from foreride.vehicle.state import VehicleState
 
@@ -28,44 +26,44 @@ BoxSource = Callable[[int, VehicleState], Exposure]
 _SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise
 
 
-def build_perception(
-    case: Case,
-    profiles: Sequence[WheelProfile],
-    streams: dict[str, np.random.Generator],
-    keep_images: bool,
-) -> Perception:
-    """Build the perception that a case names."""
-    scenario, car = case.scenario, case.scenario.vehicle.parameters
-    if case.perception == "none":
-        return NoPreview()
-    if case.perception == "oracle":
-        rng, enveloping = streams["oracle"], scenario.enveloping
-        return build_oracle(scenario.road, profiles, car, scenario.oracle, rng, enveloping)
-    if case.perception == "map":
-        return build_map(scenario, streams["map"])
-    nominal = scenario.camera.mount(max(car.axle_x_m))
-    mount = true_mount(scenario, nominal, streams["mounting"])
-    if case.perception == "boxes":
-        eye = true_box_source(scenario, mount, streams["boxes"])
-    else:
-        eye = rendered_box_source(scenario, mount, load_detector(scenario), streams["image"])
+def build_boxes(drive: Drive) -> DetectorPerception:
+    """Build the perception `boxes` of a drive."""
+    mount = true_mount(drive.scenario, drive.random_stream("mounting"))
+    return _with_estimator(drive, true_box_source(drive.scenario, mount, drive.random_stream("boxes")))
+
+
+def build_camera(drive: Drive) -> DetectorPerception:
+    """Build the perception `camera` of a drive."""
+    scenario, mount = drive.scenario, true_mount(drive.scenario, drive.random_stream("mounting"))
+    eye = rendered_box_source(scenario, mount, load_detector(scenario), drive.random_stream("image"))
+    return _with_estimator(drive, eye)
+
+
+def _with_estimator(drive: Drive, eye: BoxSource) -> DetectorPerception:
+    """Perception from the boxes of `eye` by the scenario's estimator."""
+    scenario, car, setup = drive.scenario, drive.scenario.vehicle.parameters, drive.scenario.camera
     estimator = Estimator(
-        scenario.camera.intrinsics,
-        nominal,
+        setup.intrinsics,
+        nominal_mount(scenario),
         car.axle_x_m,
         car.wheel_y_m,
         scenario.estimator,
         x_m=scenario.start_m,
-        memory=None if scenario.memory is None else read_memory(scenario.memory),
-        stereo_base_m=scenario.camera.stereo_base_m,
+        memory=_memory(scenario),
+        stereo_base_m=setup.stereo_base_m,
     )
-    setup = scenario.camera
     correct = track_corrector(scenario.road.features, scenario.told)
-    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, keep_images, correct)
+    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
 
 
-def true_mount(scenario: Scenario, nominal: CameraMount, rng: np.random.Generator) -> CameraMount:
+def nominal_mount(scenario: Scenario) -> CameraMount:
+    """Camera mounting that the estimator assumes."""
+    return scenario.camera.mount(max(scenario.vehicle.parameters.axle_x_m))
+
+
+def true_mount(scenario: Scenario, rng: np.random.Generator) -> CameraMount:
     """Actual camera mounting: the nominal one with calibration errors."""
+    nominal = nominal_mount(scenario)
     pitch, height = rng.standard_normal(2)
     return replace(
         nominal,
@@ -86,6 +84,17 @@ def load_detector(scenario: Scenario) -> Detector:
 def _session(weights: Path, threads: int, confidence: float, written_ns: int) -> Detector:
     """Return one detector shared by all runs of a process; `written_ns` detects a changed file."""
     return Detector(weights, threads=threads, confidence=confidence)
+
+
+def _memory(scenario: Scenario) -> Memory | None:
+    """Memory of an earlier drive, if the scenario names one."""
+    return None if scenario.memory is None else read_memory(scenario.memory)
+
+
+WEIGHTS_FILE = ReferencedFile("weights_sha256", lambda scenario: load_detector(scenario).path, load_detector)
+"""The detector's weights."""
+MEMORY_FILE = ReferencedFile("memory_sha256", lambda scenario: scenario.memory, _memory)
+"""The memory of an earlier drive, for the estimator."""
 
 
 def pose(mount: CameraMount, state: VehicleState) -> CameraPose:

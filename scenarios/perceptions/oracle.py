@@ -1,7 +1,7 @@
 """Perception `oracle`: the true road ahead, optionally with prescribed errors."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,16 +9,15 @@ import numpy as np
 from foreride.preview.road_preview import RoadPreview, oracle_preview
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
-from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 from foreride.scenarios.definition.oracle_errors import OracleErrors
-from foreride.scenarios.perceptions.interface import NoPreview
+from foreride.scenarios.perceptions.interface import Drive, Perception
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
 
 
-class OraclePerception(NoPreview):
+class OraclePerception(Perception):
     """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
 
     def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
@@ -34,9 +33,9 @@ class OraclePerception(NoPreview):
         """Record the measured speed, used to extrapolate old views."""
         self._speed_m_s = measurement.speed_m_s
 
-    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
+    def preview(self, time_s: float, state: VehicleState) -> RoadPreview:
         """Return the believed profile ahead of the wheels."""
-        x_m = float(state().x_m)
+        x_m = float(state.x_m)
         errors = self._errors
         if errors.latency_s > 0.0:
             x_m = self._carried_forward(time_s, x_m)
@@ -64,19 +63,14 @@ class OraclePerception(NoPreview):
         return then_m + self._travelled_m - travelled_m
 
 
-def build_oracle(
-    road: Road,
-    true: Sequence[WheelProfile],
-    car: Car,
-    errors: OracleErrors,
-    rng: np.random.Generator,
-    enveloping: Enveloping | None = None,
-) -> OraclePerception:
+def build_oracle(drive: Drive) -> OraclePerception:
     """Build the oracle of a drive; missed and false features are drawn once."""
+    scenario, car = drive.scenario, drive.scenario.vehicle.parameters
+    errors = scenario.oracle
     if errors.miss_probability == errors.false_per_100m == 0.0:
-        return OraclePerception(true, car, errors)
-    believed = believed_road(road, car.track_m, errors, rng)
-    tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, enveloping) for y in car.wheel_y_m}
+        return OraclePerception(drive.profiles, car, errors)
+    believed = believed_road(scenario.road, car.track_m, errors, drive.random_stream("oracle"))
+    tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m}
     return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors)
 
 

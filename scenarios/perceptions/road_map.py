@@ -1,6 +1,6 @@
 """Map perception (`map`): preview from a road map at the car's estimated position on it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from foreride.preview.prior_drives.road_map import RoadMap, map_preview, read, w
 from foreride.preview.road_preview import RoadPreview
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.perceptions.interface import NoPreview
+from foreride.scenarios.perceptions.interface import Drive, Perception, ReferencedFile
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 
-class MapPerception(NoPreview):
+class MapPerception(Perception):
     """Perception from a road map, with a constant localisation error `error_m` over the drive."""
 
     def __init__(
@@ -25,9 +25,9 @@ class MapPerception(NoPreview):
         self._sigma_m, self._error_m = sigma_m, error_m
         self._axles = np.asarray(car.axle_x_m)
 
-    def preview(self, time_s: float, state: Callable[[], VehicleState]) -> RoadPreview:
+    def preview(self, time_s: float, state: VehicleState) -> RoadPreview:
         """Return the mapped road ahead of the wheels."""
-        wheels = float(state().x_m) + self._error_m + self._axles
+        wheels = float(state.x_m) + self._error_m + self._axles
         return map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
 
 
@@ -38,9 +38,16 @@ def read_map(scenario: Scenario) -> tuple[RoadMap, float]:
     return read(scenario.map.file), scenario.map.localisation_sigma_m
 
 
-def build_map(scenario: Scenario, rng: np.random.Generator) -> MapPerception:
-    """Build the perception `map` of a scenario, with a localisation error drawn from `rng`."""
-    car = scenario.vehicle.parameters
+MAP = ReferencedFile(
+    "map_sha256", lambda scenario: None if scenario.map is None else scenario.map.file, read_map
+)
+"""The road map of a scenario."""
+
+
+def build_map(drive: Drive) -> MapPerception:
+    """Build the perception `map` of a drive, with a localisation error drawn once."""
+    scenario, car = drive.scenario, drive.scenario.vehicle.parameters
     known, sigma = read_map(scenario)
     tracks = wheel_tracks(known, car.wheel_y_m, car.wheel_radius_m, scenario.enveloping)
-    return MapPerception(known, tracks, car, sigma, sigma * float(rng.standard_normal()))
+    error_m = sigma * float(drive.random_stream("map").standard_normal())
+    return MapPerception(known, tracks, car, sigma, error_m)

@@ -11,7 +11,7 @@ from foreride.files.reading import strict
 from foreride.files.reading.numbers import is_integer
 from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.regression.tolerances import Tolerance
 from foreride.scenarios.runs.write import environment, to_json

@@ -8,8 +8,9 @@ import numpy as np
 
 from foreride.road.camera.pinhole import CameraPose, pose_of, project
 from foreride.road.render.scene import Scene
+from foreride.scenarios.definition.random_streams import random_stream
 from foreride.scenarios.perceptions.camera import true_mount
-from foreride.scenarios.simulation.simulate import Run, random_streams
+from foreride.scenarios.simulation.simulate import Run
 
 LANE_M = 1.75  # half a lane
 
@@ -18,8 +19,8 @@ def with_frames(run: Run, advance: Callable[[], None] = lambda: None) -> Run:
     """Return the run with an image at every exposure: kept ones, or rendered again from the run's record."""
     if has_frames(run) or not run.looks:
         return run
-    scenario, streams = run.case.scenario, random_streams(run.case.seed)
-    scene = Scene(scenario.road, scenario.appearance, int(streams["image"].integers(2**31)))
+    scenario, rng = run.case.scenario, random_stream(run.case.seed, "image")
+    scene = Scene(scenario.road, scenario.appearance, int(rng.integers(2**31)))
     looks = []
     for look, pose in zip(run.looks, poses(run), strict=True):
         image = scene.render(scenario.camera.intrinsics, pose, look.tick).image
@@ -35,9 +36,7 @@ def has_frames(run: Run) -> bool:
 
 def poses(run: Run) -> list[CameraPose]:
     """True camera pose at each exposure."""
-    scenario = run.case.scenario
-    nominal = scenario.camera.mount(max(scenario.vehicle.parameters.axle_x_m))
-    mount = true_mount(scenario, nominal, random_streams(run.case.seed)["mounting"])
+    mount = true_mount(run.case.scenario, random_stream(run.case.seed, "mounting"))
     names = ("x_m", "heave_m", "pitch_rad", "roll_rad")
     columns = [run.signals.get(name, np.zeros_like(run.signals["time_s"])) for name in names]
     attitudes = ([float(column[look.tick]) for column in columns] for look in run.looks)

@@ -10,8 +10,8 @@ from typing import Any
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.strict_json import read_json
 from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.statistics import Row
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.runs.read import is_run, read
 from foreride.scenarios.runs.validate import check_row
 from foreride.scenarios.runs.write import row, scenario_hash

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from foreride.scenarios.comparison.statistics import summarise, variants_of
-from foreride.scenarios.definition.cases import PERCEPTIONS
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
+from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.markup import embedded, text
@@ -62,12 +62,12 @@ def _drive(run: Run) -> tuple[str, str]:
 def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
     images = sum(look.image is not None for run in runs for look in run.looks)
     every = max(1, -(-images // MAX_FRAMES))
-    shown = []
+    shown, ladder = [], list(PERCEPTIONS)
     for _, group in groupby(runs, key=_drive):
         members = list(group)
         notes = {label_of(run): _frames_note(run, frames_from, every) for run in members}
         start = event_window(members[0], before_s=0.5)[0] / TICKS_PER_SECOND
-        best = max(range(len(members)), key=lambda i: PERCEPTIONS.index(members[i].case.perception))
+        best = max(range(len(members)), key=lambda i: ladder.index(members[i].case.perception))
         shown.append(scene(members, notes, every) | {"start": start, "best": best})
     return shown
 

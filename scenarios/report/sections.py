@@ -7,18 +7,13 @@ from itertools import groupby
 
 from foreride.scenarios.comparison.statistics import Interval, Variant
 from foreride.scenarios.comparison.table import COLUMNS, Column, short_name
+from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.markup import Html, text
 from foreride.scenarios.runs.write import manifest, to_json
 from foreride.scenarios.simulation.simulate import Run
 
 _REACTIVE = ("mpc_reactive", "none")
-_LADDER = {
-    "oracle": "true road",
-    "map": "map of the road",
-    "boxes": "true boxes with errors",
-    "camera": "camera and detector",
-}
 
 
 def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
@@ -51,10 +46,11 @@ def budget_section(variants: Sequence[Variant]) -> str:
         reactive, best = found.get(_REACTIVE), found.get(("mpc_preview", "oracle"))
         if reactive is None or best is None:
             continue
-        for perception, told in _LADDER.items():
-            if (objective := found.get(("mpc_preview", perception))) is not None:
+        for perception, entry in PERCEPTIONS.items():
+            objective = found.get(("mpc_preview", perception))
+            if entry.looks_ahead and objective is not None:
                 share = f"{(reactive - objective) / (reactive - best):.0%}" if reactive > best else "–"
-                rows.append([f"{scenario} · {vehicle}", told, f"{objective:.4f}", share])
+                rows.append([f"{scenario} · {vehicle}", entry.label, f"{objective:.4f}", share])
     if len(rows) < 2:
         return ""
     shown = table(

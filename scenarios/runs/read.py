@@ -18,14 +18,14 @@ from foreride.files.reading.regular_file import reading
 from foreride.files.reading.strict_json import parse_json
 from foreride.files.writing.marker import verified
 from foreride.files.writing.scratch import is_scratch
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.interface import Event, Exposure
 from foreride.scenarios.runs.validate import check_run
 from foreride.scenarios.runs.write import KIND, MANIFEST, frame_name
 from foreride.scenarios.simulation.preview_log import PreviewLog
-from foreride.scenarios.simulation.referenced_files import HASHES
+from foreride.scenarios.simulation.referenced_files import hash_names
 from foreride.scenarios.simulation.simulate import Run
 
 SCHEMA = 1
@@ -66,7 +66,7 @@ def _read(folder: Path) -> Run:
             observer=manifest["observer_error"],
             perception_stats=manifest["perception_stats"],
             timing=manifest["timing"],
-            files_sha256={name: manifest.get(name) for name in HASHES},
+            files_sha256={name: manifest.get(name) for name in hash_names()},
             track_y_m=manifest["track_y_m"],
             looks=[_look(event, files) for event in events if event["event"] == "boxes"],
             previews=_previews(files.table("previews.parquet")),

@@ -20,7 +20,7 @@ from foreride.files.writing.folder import atomic_folder
 from foreride.files.writing.names import joined
 from foreride.files.writing.sharing import shared_name, shared_target
 from foreride.preview.prior_drives.memory_file import to_text as memory_text
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.preview_log import PreviewLog
 from foreride.scenarios.simulation.simulate import Run

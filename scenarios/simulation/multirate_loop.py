@@ -11,9 +11,10 @@ from foreride.controller.laws.passive import Constant
 from foreride.controller.observer.observer import Observer, exact_estimate
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.controller.registry import build
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
-from foreride.scenarios.perceptions.interface import Event, NoPreview, Perception
+from foreride.scenarios.perceptions.interface import Event, Perception
+from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation import preview_log
 from foreride.scenarios.simulation.fault_injection import LATE_ANSWER, Faults
 from foreride.vehicle.equations import state_size
@@ -28,8 +29,8 @@ class MultirateLoop:
 
     events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
     controller's counts, without its run times; timing: those run times; estimates: the observer's, one per
-    decision; seen: the previews, 20 Hz. For fixed dampers without perception neither sensors nor controller
-    are evaluated: no estimates.
+    decision; seen: the previews, 20 Hz. For fixed dampers and a perception without an estimator neither
+    sensors nor controller are evaluated: no estimates.
     """
 
     def __init__(
@@ -56,7 +57,7 @@ class MultirateLoop:
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
         self._open_loop = False
-        if isinstance(self._controller, Constant) and isinstance(perception, NoPreview):
+        if isinstance(self._controller, Constant) and not perception_entry(case.perception).has_estimator:
             self._open_loop = True
             self._waiting.append((self._delay, self._controller.command))
         self.estimates: list[Estimate] = []
@@ -71,12 +72,13 @@ class MultirateLoop:
         """Run all ticks, from one event to the next."""
         tick = 0
         while tick < self._total:
-            self._perception.expose(tick, self._state)
+            state = self._plant.state
+            self._perception.expose(tick, state)
             asked = not self._open_loop and due(tick, self._rate_hz)
-            estimate = self._sense() if asked else None
+            estimate = self._sense(state) if asked else None
             self.events += self._perception.receive(tick)
             if estimate is not None:
-                self._waiting.append((tick + self._delay, self._decide(tick, estimate)))
+                self._waiting.append((tick + self._delay, self._decide(tick, estimate, state)))
             while self._waiting and self._waiting[0][0] <= tick:
                 self._command = self._waiting.popleft()[1]
             following = self._next_event(tick)
@@ -89,12 +91,8 @@ class MultirateLoop:
         }
         self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
 
-    def _state(self) -> VehicleState:
-        return self._plant.state
-
-    def _sense(self) -> Estimate:
+    def _sense(self, state: VehicleState) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
-        state = self._plant.state
         checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
         self._perception.sense(checked.measurement)
         if self._observer is None:
@@ -103,9 +101,9 @@ class MultirateLoop:
         self.estimates.append(estimate)
         return estimate
 
-    def _decide(self, tick: int, estimate: Estimate) -> np.ndarray:
+    def _decide(self, tick: int, estimate: Estimate, state: VehicleState) -> np.ndarray:
         time_s = tick / TICKS_PER_SECOND
-        preview = self._faults.preview(self._perception.preview(time_s, self._state), time_s)
+        preview = self._faults.preview(self._perception.preview(time_s, state), time_s)
         if preview is not None and due(tick, preview_log.RATE_HZ):
             self.seen.append(preview_log.decimated(preview, self._wheel))
         if self._faults.late(time_s):

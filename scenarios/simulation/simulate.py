@@ -10,10 +10,11 @@ import numpy as np
 from foreride.comfort.metrics import ride_metrics
 from foreride.controller.interface import Controller
 from foreride.preview.prior_drives.memory_file import Memory
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.perceptions.camera import build_perception
-from foreride.scenarios.perceptions.interface import Event, Exposure
+from foreride.scenarios.definition.random_streams import random_stream
+from foreride.scenarios.perceptions.interface import Drive, Event, Exposure
+from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation.fault_injection import Faults
 from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 from foreride.scenarios.simulation.observer_errors import observer_errors
@@ -59,13 +60,6 @@ class Run:
     bound: dict[str, float] | None = None
 
 
-def random_streams(seed: int) -> dict[str, np.random.Generator]:
-    """Independent generators for each source of randomness, so that adding one never shifts another."""
-    names = ("sensors", "boxes", "mounting", "image", "oracle", "faults", "map")
-    children = np.random.SeedSequence(seed).spawn(len(names))
-    return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
-
-
 def simulate(
     case: Case,
     keep_images: bool = False,
@@ -80,14 +74,13 @@ def simulate(
     """
     started = perf_counter()
     scenario, car = case.scenario, case.scenario.vehicle.parameters
-    streams = random_streams(case.seed)
     profiles = wheel_profiles(scenario)
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.motion)
-    sensors = Sensors(car.wheels, streams["sensors"], scenario.sensors)
-    perception = build_perception(case, profiles, streams, keep_images)
+    sensors = Sensors(car.wheels, random_stream(case.seed, "sensors"), scenario.sensors)
+    perception = perception_entry(case.perception).build(Drive(scenario, profiles, case.seed, keep_images))
     files_sha256 = hashes(case)
-    faults = Faults(scenario.faults, streams["faults"])
+    faults = Faults(scenario.faults, random_stream(case.seed, "faults"))
     driver = MultirateLoop(case, plant, sensors, perception, faults, controller)
     try:
         driver.drive(advance)

@@ -19,7 +19,7 @@ from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Seed
 from foreride.files.reading.regular_file import read_text
 from foreride.files.reading.yaml12 import parse
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import digest
 from foreride.scenarios.simulation.referenced_files import check_case_files

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from scipy.stats import qmc
 
 from foreride.files.errors import InputError
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.simulate import simulate
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import environment, to_json

@@ -12,8 +12,8 @@ from foreride.files.errors import InputError
 from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.statistics import Interval, Row, intervals
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import environment, row, scenario_hash, to_json
 

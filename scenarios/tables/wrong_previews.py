@@ -24,7 +24,7 @@ from foreride.files.reading.regular_file import DATA_LIMIT, read_text
 from foreride.files.reading.strict_json import parse_json
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run
 from foreride.scenarios.tables.options import table_parser
 from foreride.scenarios.tables.wrong_maps import wrong_map

@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.simulation.simulate import Run, simulate
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from foreride.preview.prior_drives.memory_file import write
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perception_benchmark.judge import encounters
 from foreride.scenarios.simulation.simulate import simulate

@@ -329,7 +329,7 @@ BUDGET = {"schema": 1, "vehicle": "half", "seeds": [0], "table": [EVENT]}
 @cache
 def _run_folder() -> Path:
     """The folder of a short drive that a camera with true boxes has seen, with its frames."""
-    from foreride.scenarios.definition.cases import Case
+    from foreride.scenarios.cases import Case
     from foreride.scenarios.definition.loading import load
     from foreride.scenarios.runs.write import row, to_json, write
     from foreride.scenarios.simulation.simulate import simulate

@@ -17,8 +17,8 @@ from typing import Any
 
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.drive.bound import ACTUATORS
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.simulate import simulate

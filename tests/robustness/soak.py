@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.simulation.simulate import simulate
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
+from foreride.scenarios.cases import Case, cases, distinct
 from foreride.scenarios.cli import main
 from foreride.scenarios.commands import options
-from foreride.scenarios.definition.cases import Case, cases, distinct
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.read import is_run, read
 from foreride.scenarios.runs.write import folder_name, write

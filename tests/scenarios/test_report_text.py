@@ -11,9 +11,9 @@ import pytest
 from rich.console import Console
 
 from foreride.files.errors import printable
+from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.statistics import summarise
 from foreride.scenarios.comparison.table import comparison, latex, markdown
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import write_event_figure
 from foreride.scenarios.report.gather import ReportInput

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.simulation.simulate import Run, simulate
 

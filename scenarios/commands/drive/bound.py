@@ -9,8 +9,8 @@ from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.headroom import room
 from foreride.scenarios.bound.optimum_cache import bound
 from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import add_field_options, console, overrides_of
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import environment, scenario_hash, to_json, vehicle_name

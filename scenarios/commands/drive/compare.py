@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.headroom import room
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,
@@ -17,7 +18,6 @@ from foreride.scenarios.commands.options import (
 )
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.report.gather import COMPARISON
 from foreride.scenarios.runs.write import folder_name, row, scenario_hash, to_json, write
 

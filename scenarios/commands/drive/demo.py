@@ -4,10 +4,10 @@ import argparse
 
 from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.cases import cases
 from foreride.scenarios.commands.options import add_output_options, console, simulate_all
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, publish
-from foreride.scenarios.definition.cases import cases
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report.figures import write_overview
 from foreride.scenarios.report.film import write_video

@@ -6,6 +6,7 @@ from typing import Any
 
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,
@@ -17,11 +18,11 @@ from foreride.scenarios.commands.options import (
     simulate_all,
 )
 from foreride.scenarios.commands.outputs import runs_folder
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perception_benchmark.roads import COURSES, LOOKS, MIXED, course
 from foreride.scenarios.perception_benchmark.summary import summarise
 from foreride.scenarios.perception_benchmark.table import error_table, use_table
+from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.perception import write_error_figure
 from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.simulation.simulate import Run
@@ -59,7 +60,8 @@ def add(commands: argparse._SubParsersAction) -> None:
     )
     command.add_argument("--grade", type=float, help="change of grade before each obstacle of a course (m/m)")
     command.add_argument("--events", type=int, help="obstacles per course (default 100)")
-    command.add_argument("--perception", choices=("boxes", "camera"), default="camera")
+    tracking = [name for name, entry in PERCEPTIONS.items() if entry.has_estimator]
+    command.add_argument("--perception", choices=tracking, default="camera")
     command.add_argument(
         "--seeds", type=comma_list, metavar="0,1,...", help="seeds of a scenario; first seed of a course"
     )

@@ -11,6 +11,7 @@ from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.commands.options import console, progress_bar
+from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.budget import error_budget_section
 from foreride.scenarios.report.film import write_video
 from foreride.scenarios.report.frames import has_frames, with_frames
@@ -67,13 +68,13 @@ def _with_frames(runs: Sequence[Run]) -> list[Run]:
 
 def _pairs(runs: Sequence[Run]) -> list[tuple[Run, Run]]:
     """(passive, best run with perception) of each drive."""
-    pairs = []
+    pairs, ladder = [], list(PERCEPTIONS)
     for _, group in groupby(runs, key=lambda run: run.case.scenario.name):
         members = list(group)
         passive = next((run for run in members if run.case.controller == "passive"), None)
         seeing = [run for run in members if run.looks]
         if passive and seeing:
-            pairs.append((passive, max(seeing, key=lambda run: run.case.perception == "camera")))
+            pairs.append((passive, max(seeing, key=lambda run: ladder.index(run.case.perception))))
     if not pairs:
         raise InputError("--film needs a passive run and one with the perception boxes or camera")
     return pairs

@@ -18,9 +18,9 @@ from foreride.scenarios.bound.optimum_cache import (
     drive_inputs,
 )
 from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.cli import main
 from foreride.scenarios.commands.drive.bound import ACTUATORS, with_actuator
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.faults import LateAnswers
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario

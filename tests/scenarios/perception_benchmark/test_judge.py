@@ -7,7 +7,7 @@ import pytest
 
 from foreride.road.features.feature import ExpansionJoint, HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perception_benchmark.judge import EVALUATION_DISTANCE_M, encounters, false_tracks
 from foreride.scenarios.perception_benchmark.summary import summarise

@@ -1,5 +1,6 @@
 """Tests of the oracle: exact by default, with prescribed errors otherwise."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,23 +13,26 @@ from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
+from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.oracle_errors import OracleErrors
+from foreride.scenarios.perceptions.interface import Drive
 from foreride.scenarios.perceptions.oracle import OraclePerception, believed_road, build_oracle
 from foreride.vehicle.load import load_vehicle
 
 CAR = load_vehicle("half")
 ROAD = Road(80.0, (HalfSineBump(30.0, 0.05, 0.5), HalfSineBump(60.0, 0.05, 0.5)), Roughness("A", 1))
+SCENARIO = load("bump_8x40_30", ["vehicle.model=half"])
 PROFILES = [wheel_profile(ROAD, -0.75)] * 2
 
 
 def oracle(errors: OracleErrors, road: Road = ROAD) -> OraclePerception:
-    profiles = [wheel_profile(road, -0.75)] * 2
-    return build_oracle(road, profiles, CAR, errors, np.random.default_rng(4))
+    scenario = replace(SCENARIO, road=road, oracle=errors)
+    return build_oracle(Drive(scenario, [wheel_profile(road, -0.75)] * 2, seed=4))
 
 
 def seen(errors: OracleErrors, x_m: float = 26.0, road: Road = ROAD) -> RoadPreview:
     state: Any = SimpleNamespace(x_m=x_m)
-    return oracle(errors, road).preview(0.0, lambda: state)
+    return oracle(errors, road).preview(0.0, state)
 
 
 def crest(preview: RoadPreview) -> float:
@@ -71,7 +75,7 @@ def test_an_old_view_is_carried_forward_by_the_measured_speed(speed_error: float
         time_s = 0.005 * step
         x_m = 25.0 + 10.0 * time_s
         late.sense(SimpleNamespace(speed_m_s=10.0 * (1.0 + speed_error)))  # type: ignore[arg-type]
-        found = late.preview(time_s, lambda x_m=x_m: SimpleNamespace(x_m=x_m))  # type: ignore[misc]
+        found = late.preview(time_s, SimpleNamespace(x_m=x_m))  # type: ignore[arg-type]
     believed = oracle_preview(late._believed, x_m + 1.5 * speed_error + np.array(CAR.axle_x_m))
     np.testing.assert_allclose(found.height_m, believed.height_m, atol=1e-6)
     assert found.age_s == 0.15

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.read import read
 from foreride.scenarios.runs.write import write

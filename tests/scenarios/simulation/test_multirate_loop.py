@@ -6,7 +6,7 @@ import pytest
 
 import foreride.controller.mpc.program as program
 from foreride.controller.mpc.qp import Solution, solve_box
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.simulation.simulate import simulate
 

@@ -10,7 +10,7 @@ from foreride.controller.observer.observer import exact_estimate
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import manifest, row
 from foreride.scenarios.simulation.observer_errors import observer_errors

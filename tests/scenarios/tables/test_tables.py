@@ -8,8 +8,8 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.scenarios import cli
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.table import TABLES
-from foreride.scenarios.definition.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import to_json

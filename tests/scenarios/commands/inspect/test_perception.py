@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from foreride.scenarios.cases import Case
 from foreride.scenarios.cli import main
 from foreride.scenarios.commands.inspect import perception
-from foreride.scenarios.definition.cases import Case
 
 SHORT = """
 title: A short drive

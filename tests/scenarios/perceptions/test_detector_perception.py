@@ -9,7 +9,7 @@ import pytest
 import foreride.scenarios.perceptions.camera as eyes
 from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
-from foreride.scenarios.definition.cases import Case
+from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perceptions.interface import Exposure
 from foreride.scenarios.simulation.simulate import Run, simulate

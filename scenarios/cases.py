@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from foreride.controller.registry import uses_preview
 from foreride.files.errors import InputError
 from foreride.scenarios.definition.schema import Scenario
-
-PERCEPTIONS = ("none", "oracle", "map", "boxes", "camera")
+from foreride.scenarios.perceptions.registry import perception_entry
 
 
 @dataclass(frozen=True)
@@ -20,8 +19,7 @@ class Case:
     seed: int
 
     def __post_init__(self) -> None:
-        if self.perception not in PERCEPTIONS:
-            raise InputError(f"perception must be one of {', '.join(PERCEPTIONS)}, got {self.perception!r}")
+        perception_entry(self.perception)
 
 
 def cases(
