@@ -1,6 +1,6 @@
 """Accuracy of distance estimation methods from the same boxes, by range.
 
-`python benchmarks/bench_distance.py [--runs 40] [--roughness none|A|B|C] [--braking 3.0] [--json FILE]`
+`python -m benchmarks.bench_distance [--runs 40] [--roughness none|A|B|C] [--braking 3.0] [--json FILE]`
 
 A half car with passive dampers drives at 30 to 60 km/h toward a bump; boxes have 1 px noise, 15 % are
 missed; the mounting pitch is known to 0.2 degrees, its height to 1 cm; the car's sensors have their default

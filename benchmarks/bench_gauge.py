@@ -1,6 +1,6 @@
 """Run time of the estimator per frame: boxes alone, parallax of one camera, stereo pair.
 
-`python benchmarks/bench_gauge.py [--drives 3] [--json FILE]`
+`python -m benchmarks.bench_gauge [--drives 3] [--json FILE]`
 
 A car without vertical motion approaches each object at 36 km/h, 20 frames per second, rendered 640 x 384,
 true boxes. The three estimators process every frame in turn, so that other load on the machine affects them

@@ -1,6 +1,6 @@
 """Near-edge error of the estimator on a simulated half car, and its run time per frame.
 
-`python benchmarks/bench_preview.py [--runs 40] [--roughness none|A|B|C] [--json FILE]`
+`python -m benchmarks.bench_preview [--runs 40] [--roughness none|A|B|C] [--json FILE]`
 
 A half car with passive dampers drives at 30 to 60 km/h toward one object; boxes have 1 px noise, 15 % are
 missed, they come at 20 Hz and 50 ms late; the mounting pitch is known to 0.2 degrees, its height to 1 cm;

@@ -1,10 +1,10 @@
-"""Measures and draws the figures of the documentation: `python docs/figures.py [measure|draw]`.
+"""Measurement and drawing of the documentation's figures: `python -m docs.figures [measure|draw]`.
 
 `measure` drives everything and keeps the numbers in figures/physics.json; `draw` makes the figures of them.
 """
 
+import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -115,7 +115,16 @@ def _plain(axis: Axes) -> None:
     axis.spines[["top", "right"]].set_visible(False)
 
 
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("step", nargs="?", choices=("measure", "draw"), help="default: both, in this order")
+    step = parser.parse_args().step
+    if step in (None, "measure"):
+        measure()
+    if step in (None, "draw"):
+        draw()
+
+
 if __name__ == "__main__":
-    wanted = sys.argv[1:] or ["measure", "draw"]
-    for step in wanted:
-        {"measure": measure, "draw": draw}[step]()
+    main()

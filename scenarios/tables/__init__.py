@@ -1,1 +1,1 @@
-"""Result tables of README and documentation, one command each: `foreride table NAME`."""
+"""Result tables of README and documentation, one command each: `foreride table`."""

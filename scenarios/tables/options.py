@@ -9,7 +9,7 @@ from foreride.files.reading.numbers import is_integer
 
 
 def table_parser(name: str, description: str) -> Parser:
-    """Parser of `foreride table NAME`."""
+    """Parser of one table's options."""
     return Parser(prog=f"foreride table {name}", description=description)
 
 
