@@ -57,9 +57,8 @@ def evaluate(
 ) -> dict:
     """Metrics of `detect` on a folder; its confidence threshold should be far below `confidence`.
 
-    Returns the metrics of `metrics.summarise`, `false_alarms` on images without objects and, with
-    objects.jsonl, those of `breakdown` by object and condition. masks: whether to apply lane/. Raises
-    InputError.
+    Returns the metrics of `average_precision.summarise`, `false_alarms` on images without objects and, with
+    objects.jsonl, those of `by_object` and `by_condition`. masks: whether to apply lane/. Raises InputError.
     """
     return summary_of(folder, match_folder(folder, detect, skip_bad, masks), confidence)
 

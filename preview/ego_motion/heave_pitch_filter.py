@@ -4,7 +4,8 @@ Gyro and accelerometers drive the prediction; their offsets are states of the fi
 deflection give the height of the road under each axle, given the motion. That height is the road plane plus
 roughness, so its weight depends on the recent roughness: on a smooth road it corrects the body at once, on a
 rough one only the drift of the inertial signals, so that during the second in which an object approaches the
-frame does not follow the roughness under the wheels. Where the grade changes it does (`grade_watch`).
+frame does not follow the roughness under the wheels. Where the grade changes it does: see
+`grade_change_detector`.
 """
 
 from collections import deque
