@@ -1,12 +1,16 @@
 """Input errors: the exception for invalid input, and the bounded texts of its messages."""
 
+import difflib
 import reprlib
+from collections.abc import Iterable
 from typing import Any
 
 MESSAGE_LENGTH = 500
 """Length that no message reaches."""
 SHOWN_LENGTH = 60
 """Maximum length of a message part that repeats a value from the input."""
+_MAX_NAME_LENGTH = 100
+"""Length above which no similar name is searched, as that takes long."""
 
 
 class InputError(ValueError):
@@ -43,6 +47,14 @@ def shown(value: Any) -> str:
     """Format a value for a message: one printable line of at most `SHOWN_LENGTH` characters."""
     text = "nothing" if value is None else _BOUNDED.repr(value)
     return shortened(printable(text))
+
+
+def nearest(name: Any, allowed: Iterable[Any]) -> str:
+    """Hint at the most similar of the allowed names, to append to a message; "" if none is similar."""
+    if not isinstance(name, str) or len(name) > _MAX_NAME_LENGTH:
+        return ""
+    close = difflib.get_close_matches(name, [str(item) for item in allowed], n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def shortened(text: str, length: int = SHOWN_LENGTH) -> str:

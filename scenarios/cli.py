@@ -1,6 +1,7 @@
 """Command line `foreride`: parsing, dispatch, and invalid input as one line with exit code 2."""
 
 import argparse
+import importlib
 import os
 import sys
 import traceback
@@ -8,7 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from foreride.files.command_line import Parser, check_texts, tolerant_streams
-from foreride.files.errors import InputError, abridged, printable, shortened
+from foreride.files.errors import InputError, abridged, nearest, printable, shortened, shown
+from foreride.scenarios.commands import COMMANDS
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -18,37 +20,20 @@ TRACEBACK = "FORERIDE_TRACEBACK"
 """Environment variable that, set to anything, shows the traceback of an internal error."""
 
 
-def parser() -> argparse.ArgumentParser:
-    """Build the parser of the whole command line."""
-    # Imported here, so that an interrupt during these seconds is caught.
-    from foreride.scenarios.commands import detector, doctor, table, validation
-    from foreride.scenarios.commands.drive import bound, compare, demo, regress, run, sweep, tune
-    from foreride.scenarios.commands.inspect import calibrate, perception, render, report, road
+def parser(only: str | None = None) -> argparse.ArgumentParser:
+    """Build the parser of the command line, with the options of all commands or of `only` one.
 
+    The module of a command, and with it the libraries of the simulation, is imported to get its options.
+    """
     top = Parser(
         prog="foreride",
         description="Closed-loop simulation of a suspension that sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for command in (
-        demo,
-        run,
-        compare,
-        sweep,
-        regress,
-        bound,
-        tune,
-        perception,
-        calibrate,
-        render,
-        report,
-        road,
-        detector,
-        table,
-        validation,
-        doctor,
-    ):
-        command.add(commands)
+    for name, (module, summary) in COMMANDS.items():
+        command = commands.add_parser(name, help=summary)
+        if only in (None, name):
+            importlib.import_module(f"foreride.scenarios.commands.{module}").configure(command)
     return top
 
 
@@ -77,7 +62,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _execute(argv: Sequence[str]) -> int:
     check_texts(argv)
-    arguments = parser().parse_args(argv)
+    name = next((argument for argument in argv if not argument.startswith("-")), "")
+    if name and name not in COMMANDS:
+        known = ", ".join(COMMANDS)
+        raise InputError(f"COMMAND must be one of {known}, got {shown(name)}{nearest(name, COMMANDS)}")
+    arguments = parser(name).parse_args(argv)
     from foreride.scenarios.commands.outputs import check_outputs
     from foreride.scenarios.comparison.parallel import WorkerDied
 

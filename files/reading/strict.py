@@ -5,7 +5,6 @@ dataclasses, and unions of dataclasses discriminated by the key `kind`, which ea
 `kind: ClassVar[str]`.
 """
 
-import difflib
 import sys
 import types
 import typing
@@ -15,11 +14,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
-from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.errors import InputError, nearest, printable, shortened, shown
 from foreride.files.reading.regular_file import read_text, reading
 from foreride.files.reading.yaml12 import is_plain, parse
 
-_LONGEST_NAME = 100  # longer names get no suggestion: comparison is quadratic in the length
 _LEAVES = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
 
 
@@ -88,7 +86,7 @@ def _leaf(cls: type, value: Any, path: str) -> Any:
 def _literal(allowed: tuple, value: Any, path: str) -> Any:
     # 1 == True in Python, so the type is compared as well.
     if not any(value == item and type(value) is type(item) for item in allowed):
-        hint = _nearest(value, allowed)
+        hint = nearest(value, allowed)
         raise _refusal(path, f"must be one of {_listed(allowed)}, got {shown(value)}{hint}")
     return value
 
@@ -120,7 +118,7 @@ def _union(members: tuple, value: Any, path: str) -> Any:
         raise _refusal(_join(path, "kind"), f"is missing; it must be one of {_listed(kinds)}")
     kind = value["kind"]
     if not isinstance(kind, str) or kind not in kinds:
-        allowed = f"must be one of {_listed(kinds)}, got {shown(kind)}{_nearest(kind, kinds)}"
+        allowed = f"must be one of {_listed(kinds)}, got {shown(kind)}{nearest(kind, kinds)}"
         raise _refusal(_join(path, "kind"), allowed)
     return _dataclass(kinds[kind], value, path)
 
@@ -133,7 +131,7 @@ def _dataclass(cls: Any, value: Any, path: str) -> Any:
         raise _refusal(_join(path, "kind"), f"must be {tag}, got {shown(value['kind'])}")
     for key in rest:
         if key not in hints:
-            hint = _nearest(key, hints) or f"; allowed are {_listed(hints)}"
+            hint = nearest(key, hints) or f"; allowed are {_listed(hints)}"
             raise _refusal(_join(path, shortened(key)), f"is not a known key{hint}")
     for field in fields(cls):
         if field.name in hints and field.name not in rest and not _has_default(field):
@@ -176,10 +174,3 @@ def _refusal(path: str, message: str) -> InputError:
 
 def _listed(names: Iterable[Any]) -> str:
     return ", ".join(str(name) for name in names)
-
-
-def _nearest(name: Any, allowed: Iterable[Any]) -> str:
-    if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-        return ""
-    close = difflib.get_close_matches(name, [str(item) for item in allowed], n=1)
-    return f"; did you mean {close[0]}?" if close else ""

@@ -1,1 +1,27 @@
-"""Subcommands of `foreride`, one per module, each with `add(subparsers)` and the function it runs."""
+"""Subcommands of `foreride`, each in a module with `configure(parser)` and the function that it executes.
+
+This table holds what `foreride --help` shows; a command's module is imported when the command is used.
+"""
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "demo": ("drive.demo", "the whole loop on three events: table, figure and video"),
+    "run": ("drive.run", "simulate one scenario and write a run folder"),
+    "compare": ("drive.compare", "compare controllers and perceptions on scenarios"),
+    "sweep": ("drive.sweep", "run all drives of a study, in parallel and resumable"),
+    "regress": ("drive.regress", "check ride metrics against a committed baseline"),
+    "bound": ("drive.bound", "lower bound of J on a scenario, for any controller"),
+    "tune": ("drive.tune", "tune the reactive controllers on a set of roads"),
+    "perception": (
+        "inspect.perception",
+        "errors of distance, timing, shape and existence, on a scenario or on roads with many obstacles",
+    ),
+    "calibrate": ("inspect.calibrate", "a camera's intrinsics from photographs of a checkerboard"),
+    "render": ("inspect.render", "write the camera's images along a scenario"),
+    "report": ("inspect.report", "a run or a comparison as one HTML file or a video"),
+    "road": ("inspect.road", "length, IRI, ISO 8608 class and features of a road"),
+    "detector": ("detector", "data, training, evaluation and export of the detector"),
+    "table": ("table", "tables of the documentation, measured anew"),
+    "validation": ("validation", "compare with closed forms, standards, other programs"),
+    "doctor": ("doctor", "check this installation"),
+}
+"""Module in this package, and help line, of each command by its name."""

@@ -24,10 +24,9 @@ MODULES = {
 }
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand; the options after the step's name belong to its module."""
-    summary = "; ".join(f"{name}: {text}" for name, (_, text) in MODULES.items())
-    command = commands.add_parser("detector", help=", ".join(MODULES), description=summary, add_help=True)
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the step's name; the options after it belong to the step's module."""
+    command.description = "; ".join(f"{name}: {text}" for name, (_, text) in MODULES.items())
     command.add_argument("step", choices=MODULES)
     command.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="options; `--help` lists them")
     command.set_defaults(execute=execute)

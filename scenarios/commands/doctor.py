@@ -39,9 +39,8 @@ class Finding:
     detail: str
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("doctor", help="check this installation")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     add_output_options(command)
     command.set_defaults(execute=execute)
 

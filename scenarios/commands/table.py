@@ -13,10 +13,9 @@ TABLES = {
 }
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand; the options after the table's name belong to its module."""
-    summary = "; ".join(f"{name}: {text}" for name, text in TABLES.items())
-    command = commands.add_parser("table", help=", ".join(TABLES), description=summary)
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the table's name; the options after it belong to the table's module."""
+    command.description = "; ".join(f"{name}: {text}" for name, text in TABLES.items())
     command.add_argument("name", choices=TABLES)
     command.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="options; `--help` lists them")
     command.set_defaults(execute=execute)

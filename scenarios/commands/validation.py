@@ -20,9 +20,8 @@ the largest one over all values compared, and a row passes when it is inside its
 """
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("validation", help="compare with closed forms, standards, other programs")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("--out", type=Path, metavar="FILE", help="write the table as Markdown")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
     command.set_defaults(execute=execute, out_is_file=True)

@@ -1,13 +1,12 @@
 """Loading of scenarios by name or file, with single fields overridden."""
 
-import difflib
 import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from foreride.controller.tuned_settings import tuned_mapping
-from foreride.files.errors import InputError, printable, shortened, shown
+from foreride.files.errors import InputError, nearest, printable, shortened, shown
 from foreride.files.reading import strict
 from foreride.files.reading.numbers import is_integer
 from foreride.files.reading.regular_file import read_text, reading
@@ -67,9 +66,8 @@ def _find(name_or_path: str) -> Path:
                 raise InputError(f"{printable(path)}: no such scenario file")
             return path
     if name_or_path not in names():
-        close = difflib.get_close_matches(name_or_path, names(), 1)
-        hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(names())}"
-        raise InputError(f"scenario {shown(name_or_path)} is neither a file nor in the library; {hint}")
+        hint = nearest(name_or_path, names()) or f"; known are {', '.join(names())}"
+        raise InputError(f"scenario {shown(name_or_path)} is neither a file nor in the library{hint}")
     return FOLDER / f"{name_or_path}.yaml"
 
 

@@ -8,6 +8,15 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.scenarios import cli
+from foreride.scenarios.commands import COMMANDS
+
+NEEDED = {
+    **{name: ["scenario"] for name in ("run", "compare", "sweep", "bound", "render", "report", "road")},
+    "calibrate": ["photo.jpg", "--squares", "9x6", "--square_m", "0.03"],
+    "detector": ["eval"],
+    "table": ["budget"],
+}
+"""Arguments without which a command does not parse."""
 
 
 def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
@@ -38,7 +47,9 @@ def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
             "invalid int value: 'two'; --help lists the options",
         ),
         (["run"], "required: scenario"),
-        (["fly\nhigh"], "invalid choice"),
+        (["fly\nhigh"], r"COMMAND must be one of demo, run, compare,"),
+        (["comapre"], "got 'comapre'; did you mean compare?"),
+        (["--fly"], "required: COMMAND"),
         ([], "required: COMMAND"),
         (["detector", "eval", "--data"], "--data: expected one argument"),
     ],
@@ -91,10 +102,48 @@ def test_the_traceback_of_an_internal_error_is_there_for_the_asking(monkeypatch:
         cli.main(["run"])
 
 
-def test_nothing_slow_is_imported_before_an_interrupt_is_caught() -> None:
-    code = "import sys, foreride.scenarios.cli; print(*sys.modules)"
+@pytest.mark.parametrize(
+    "use",
+    [
+        pytest.param("", id="import"),
+        pytest.param("foreride.scenarios.cli.main(['--help'])", id="help"),
+        pytest.param("foreride.scenarios.cli.main(['comapre'])", id="unknown command"),
+    ],
+)
+def test_a_library_is_imported_by_the_command_that_uses_it(use: str) -> None:
+    code = (
+        "import sys, foreride.scenarios.cli\n"
+        f"try: {use or 'pass'}\nexcept SystemExit: pass\nprint('modules:', *sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not {"numpy", "casadi", "mujoco", "numba", "yaml", "rich"} & set(done.stdout.split())
+    loaded = done.stdout.rpartition("modules:")[2].split()
+    assert "foreride.files.errors" in loaded
+    assert not {"numpy", "casadi", "mujoco", "numba", "yaml", "rich", "matplotlib", "scipy"} & set(loaded)
+
+
+def test_each_command_is_known_by_the_table_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["--help"])
+    listing = " ".join(capsys.readouterr().out.split())
+    full = cli.parser()
+    (commands,) = (action for action in full._actions if action.dest == "command")
+    assert set(COMMANDS) == set(commands.choices or ())
+    for name, (_, summary) in COMMANDS.items():
+        assert f"{name} {summary}" in listing
+        assert full.parse_args([name, *NEEDED.get(name, [])]).command == name
+
+
+@pytest.mark.parametrize("name", ["run", "detector"])
+def test_help_of_one_command_equals_that_of_the_whole_parser(
+    capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    texts = []
+    for parse in (cli.main, cli.parser().parse_args):
+        with pytest.raises(SystemExit, match="0"):
+            parse([name, "--help"])
+        texts.append(capsys.readouterr().out)
+    assert texts[0] == texts[1]
+    assert f"usage: foreride {name}" in texts[0]
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8", "latin-1"])

@@ -1,6 +1,7 @@
 """Tests of the commands' output checks: foreign files are untouched, and errors come before any work."""
 
 import shutil
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case, cases, distinct
 from foreride.scenarios.cli import main
-from foreride.scenarios.commands import options
+from foreride.scenarios.commands import COMMANDS, options
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.read import is_run, read
 from foreride.scenarios.runs.write import folder_name, write
@@ -41,7 +42,7 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("simulate_each", "progress_bar"):
         monkeypatch.setattr(options, name, refuse)
     for command in ("render", "tune", "sweep"):
-        module = __import__(f"foreride.scenarios.commands.{command}", fromlist=[command])
+        module = import_module(f"foreride.scenarios.commands.{COMMANDS[command][0]}")
         for name in ("atomic_folder", "progress_bar", "cluster"):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, refuse)

@@ -19,9 +19,8 @@ from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
 ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("bound", help="lower bound of J on a scenario, for any controller")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("scenario", metavar="SCENARIO", help="a name in the library, or a YAML file")
     beside = "actuators in parallel with the dampers (default: those of the scenario's car)"
     command.add_argument("--actuator", choices=tuple(ACTUATORS), help=beside)

@@ -22,9 +22,8 @@ from foreride.scenarios.report.gather import COMPARISON
 from foreride.scenarios.runs.write import folder_name, row, scenario_hash, to_json, write
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("compare", help="compare controllers and perceptions on scenarios")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument(
         "scenarios", nargs="+", metavar="SCENARIO", help="names in the library, or YAML files"
     )

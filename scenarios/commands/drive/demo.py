@@ -18,9 +18,8 @@ SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
 CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("demo", help="the whole loop on three events: table, figure and video")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("--seed", type=int, default=0, help="seed of noise and weather (default 0)")
     command.add_argument("--no-film", action="store_true", help="do not write the video")
     add_output_options(command)

@@ -31,9 +31,8 @@ from foreride.scenarios.runs.write import to_json
 CHECK_FAILED = 1
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("regress", help="check ride metrics against a committed baseline")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     named = "with --accept: cases to add to or update in the baseline"
     command.add_argument("scenarios", nargs="*", metavar="SCENARIO", help=named)
     told = "the baseline file (default: that of foreride's own reference events)"

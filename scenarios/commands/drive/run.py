@@ -17,9 +17,8 @@ from foreride.scenarios.report.figures import write_event_figure
 from foreride.scenarios.runs.write import folder_name, row, write
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("run", help="simulate one scenario and write a run folder")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("scenario", help="name in the library, or a YAML file")
     add_case_options(command, controllers="mpc_preview", perceptions="oracle")
     add_frames_option(command)

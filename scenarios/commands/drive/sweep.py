@@ -19,9 +19,8 @@ from foreride.scenarios.studies.study import Sample, read
 from foreride.scenarios.studies.sweep import LOOPBACK, cluster, run
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("sweep", help="run all drives of a study, in parallel and resumable")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("study", type=Path, metavar="STUDY", help="a YAML file")
     out = "output folder (default runs/NAME); an incomplete one is completed"
     command.add_argument("--out", type=Path, metavar="DIR", help=out)

@@ -23,9 +23,8 @@ from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.studies.tuning import Tuned, TuningObjective, search_ranges, tune, with_settings
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("tune", help="tune the reactive controllers on a set of roads")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument(
         "events", nargs="*", default=["tuning"], metavar="SCENARIO", help="scenarios or sets (default tuning)"
     )

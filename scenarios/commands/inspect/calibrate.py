@@ -30,11 +30,8 @@ CHECK_FAILED = 1
 _BLURRED_PX = 0.5
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser(
-        "calibrate", help="a camera's intrinsics from photographs of a checkerboard"
-    )
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("photos", nargs="+", type=Path, metavar="PHOTO", help="at least 4, better 15")
     command.add_argument("--squares", required=True, metavar="9x6", help="squares across and down the board")
     command.add_argument("--square_m", required=True, type=float, metavar="0.03", help="side of a square")

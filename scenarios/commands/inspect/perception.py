@@ -33,12 +33,8 @@ _COURSE_OPTIONS: dict[str, Any] = {"looks": ["day"], "braking": 0.0, "grade": 0.
 """Options that apply to courses only, with their defaults."""
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser(
-        "perception",
-        help="errors of distance, timing, shape and existence, on a scenario or on roads with many obstacles",
-    )
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument(
         "scenarios", nargs="*", metavar="SCENARIO", help="names in the library, or YAML files"
     )

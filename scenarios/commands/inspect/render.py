@@ -27,9 +27,8 @@ KIND = "render"
 MOST_IMAGES = 10_000
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("render", help="write the camera's images along a scenario")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("scenario", help="name in the library, or a YAML file")
     command.add_argument(
         "--every", type=float, default=2.0, metavar="M", help="distance between images (default 2 m)"

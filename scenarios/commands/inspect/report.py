@@ -22,9 +22,8 @@ from foreride.scenarios.simulation.simulate import Run
 _RENDERED = "Rendered again from the run's own record."
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("report", help="a run or a comparison as one HTML file or a video")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     told = "a run's folder, a folder of runs (compare --out), or the JSON file of a comparison"
     command.add_argument("source", type=Path, metavar="RUN|COMPARE", help=told)
     command.add_argument("--out", type=Path, metavar="FILE.html", help="default: report.html in that folder")

@@ -17,9 +17,8 @@ from foreride.scenarios.runs.write import to_json
 TRACK_M = 1.5
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Add the subcommand."""
-    command = commands.add_parser("road", help="length, IRI, ISO 8608 class and features of a road")
+def configure(command: argparse.ArgumentParser) -> None:
+    """Add the options, and the function to execute."""
     command.add_argument("road", help="a scenario (name or YAML file), or a profile (.csv or .crg)")
     command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
     command.set_defaults(execute=execute)
