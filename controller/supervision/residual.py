@@ -15,7 +15,7 @@ FORGET_M = 0.1
 """Distance constant of the sums."""
 PLAIN_M = 0.01
 """Height below which a claim announces nothing."""
-LEVEL_M = 2.0
+LEVEL_M = 1.5
 """Distance constant of the high pass of both heights, as observers know no absolute height of the road."""
 ROUGH_M = 10.0
 """Distance constant of the roughness, the mean absolute residual on plain road."""

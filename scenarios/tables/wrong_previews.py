@@ -3,7 +3,9 @@
 `foreride table wrong_previews --drives 2000 --first 1000 --json rows.jsonl`. Each drive is drawn
 from its number alone: an oracle that errs, a wrong map, boxes or a rendered camera with a wrong mounting,
 wrong boxes and wrong beliefs. Each is told as J of `mpc_preview` over J of `mpc_reactive` on the same road,
-eight drives a road. The file of rows grows drive by drive, and a second call goes on where the first ended.
+eight drives a road. How much of that is chance tells the last line: `mpc_reactive` with another noise of its
+sensors over itself, once a road. The file of rows grows drive by drive, and a second call goes on where the
+first ended.
 Settings of the gate were chosen on numbers below 1000.
 """
 
@@ -22,6 +24,7 @@ from rich.progress import track
 from foreride.files.errors import InputError, printable
 from foreride.files.reading.regular_file import DATA_LIMIT, read_text
 from foreride.files.reading.strict_json import parse_json
+from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
@@ -33,35 +36,36 @@ from foreride.scenarios.tables.wrong_settings import Unstated, applied, unstated
 
 A_ROAD = 8
 """Drives that share a road, and with it the drive with `mpc_reactive`."""
+OTHER = 1_000_003
+"""Added to a drive's seed, it gives its sensors another noise."""
 LIMIT = 1.05
 _KINDS = ("oracle", "oracle", "oracle", "map", "map", "boxes", "boxes", "boxes")
 _RENDERED = 0.04
+_NEEDED = {"drive", "perception", "ratio", "other_noise", "reasons", "scenario", "unstated"}
 
 Row = dict[str, Any]
 
 
 def drives_on(road: int, numbers: Sequence[int]) -> list[Row]:
     """Rows of those of a road's drives that are wanted."""
-    fields = drawn_road(np.random.default_rng([road, 0]))
-    reactive = simulate_case(Case(scenario(fields, f"road_{road}"), "mpc_reactive", "none", road))
-    return [driven(fields, road, number, reactive) for number in numbers]
+    fields = road_fields(road)
+    there = scenario(fields, f"road_{road}")
+    reactive, again = (
+        simulate_case(Case(there, "mpc_reactive", "none", seed)) for seed in (road, road + OTHER)
+    )
+    noise = {"other_noise": again.metrics["objective"] / reactive.metrics["objective"]}
+    return [driven(fields, road, number, reactive) | noise for number in numbers]
+
+
+def road_fields(road: int) -> dict[str, Any]:
+    """Scenario fields of a road by its number."""
+    return drawn_road(np.random.default_rng([road, 0]))
 
 
 def driven(fields: dict[str, Any], road: int, number: int, reactive: Run) -> Row:
-    """The row of one drive, with all that was wrong in it."""
-    rng = np.random.default_rng([road, 1 + number])
-    kind = _KINDS[number % A_ROAD]
-    missed = unstated(rng) if kind == "boxes" else Unstated()
+    """Row of one drive, with all that was wrong in it."""
     with tempfile.TemporaryDirectory() as folder:
-        wrong: dict[str, Any]
-        if kind == "oracle":
-            wrong = wrong_oracle(rng)
-        elif kind == "map":
-            other = scenario(drawn_road(np.random.default_rng([road + 1, 0])), "other").road
-            wrong = {"map": wrong_map(reactive.case.scenario.road, other, Path(folder), rng)}
-        else:
-            wrong = wrong_camera(rng)
-            kind = "camera" if rng.random() < _RENDERED else kind
+        kind, wrong, missed = drawn_errors(road, number, Path(folder))
         there = scenario(fields | wrong, f"drive_{number}")
         with applied(missed):
             run = simulate_case(Case(there, "mpc_preview", kind, road))
@@ -71,6 +75,19 @@ def driven(fields: dict[str, Any], road: int, number: int, reactive: Run) -> Row
         "reactive": without, "reasons": run.solver["reasons"], "scenario": fields | wrong,
         "unstated": missed._asdict(),
     }  # fmt: skip
+
+
+def drawn_errors(road: int, number: int, folder: Path) -> tuple[str, dict[str, Any], Unstated]:
+    """Perception, wrong fields of the scenario and errors beside them; a map is written into the folder."""
+    rng = np.random.default_rng([road, 1 + number])
+    kind, missed = _KINDS[number % A_ROAD], Unstated()
+    if kind == "oracle":
+        return kind, wrong_oracle(rng), missed
+    if kind == "map":
+        own, other = (scenario(road_fields(index), "road").road for index in (road, road + 1))
+        return kind, {"map": wrong_map(own, other, folder, rng)}, missed
+    missed, wrong = unstated(rng), wrong_camera(rng)
+    return "camera" if rng.random() < _RENDERED else kind, wrong, missed
 
 
 def each(numbers: Sequence[int], jobs: int) -> Iterator[Row]:
@@ -91,7 +108,9 @@ def read(path: Path) -> list[Row]:
     """Rows that an earlier call has written; a line cut short by its end is left out."""
     lines = read_text(path, DATA_LIMIT).splitlines(keepends=True) if path.exists() else []
     rows = [parse_json(line, str(path)) for line in lines if line.endswith("\n")]
-    if not all(isinstance(row, dict) and {"drive", "perception", "ratio"} <= set(row) for row in rows):
+    if not all(
+        isinstance(row, dict) and {"drive", "perception", "ratio", "other_noise"} <= set(row) for row in rows
+    ):
         raise InputError(f"{printable(path)}: expected the rows of this table, one a line")
     return rows
 
@@ -102,14 +121,18 @@ def table(rows: Sequence[Row]) -> list[str]:
     lines.append("|---|---|---|---|---|---|---|---|---|")
     for kind in ("all", "oracle", "map", "boxes", "camera"):
         chosen = [row for row in rows if kind in ("all", row["perception"])]
-        if not chosen:
-            continue
-        ratios = np.array([row["ratio"] for row in chosen])
-        marks = [ratios.mean(), *np.percentile(ratios, [50, 95, 99]), ratios.max()]
         acted = sum(bool(row["reasons"]) for row in chosen)
-        cells = [kind, str(len(chosen)), *(f"{mark:.3f}" for mark in marks)]
-        lines.append("| " + " | ".join([*cells, str((ratios > LIMIT).sum()), str(acted)]) + " |")
-    return lines
+        lines += _line_of(kind, [row["ratio"] for row in chosen], str(acted))
+    chance = {row["drive"] // A_ROAD: row["other_noise"] for row in rows}
+    return lines + _line_of("none, other noise", list(chance.values()), "")
+
+
+def _line_of(name: str, ratios: Sequence[float], acted: str) -> list[str]:
+    if not ratios:
+        return []
+    marks = [np.mean(ratios), *np.percentile(ratios, [50, 95, 99]), max(ratios)]
+    cells = [name, str(len(ratios)), *(f"{mark:.3f}" for mark in marks)]
+    return ["| " + " | ".join([*cells, str(sum(ratio > LIMIT for ratio in ratios)), acted]) + " |"]
 
 
 def worst(rows: Sequence[Row], count: int) -> list[str]:
@@ -136,13 +159,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         raise InputError("--drives and --jobs must be >= 1, --first >= 0")
     check_files(asked.json)
     wanted = range(asked.first, asked.first + asked.drives)
-    kept = [row for row in read(asked.json) if row["drive"] in wanted] if asked.json else []
-    have = {row["drive"] for row in kept}
-    missing = [number for number in wanted if number not in have]
-    rows = list(kept)
+    kept = read(asked.json) if asked.json else []
+    if kept:
+        write_text(asked.json, "".join(_line(row) for row in kept))  # without a line cut short
+    rows = [row for row in kept if row["drive"] in wanted]
+    missing = sorted(set(wanted) - {row["drive"] for row in rows})
     for row in track(each(missing, asked.jobs), "drives", total=len(missing)):
         rows.append(row)
         if asked.json:
             with asked.json.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
+                file.write(_line(row))
     print("\n".join([*table(rows), "", *worst(rows, asked.worst)]))
+
+
+def _line(row: Row) -> str:
+    return json.dumps(row) + "\n"

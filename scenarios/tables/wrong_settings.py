@@ -1,7 +1,7 @@
 """Random wrong settings of what sees ahead, as fields of a scenario, and errors that no setting can state."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 from unittest.mock import patch
@@ -9,6 +9,7 @@ from unittest.mock import patch
 import numpy as np
 
 from foreride.detector.detections import Detections
+from foreride.files.errors import InputError
 from foreride.preview.estimator import Estimator
 from foreride.preview.settings import Settings
 
@@ -74,7 +75,15 @@ def wrong_camera(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def wrong_beliefs(rng: np.random.Generator) -> dict[str, Any]:
-    """Some numbers of the estimator's settings, several times too large or too small."""
+    """Some numbers of the estimator's settings, several times too large or too small, that it accepts."""
+    while True:
+        wrong = _drawn_beliefs(rng)
+        with suppress(InputError):
+            Settings(**wrong)
+            return wrong
+
+
+def _drawn_beliefs(rng: np.random.Generator) -> dict[str, Any]:
     usual = Settings()
     names = [field.name for field in fields(Settings) if isinstance(getattr(usual, field.name), float)]
     wrong: dict[str, Any] = {}

@@ -6,6 +6,7 @@ import pytest
 
 import foreride.controller.mpc.program as program
 from foreride.controller.mpc.qp import Solution, solve_box
+from foreride.controller.supervision.preview_gate import INCONSISTENT
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.simulation.simulate import simulate
@@ -27,3 +28,14 @@ def test_fallbacks_are_counted_logged_and_survived(monkeypatch: pytest.MonkeyPat
     assert run.solver["reasons"] == {"iteration limit": 20}
     assert {event["reason"] for event in logged} == {"iteration limit"}
     assert run.signals["damping_0"].max() <= 4500 + 1e-6
+
+
+def test_a_camera_mounted_lower_than_believed_costs_no_more_than_none() -> None:
+    """Without the gate J is a quarter above that of the reactive controller: the hump comes too late."""
+    overrides = ["vehicle.model=quarter", "start_m=14", "camera.height_m=0.3", "camera.height_sigma_m=0.2"]
+    scenario = load("hump_flat_30", overrides)
+    reactive = simulate(Case(scenario, "mpc_reactive", "none", 0))
+    preview = simulate(Case(scenario, "mpc_preview", "boxes", 0))
+    assert preview.metrics["objective"] <= 1.05 * reactive.metrics["objective"]
+    assert preview.solver["reasons"][INCONSISTENT] > 100
+    assert INCONSISTENT in {event.get("reason") for event in preview.events}
