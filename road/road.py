@@ -77,11 +77,11 @@ class Road(Checked):
                 z += fade * fade * (3 - 2 * fade) * surface.height(x, y)
         x, y = np.broadcast_arrays(x, y)
         for feature in self.features:
-            near = (x >= feature.start_m) & (y >= feature.y_min_m) & (y <= feature.y_max_m)
+            within = (x >= feature.start_m) & (y >= feature.y_min_m) & (y <= feature.y_max_m)
             if not isinstance(feature, Step):
-                near &= x <= feature.end_m
-            if near.any():
-                z[near] += feature.height(x[near], y[near])
+                within &= x <= feature.end_m
+            if within.any():
+                z[within] += feature.height(x[within], y[within])
         return z
 
     def _check_file(self, measured: MeasuredSurface) -> None:

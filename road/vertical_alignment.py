@@ -43,22 +43,22 @@ def check_order(changes: tuple[GradeChange, ...], length_m: float) -> None:
 def grade_height(changes: tuple[GradeChange, ...], x: ArrayLike) -> NDArray[np.float64]:
     """Height (m) of the vertical alignment at x, same shape, 0 before the first of the ordered `changes`."""
     x = np.asarray(x, float)
-    z, before = np.zeros(x.shape), 0.0
+    z, grade = np.zeros(x.shape), 0.0
     for change in changes:
-        into = np.maximum(x - change.start_m, 0.0)
-        curve = np.minimum(into, change.length_m)
-        z += (change.grade - before) * (curve**2 / (2 * change.length_m) + (into - curve))
-        before = change.grade
+        distance = np.maximum(x - change.start_m, 0.0)
+        curve = np.minimum(distance, change.length_m)
+        z += (change.grade - grade) * (curve**2 / (2 * change.length_m) + (distance - curve))
+        grade = change.grade
     return z
 
 
 def grade_at(changes: tuple[GradeChange, ...], x: float) -> float:
     """Grade (m/m) of the vertical alignment at x."""
-    before = 0.0
+    grade = 0.0
     for change in changes:
         share = min(max((x - change.start_m) / change.length_m, 0.0), 1.0)
-        before += (change.grade - before) * share
-    return before
+        grade += (change.grade - grade) * share
+    return grade
 
 
 def min_descending_slope(changes: tuple[GradeChange, ...], x: float, z: float, far_m: float) -> float:

@@ -226,8 +226,8 @@ def _sigma_inflation(samples: HeightRows, bare: Array) -> float:
 def _undistortion_maps(camera: Camera) -> tuple[Array, Array]:
     """Undistortion maps (for `cv2.remap`): distorted column and row of each undistorted pixel."""
     v, u = np.mgrid[: camera.height_px, : camera.width_px] + 0.5
-    bent = camera.bent(np.stack([u.ravel(), v.ravel()], axis=1)).astype(np.float32) - np.float32(0.5)
-    return bent[:, 0].reshape(u.shape), bent[:, 1].reshape(u.shape)
+    distorted = camera.distort(np.stack([u.ravel(), v.ravel()], axis=1)).astype(np.float32) - np.float32(0.5)
+    return distorted[:, 0].reshape(u.shape), distorted[:, 1].reshape(u.shape)
 
 
 def _strip(track: Track, pose: CameraPose) -> tuple[float, float]:

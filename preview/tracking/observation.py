@@ -20,7 +20,7 @@ from foreride.preview.tracking.gauss_newton import (
     silhouette,
 )
 from foreride.preview.tracking.mounting_filter import Gaussian
-from foreride.preview.tracking.rectify import straightened
+from foreride.preview.tracking.rectify import rectify_boxes
 from foreride.preview.tracking.track import Edge, Track
 from foreride.road.camera.pinhole import Camera, CameraPose
 
@@ -70,8 +70,8 @@ def rectify_frame(
     border, limit = settings.border_px, min(float(camera.height_px), settings.bonnet_row_px)
     most = np.array([np.inf, limit, camera.width_px, limit]) - border
     cut = (boxes <= [border, border, -np.inf, -np.inf]) | (boxes >= most)
-    straight = straightened(camera, pose, boxes, cut, detections.classes)
-    (_, limit), *_ = camera.straightened([camera.cx, limit]).tolist()
+    straight = rectify_boxes(camera, pose, boxes, cut, detections.classes)
+    (_, limit), *_ = camera.undistort([camera.cx, limit]).tolist()
     return RectifiedFrame(
         time_s, camera.pinhole, replace(pose, roll=0.0), straight, cut, limit, path, settings
     )

@@ -18,7 +18,7 @@ _PASSES = 3
 _POTHOLE = CLASS_NAMES.index("pothole")
 
 
-def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
+def rectify_boxes(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
     """Rectified boxes xyxy (n, 4): in the image of `camera.pinhole` without the roll of `pose`.
 
     boxes: as `camera` shows them; cut (n, 4): edges that lie on the image border; classes (n,). Without
@@ -48,7 +48,7 @@ def straightened(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cla
 def _rectify_row(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
     """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the rectified image."""
     along = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
-    u, v = camera.straightened(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T
+    u, v = camera.undistort(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T
     rays = np.stack([np.ones_like(u), (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px])
     _, across, up = rotation_matrix(roll, 0.0, 0.0) @ rays
     level_u, level_v = camera.cx - camera.focal_px * across, camera.cy - camera.focal_px * up

@@ -39,9 +39,9 @@ class Board(NamedTuple):
     @property
     def corners(self) -> NDArray[np.float32]:
         """(n, 3) corners on the board, m, in the order of detection."""
-        across, down = np.meshgrid(*(np.arange(n) for n in self.pattern))
-        flat = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)])
-        return (self.square_m * flat).astype(np.float32)
+        columns, rows = np.meshgrid(*(np.arange(n) for n in self.pattern))
+        grid = np.column_stack([columns.ravel(), rows.ravel(), np.zeros(columns.size)])
+        return (self.square_m * grid).astype(np.float32)
 
 
 class Calibration(NamedTuple):
@@ -68,8 +68,8 @@ class Mounting(NamedTuple):
 def find_corners(image: NDArray[np.uint8], board: Board) -> NDArray[np.float32] | None:
     """Detected corners (n, 2) of `board` in a grey image, px counted from its edge; None if not visible."""
     for flags in _SEARCH_FLAGS:
-        found, corners = cv2.findChessboardCornersSB(image, board.pattern, flags=flags)
-        if found:
+        detected, corners = cv2.findChessboardCornersSB(image, board.pattern, flags=flags)
+        if detected:
             return np.asarray(corners.reshape(-1, 2) + _HALF_PIXEL, np.float32)
     return None
 
@@ -96,31 +96,35 @@ def calibrate(
         try:
             camera = _camera(np.asarray(matrix, float), np.ravel(distortion), width_px, height_px)
         except InputError as error:
-            refused = error
+            fold_error = error
             continue
-        fixed, focal, across, down = sigmas.ravel()[
+        fx_sigma, fy_sigma, cx_sigma, cy_sigma = sigmas.ravel()[
             :4
         ].tolist()  # with square pixels only one of the two focal lengths is free
-        sigma = max(fixed, focal), across, down
+        sigma = max(fx_sigma, fy_sigma), cx_sigma, cy_sigma
         return Calibration(camera, float(rms), tuple(errors.ravel().tolist()), sigma)
     raise InputError(
-        f"the photographs do not determine the lens ({refused}); take some close up and tilted, "
+        f"the photographs do not determine the lens ({fold_error}); take some close up and tilted, "
         "with the board in the corners of the image"
     )
 
 
 def mounting(camera: Camera, corners: NDArray[np.float32], board: Board) -> Mounting:
     """Mounting of `camera` over the ground on which `board` lies; `corners` as `find_corners` gives them."""
-    straight = camera.straightened(corners)
+    undistorted = camera.undistort(corners)
     matrix = np.array([[camera.focal_px, 0, camera.cx], [0, camera.focal_px, camera.cy], [0, 0, 1.0]])
-    solved, turn, shift = cv2.solvePnP(board.corners.astype(float), straight, matrix, None)
+    solved, rotation_vector, translation = cv2.solvePnP(
+        board.corners.astype(float), undistorted, matrix, None
+    )
     if not solved:
         raise InputError("no pose of the board explains the detected corners")
-    normal = cv2.Rodrigues(turn)[0][:, 2]
-    above = -float(normal @ shift.ravel())
-    right, down, forward = normal if above > 0 else -normal
+    normal = cv2.Rodrigues(rotation_vector)[0][:, 2]
+    camera_height_m = -float(normal @ translation.ravel())
+    right, down, forward = normal if camera_height_m > 0 else -normal
     return Mounting(
-        abs(above), float(np.degrees(np.arcsin(-forward))), float(np.degrees(np.arctan2(-right, -down)))
+        abs(camera_height_m),
+        float(np.degrees(np.arcsin(-forward))),
+        float(np.degrees(np.arctan2(-right, -down))),
     )
 
 

@@ -29,26 +29,26 @@ def distort(points: Array, distortion: Distortion) -> Array:
     far outside the image stay outside.
     """
     radius = np.hypot(points[:, 0], points[:, 1])
-    known = points * np.minimum(1.0, reach(distortion) / np.maximum(radius, 1e-12))[:, None]
-    seen, _ = cv2.projectPoints(
-        np.column_stack([known, np.ones(len(known))]),
+    within_reach = points * np.minimum(1.0, reach(distortion) / np.maximum(radius, 1e-12))[:, None]
+    projected, _ = cv2.projectPoints(
+        np.column_stack([within_reach, np.ones(len(within_reach))]),
         np.zeros(3),
         np.zeros(3),
         np.eye(3),
         np.array(distortion),
     )
-    return np.asarray(seen.reshape(-1, 2) + (points - known))
+    return np.asarray(projected.reshape(-1, 2) + (points - within_reach))
 
 
 def undistort(points: Array, distortion: Distortion) -> Array:
     """Undistorted coordinates of `points`; inverse of `distort` up to its reach."""
-    straight = cv2.undistortPoints(
+    undistorted = cv2.undistortPoints(
         np.ascontiguousarray(points).reshape(-1, 1, 2),
         np.eye(3),
         np.array(distortion),
         criteria=_UNDISTORT_CRITERIA,
     )
-    return np.asarray(straight.reshape(-1, 2))
+    return np.asarray(undistorted.reshape(-1, 2))
 
 
 @lru_cache(maxsize=64)
@@ -61,8 +61,8 @@ def reach(distortion: Distortion) -> float:
     return float(turning.max() ** -0.5) if len(turning) else float("inf")
 
 
-def folds(corners: Array, distortion: Distortion) -> bool:
+def is_folded(corners: Array, distortion: Distortion) -> bool:
     """True if no ray, or more than one, maps to one of `corners`."""
-    straight = undistort(corners, distortion)
-    inside = np.hypot(straight[:, 0], straight[:, 1]) < reach(distortion)
-    return not (inside.all() and np.allclose(distort(straight, distortion), corners, atol=1e-6))
+    undistorted = undistort(corners, distortion)
+    within_reach = np.hypot(undistorted[:, 0], undistorted[:, 1]) < reach(distortion)
+    return not (within_reach.all() and np.allclose(distort(undistorted, distortion), corners, atol=1e-6))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_number
 from foreride.files.reading.ranges import Checked
-from foreride.road.camera.distortion import NO_DISTORTION, Distortion, distort, folds, undistort
+from foreride.road.camera.distortion import NO_DISTORTION, Distortion, distort, is_folded, undistort
 
 Array = NDArray[np.float64]
 Pixel = Annotated[float, Interval(ge=0.0, le=8192.0), "px"]
@@ -39,12 +39,12 @@ class Camera(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.width_px * self.height_px > MOST_PIXELS:
-            asked = f"{self.width_px} x {self.height_px}"
-            raise InputError(f"width_px times height_px must be <= {MOST_PIXELS}, got {asked}")
+            resolution = f"{self.width_px} x {self.height_px}"
+            raise InputError(f"width_px times height_px must be <= {MOST_PIXELS}, got {resolution}")
         if self.centre_px is not None:
             for value, size in zip(self.centre_px, (self.width_px, self.height_px), strict=True):
                 check_number("centre_px", value, 0.0, size)
-        if not self.is_pinhole and folds(self._normalised(self.border()), self.distortion):
+        if not self.is_pinhole and is_folded(self._normalised(self.border()), self.distortion):
             raise InputError(
                 "distortion must map exactly one ray to each image point (no folding), got "
                 f"{list(self.distortion)} with focal_px {self.focal_px:g}"
@@ -72,20 +72,20 @@ class Camera(Checked):
 
     def border(self, samples: int = 33) -> Array:
         """Pixels (4 samples, 2) along the image border."""
-        across, down = np.linspace(0, self.width_px, samples), np.linspace(0, self.height_px, samples)
-        sides = [(across, 0 * down), (across, 0 * down + self.height_px)]
-        sides += [(0 * across, down), (0 * across + self.width_px, down)]
+        columns, rows = np.linspace(0, self.width_px, samples), np.linspace(0, self.height_px, samples)
+        sides = [(columns, 0 * rows), (columns, 0 * rows + self.height_px)]
+        sides += [(0 * columns, rows), (0 * columns + self.width_px, rows)]
         return np.concatenate([np.column_stack(side) for side in sides])
 
-    def straightened(self, pixels: ArrayLike) -> Array:
+    def undistort(self, pixels: ArrayLike) -> Array:
         """Undistorted pixels (N, 2): the positions of `pixels` behind a distortion-free lens."""
         pixels = np.asarray(pixels, float).reshape(-1, 2)
         if self.is_pinhole:
             return pixels
         return self.focal_px * undistort(self._normalised(pixels), self.distortion) + (self.cx, self.cy)
 
-    def bent(self, pixels: ArrayLike) -> Array:
-        """Distorted pixels (N, 2) of undistorted `pixels` (N, 2): inverse of `straightened`."""
+    def distort(self, pixels: ArrayLike) -> Array:
+        """Distorted pixels (N, 2) of undistorted `pixels` (N, 2): inverse of `undistort`."""
         pixels = np.asarray(pixels, float).reshape(-1, 2)
         if self.is_pinhole:
             return pixels
@@ -165,16 +165,16 @@ def pose_of(
         heave: displacement of the centre of gravity above rest (m). roll, pitch, yaw: body attitude (rad).
     """
     body = rotation_matrix(roll, pitch, yaw)
-    arm = body @ np.array([mount.x_m, mount.y_m, mount.height_m - mount.cg_height_m])
-    x, y, z = np.array([x_cg, y_cg, heave + mount.cg_height_m]) + arm
-    turn = body @ rotation_matrix(0.0, np.deg2rad(mount.pitch_deg), 0.0)
+    offset = body @ np.array([mount.x_m, mount.y_m, mount.height_m - mount.cg_height_m])
+    x, y, z = np.array([x_cg, y_cg, heave + mount.cg_height_m]) + offset
+    attitude = body @ rotation_matrix(0.0, np.deg2rad(mount.pitch_deg), 0.0)
     return CameraPose(
         float(x),
         float(y),
         float(z),
-        roll=float(np.arctan2(turn[2, 1], turn[2, 2])),
-        pitch=float(np.arcsin(np.clip(-turn[2, 0], -1.0, 1.0))),
-        yaw=float(np.arctan2(turn[1, 0], turn[0, 0])),
+        roll=float(np.arctan2(attitude[2, 1], attitude[2, 2])),
+        pitch=float(np.arcsin(np.clip(-attitude[2, 0], -1.0, 1.0))),
+        yaw=float(np.arctan2(attitude[1, 0], attitude[0, 0])),
     )
 
 
@@ -187,7 +187,7 @@ def project(camera: Camera, pose: CameraPose, points: ArrayLike) -> Array:
     depth = np.where(forward > 1e-9, forward, np.nan)
     u = camera.cx - camera.focal_px * left / depth
     v = camera.cy - camera.focal_px * up / depth
-    return camera.bent(np.stack([u, v], axis=1))
+    return camera.distort(np.stack([u, v], axis=1))
 
 
 def rays(camera: Camera, pose: CameraPose, pixels: ArrayLike) -> Array:
@@ -195,7 +195,7 @@ def rays(camera: Camera, pose: CameraPose, pixels: ArrayLike) -> Array:
 
     They are scaled so that the component along the optical axis is 1.
     """
-    u, v = camera.straightened(pixels).T
+    u, v = camera.undistort(pixels).T
     left, up = (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px
     return np.stack([np.ones_like(u), left, up], axis=1) @ pose.rotation.T
 

@@ -71,17 +71,17 @@ def write_card(folder: Path, real: dict[str, dict]) -> None:
 
 
 def _introduction(manifest: dict) -> str:
-    told = {name: manifest["label_minimum"][name] for name in ("height_px", "width_px", "pixels")}
-    told |= {name: manifest["counts"][name] for name in _SPLITS} | {"seed": manifest["seed"]}
+    numbers = {name: manifest["label_minimum"][name] for name in ("height_px", "width_px", "pixels")}
+    numbers |= {name: manifest["counts"][name] for name in _SPLITS} | {"seed": manifest["seed"]}
     return _INTRODUCTION.format(
-        **{name: int(value) for name, value in told.items()},
+        **{name: int(value) for name, value in numbers.items()},
         hash=shortened(printable(manifest["hash"])),
         hidden=MAX_HIDDEN,
     )
 
 
 def _objects(rows: Iterable[dict]) -> list[dict]:
-    return [thing for row in rows for thing in row["objects"]]
+    return [obj for row in rows for obj in row["objects"]]
 
 
 def _counts(rows: dict[str, list[dict]]) -> str:
@@ -91,7 +91,7 @@ def _counts(rows: dict[str, list[dict]]) -> str:
         "|---|---|---|---|---|---|",
     ]
     for split, images in rows.items():
-        classes = Counter(thing["class"] for thing in _objects(images))
+        classes = Counter(obj["class"] for obj in _objects(images))
         roads, empty = len({row["road"] for row in images}), sum(not row["objects"] for row in images)
         lines.append(f"| {split} | {roads} | {len(images)} | {empty} | {classes[0]} | {classes[1]} |")
     return "\n".join(lines) + "\n"
@@ -125,7 +125,7 @@ def _kinds(rows: dict[str, list[dict]]) -> str:
     }
     counts = {
         name: {
-            split: Counter(value for thing in _objects(images) if (value := key(thing)) is not None)
+            split: Counter(value for obj in _objects(images) if (value := key(obj)) is not None)
             for split, images in rows.items()
         }
         for name, key in keys.items()
@@ -138,8 +138,8 @@ def _distances(rows: dict[str, list[dict]]) -> str:
     counts: dict[str, dict[str, Counter[str]]] = {name: {} for name in NAMES}
     for split, images in rows.items():
         for cls, name in enumerate(NAMES):
-            things = [thing for thing in _objects(images) if thing["class"] == cls]
-            counts[name][split] = Counter(_bin(thing["distance_m"]) for thing in things)
+            objects = [obj for obj in _objects(images) if obj["class"] == cls]
+            counts[name][split] = Counter(_bin(obj["distance_m"]) for obj in objects)
     return _split_table("## Objects by distance of the near edge", counts, list(rows))
 
 

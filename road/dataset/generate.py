@@ -105,16 +105,16 @@ def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
 @contextmanager
 def progress(total: int) -> Iterator[Callable[[int], None]]:
     """Progress of rendering: a bar with the time left on a terminal, elsewhere a line at intervals."""
-    began, shown = time.monotonic(), 0
+    start_s, last_reported = time.monotonic(), 0
 
-    def tell(done: int) -> None:
-        nonlocal shown
-        if done - shown >= _REPORT_EVERY or done == total:
-            shown = done
-            print(f"{done}/{total} images, {time.monotonic() - began:.0f} s", flush=True)
+    def print_progress(done: int) -> None:
+        nonlocal last_reported
+        if done - last_reported >= _REPORT_EVERY or done == total:
+            last_reported = done
+            print(f"{done}/{total} images, {time.monotonic() - start_s:.0f} s", flush=True)
 
     if not sys.stderr.isatty():
-        yield tell
+        yield print_progress
         return
     with Progress(*Progress.get_default_columns(), console=Console(stderr=True)) as bar:
         task = bar.add_task("rendering", total=total)

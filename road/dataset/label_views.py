@@ -41,18 +41,18 @@ def render_road(job: Job) -> list[dict]:
     """Render and write the views of one road; returns rows for objects.jsonl with each image's sha256."""
     cv2.setNumThreads(1)
     rng = np.random.default_rng((job.seed, job.split, job.road))
-    look = random_appearance(rng)
-    road = random_road(rng, look)
+    appearance = random_appearance(rng)
+    road = random_road(rng, appearance)
     if job.plain:
-        road, look = replace(road, features=()), with_distractors(look, rng)
-    scene = Scene(road, look, int(rng.integers(1 << 31)))
-    beside = static_objects(rng, look)
+        road, appearance = replace(road, features=()), with_distractors(appearance, rng)
+    scene = Scene(road, appearance, int(rng.integers(1 << 31)))
+    roadside = static_objects(rng, appearance)
     rows = []
-    place = approach_positions if job.approach else random_positions
+    draw_positions = approach_positions if job.approach else random_positions
     shares = (APPROACH_SHARES,) if job.approach else ()
-    for view, x in enumerate(place(rng, road, VIEWS_PER_ROAD)[: job.views]):
+    for view, x in enumerate(draw_positions(rng, road, VIEWS_PER_ROAD)[: job.views]):
         camera, pose = random_view(rng, x, *shares)
-        frame = scene.render(camera, pose, view, [*beside, *random_traffic(rng, look, x)])
+        frame = scene.render(camera, pose, view, [*roadside, *random_traffic(rng, appearance, x)])
         name = f"{SPLITS[job.split]}_{job.road:05d}_{view}.jpg"
         objects = list(_objects(road, frame, pose))
         label = "".join(_label(o["class"], o["box"], camera) for o in objects)
@@ -64,7 +64,7 @@ def render_road(job: Job) -> list[dict]:
             {
                 "image": name,
                 "road": job.road,
-                "condition": _condition(look),
+                "condition": _condition(appearance),
                 "camera": asdict(camera),
                 "pose": asdict(pose),
                 "objects": objects,
@@ -74,29 +74,29 @@ def render_road(job: Job) -> list[dict]:
     return rows
 
 
-def with_distractors(look: Appearance, rng: np.random.Generator) -> Appearance:
+def with_distractors(appearance: Appearance, rng: np.random.Generator) -> Appearance:
     """The same appearance with many distractors: patches, covers, stains and crossings."""
     patches, distractors = (float(share) for share in rng.uniform(0.4, 1.0, 2))
-    return replace(look, patches=patches, distractors=distractors)
+    return replace(appearance, patches=patches, distractors=distractors)
 
 
-def _condition(look: Appearance) -> dict:
+def _condition(appearance: Appearance) -> dict:
     """Conditions by which an evaluation groups images."""
     return {
-        "light": look.light,
-        "weather": look.weather,
-        "low_sun": look.glare > 0,
-        "motion_blur_px": round(look.motion_blur_px, 2),
-        "surface": look.surface,
-        "verge": look.verge,
-        "surroundings": look.surroundings,
+        "light": appearance.light,
+        "weather": appearance.weather,
+        "low_sun": appearance.glare > 0,
+        "motion_blur_px": round(appearance.motion_blur_px, 2),
+        "surface": appearance.surface,
+        "verge": appearance.verge,
+        "surroundings": appearance.surroundings,
     }
 
 
 def _objects(road: Road, frame: Frame, pose: CameraPose) -> Iterator[dict]:
     """Labels of a frame, in the order of its boxes; distances are camera to near edge along the road."""
-    found = zip(frame.boxes, frame.feature_index, frame.visible_px, frame.hidden, strict=True)
-    for box, index, visible, hidden in found:
+    labelled = zip(frame.boxes, frame.feature_index, frame.visible_px, frame.hidden, strict=True)
+    for box, index, visible, hidden in labelled:
         feature: Feature = road.features[index]
         yield {
             "class": feature.cls,

@@ -29,14 +29,14 @@ _HOLE_LOG_WIDTH = (np.log(0.2), np.log(1.1))
 _GAP_M = 1.0
 
 
-def random_road(rng: np.random.Generator, look: Appearance) -> Road:
-    """Random road with bumps and potholes in the carriageway of `look`; about one in seven has none."""
+def random_road(rng: np.random.Generator, appearance: Appearance) -> Road:
+    """Random road with bumps and potholes in the carriageway of `appearance`; about one in seven has none."""
     features: list[Feature] = []
     if rng.random() > 0.08:
         for _ in range(int(rng.choice((0, 1, 2, 3), p=(0.18, 0.4, 0.28, 0.14)))):
-            _add(features, random_bump(rng, look))
+            _add(features, random_bump(rng, appearance))
         for _ in range(int(rng.choice((0, 1, 2, 4, 6), p=(0.2, 0.26, 0.26, 0.18, 0.1)))):
-            for hole in random_potholes(rng, look):
+            for hole in random_potholes(rng, appearance):
                 _add(features, hole)
     roughness = None
     if rng.random() < 0.85:
@@ -45,9 +45,12 @@ def random_road(rng: np.random.Generator, look: Appearance) -> Road:
     return Road(ROAD_M, tuple(features), roughness)
 
 
-def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
+def random_bump(rng: np.random.Generator, appearance: Appearance) -> Feature:
     """Random half-sine, circular-arc or flat-top bump, across the carriageway or one half of it."""
-    right, left = look.right_edge_m + rng.uniform(0.05, 0.5), look.left_edge_m - rng.uniform(0.05, 0.5)
+    right, left = (
+        appearance.right_edge_m + rng.uniform(0.05, 0.5),
+        appearance.left_edge_m - rng.uniform(0.05, 0.5),
+    )
     if rng.random() < 0.12:
         right, left = (right, min(left, 0.2 + abs(right))) if rng.random() < 0.6 else (max(right, -1.0), left)
     if rng.random() < _RUBBER_SHARE:
@@ -83,7 +86,7 @@ def random_bump(rng: np.random.Generator, look: Appearance) -> Feature:
     )
 
 
-def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]:
+def random_potholes(rng: np.random.Generator, appearance: Appearance) -> list[Pothole]:
     """Random pothole, or a cluster of up to nine."""
     count = int(rng.choice((1, 2, 3, 5, 9), p=(0.55, 0.2, 0.12, 0.08, 0.05)))
     large = rng.random() < 0.15
@@ -91,7 +94,11 @@ def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]
     x = rng.uniform(2.5, ROAD_M - 4)
     # Most potholes lie in a wheel track of the ego lane, where the load is.
     track = rng.choice((-0.75, 0.75)) + rng.normal(0, 0.3)
-    y = track if rng.random() < 0.55 else rng.uniform(look.right_edge_m + 0.5, look.left_edge_m - 0.5)
+    y = (
+        track
+        if rng.random() < 0.55
+        else rng.uniform(appearance.right_edge_m + 0.5, appearance.left_edge_m - 0.5)
+    )
     holes = []
     for _ in range(count):
         width = float(
@@ -101,7 +108,7 @@ def random_potholes(rng: np.random.Generator, look: Appearance) -> list[Pothole]
         depth = float(rng.uniform(0.01, 0.03) if shallow else rng.uniform(0.025, 0.12))
         depth = min(depth, 0.35 * min(width, length))
         margin = width / 2 + 0.1
-        hole_y = float(np.clip(y, look.right_edge_m + margin, look.left_edge_m - margin))
+        hole_y = float(np.clip(y, appearance.right_edge_m + margin, appearance.left_edge_m - margin))
         wall = float(rng.uniform(0.02, 0.45 * min(width, length)))
         start = float(np.clip(x, 1.0, ROAD_M - 2))
         ragged, seed = float(rng.uniform(0.05, 0.5)), int(rng.integers(1 << 31))
@@ -154,16 +161,16 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
             pool = holes if holes and rng.random() < 0.55 else road.features
             target = pool[int(rng.integers(len(pool)))]
             reach = 6.5 if target.cls == 1 else 12
-            before = target.start_m - np.exp(rng.uniform(np.log(2.0), np.log(reach)))
-            x = before if FIRST_VIEW_M < before < LAST_VIEW_M else x
+            position = target.start_m - np.exp(rng.uniform(np.log(2.0), np.log(reach)))
+            x = position if FIRST_VIEW_M < position < LAST_VIEW_M else x
         positions.append(float(x))
     return sorted(positions)
 
 
 def approach_positions(rng: np.random.Generator, road: Road, count: int) -> list[float]:
     """Camera positions on the approach to a feature in the car's path, in a controller's range."""
-    ahead = [f for f in road.features if f.y_min_m < TRACK_M and f.y_max_m > -TRACK_M]
-    targets = [f for f in ahead if f.start_m - MIN_APPROACH_M > FIRST_VIEW_M]
+    in_path = [f for f in road.features if f.y_min_m < TRACK_M and f.y_max_m > -TRACK_M]
+    targets = [f for f in in_path if f.start_m - MIN_APPROACH_M > FIRST_VIEW_M]
     if not targets:
         return random_positions(rng, road, count)
     bumps = [f for f in targets if f.cls == 0]

@@ -33,9 +33,9 @@ class Rim(NamedTuple):
         u = dx / half_length
         v = dy / half_width * np.where(dy >= 0, self.y_top, self.y_bottom)
         rho = np.maximum(np.hypot(u, v), 1e-9)
-        turn = (np.arctan2(v, u) + np.pi) * (_GRID / (2 * np.pi))
-        cell = np.minimum(turn.astype(np.int64), _GRID - 1)
-        rim = self.radius[cell] + (turn - cell) * (self.radius[cell + 1] - self.radius[cell])
+        position = (np.arctan2(v, u) + np.pi) * (_GRID / (2 * np.pi))
+        cell = np.minimum(position.astype(np.int64), _GRID - 1)
+        rim = self.radius[cell] + (position - cell) * (self.radius[cell + 1] - self.radius[cell])
         # At the centre itself the ray has no direction and the distance is that along x.
         distance = np.where(rho > 1e-9, np.hypot(dx, dy), 1e-9 * half_length)
         return distance * (rim / rho - 1)

@@ -58,28 +58,28 @@ def read_table(path: Path) -> tuple[list[str], Array]:
 
 def profile_of(path: Path, header: list[str], table: Array) -> tuple[Array, Array, Array]:
     """Profile as `read` returns it, from a table of which all columns are stations or heights."""
-    places = _places(path, header)
+    lateral_m = _places(path, header)
     if not len(table):
         raise InputError(f"{path}: has a header, but no stations")
-    order = np.argsort(places)
-    return table[:, 0], places[order], np.ascontiguousarray(table[:, 1:].T[order])
+    order = np.argsort(lateral_m)
+    return table[:, 0], lateral_m[order], np.ascontiguousarray(table[:, 1:].T[order])
 
 
 def _places(path: Path, header: list[str]) -> Array:
     """Lateral positions (m) of the height columns."""
-    wrong = InputError(f"{path}: header must be {_ALLOWED}, got {shown(','.join(header[:20]))}")
+    header_error = InputError(f"{path}: header must be {_ALLOWED}, got {shown(','.join(header[:20]))}")
     if len(header) < 2 or header[0] != "x_m":
-        raise wrong
+        raise header_error
     if header[1:] == ["z_m"] or (set(header[1:]) == {"left_m", "right_m"} and len(header) == 3):
         return np.array([_NAMED[name] for name in header[1:]])
     try:
-        places = np.array([float(name.removeprefix("y=")) for name in header[1:] if name.startswith("y=")])
+        lateral_m = np.array([float(name.removeprefix("y=")) for name in header[1:] if name.startswith("y=")])
     except ValueError:
-        raise wrong from None
-    unfit = len(places) != len(header) - 1 or len(np.unique(places)) != len(places)
-    if unfit or not np.all(np.abs(places) <= 50):
-        raise wrong
-    return places
+        raise header_error from None
+    invalid = len(lateral_m) != len(header) - 1 or len(np.unique(lateral_m)) != len(lateral_m)
+    if invalid or not np.all(np.abs(lateral_m) <= 50):
+        raise header_error
+    return lateral_m
 
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
@@ -94,6 +94,6 @@ def _number(path: Path, line: int, name: str, text: str) -> float:
     except ValueError:
         value = float("nan")
     if not np.isfinite(value) or "_" in text:
-        where = f"{path}: line {line}: {shortened(printable(name))}"
-        raise InputError(f"{where} must be a finite number, got {shown(text)}")
+        location = f"{path}: line {line}: {shortened(printable(name))}"
+        raise InputError(f"{location} must be a finite number, got {shown(text)}")
     return value

@@ -35,12 +35,12 @@ def read(path: Path) -> tuple[Array, Array, Array]:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             road = pyopencrg.read(path, apply_mods=True)
-        near = np.abs(road.v) <= HALF_WIDTH_M
-        u, v, heights = road.u, road.v[near], road.surface_z()[:, near].T
+        within_width = np.abs(road.v) <= HALF_WIDTH_M
+        u, v, heights = road.u, road.v[within_width], road.surface_z()[:, within_width].T
     except Exception as error:  # the reader documents no exception types for malformed files
         reason = " ".join(str(error).split("To open it anyway")[0].split()).removeprefix(f"{path}: ")
-        told = shortened(printable(reason or type(error).__name__), 200)
-        raise InputError(f"{path}: is no valid OpenCRG file ({told})") from None
+        detail = shortened(printable(reason or type(error).__name__), 200)
+        raise InputError(f"{path}: is no valid OpenCRG file ({detail})") from None
     if not len(v):
         raise InputError(f"{path}: has no data within {HALF_WIDTH_M:g} m of its reference line")
     return np.asarray(u, float), np.asarray(v, float), np.ascontiguousarray(heights, float)
@@ -48,15 +48,15 @@ def read(path: Path) -> tuple[Array, Array, Array]:
 
 def _check_header(path: Path, data: bytes) -> None:
     """Refuse a file for which PyOpenCRG would need unbounded time or memory, or read another file."""
-    head, found, _ = data[:_HEADER_LIMIT].partition(b"$$$$")
-    sections = len(re.findall(rb"^D:", head, re.MULTILINE | re.IGNORECASE))
-    if not found or not sections:
+    header, end_mark, _ = data[:_HEADER_LIMIT].partition(b"$$$$")
+    sections = len(re.findall(rb"^D:", header, re.MULTILINE | re.IGNORECASE))
+    if not end_mark or not sections:
         raise InputError(f"{path}: is no valid OpenCRG file (no header that defines its data)")
-    format_ = re.search(rb"^#: *(\w{4})", head, re.MULTILINE)
+    format_ = re.search(rb"^#: *(\w{4})", header, re.MULTILINE)
     width = _WIDTHS.get(format_[1].upper() if format_ else b"", min(_WIDTHS.values()))
     if sections > _MAX_SECTIONS or len(data) > _HEADER_LIMIT + width * sections * _MAX_STATIONS:
         raise InputError(
             f"{path}: may have at most {_MAX_SECTIONS} long sections and {_MAX_STATIONS} stations"
         )
-    if re.search(rb"^\$ROAD_CRG_FILE", head, re.MULTILINE | re.IGNORECASE):
+    if re.search(rb"^\$ROAD_CRG_FILE", header, re.MULTILINE | re.IGNORECASE):
         raise InputError(f"{path}: must hold its heights itself, not name another file")

@@ -39,9 +39,9 @@ class MeasuredSurface(NamedTuple):
         if len(self.y_m) == 1:
             return np.broadcast_arrays(z[0, i] + s * (z[0, i + 1] - z[0, i]), np.asarray(y, float))[0].copy()
         j, t = _cell(self.y_m, y)
-        near = z[j, i] + s * (z[j, i + 1] - z[j, i])
-        far = z[j + 1, i] + s * (z[j + 1, i + 1] - z[j + 1, i])
-        return near + t * (far - near)
+        right = z[j, i] + s * (z[j, i + 1] - z[j, i])
+        left = z[j + 1, i] + s * (z[j + 1, i + 1] - z[j + 1, i])
+        return right + t * (left - right)
 
     @property
     def length_m(self) -> float:
@@ -99,9 +99,9 @@ def surface(
 def _check_places(values: NDArray[np.float64], name: str) -> None:
     if not np.all(np.abs(values) <= MAX_PLACE_M) or not np.all(np.diff(values) > 0):
         raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m")
-    least = float(np.diff(values).min(initial=np.inf))
-    if least < MIN_STEP_M:
-        raise InputError(f"{name} must lie at least {MIN_STEP_M:g} m apart, got {least:g} m")
+    min_step_m = float(np.diff(values).min(initial=np.inf))
+    if min_step_m < MIN_STEP_M:
+        raise InputError(f"{name} must lie at least {MIN_STEP_M:g} m apart, got {min_step_m:g} m")
 
 
 @lru_cache(maxsize=4)
@@ -110,12 +110,12 @@ def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
     is_csv = path.suffix.lower() == ".csv"
     data = read_bytes(path, csv_profile.CSV_LIMIT if is_csv else opencrg.CRG_LIMIT)
     read = csv_profile.read if is_csv else opencrg.read
-    found = surface(*read(path), str(path))
-    return found._replace(sha256=hashlib.sha256(data).hexdigest())
+    loaded = surface(*read(path), str(path))
+    return loaded._replace(sha256=hashlib.sha256(data).hexdigest())
 
 
-def _cell(grid: NDArray[np.float64], at: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _cell(grid: NDArray[np.float64], position: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Index of the grid cell and position 0..1 in it, clipped to the grid."""
-    inside = np.clip(np.asarray(at, float), grid[0], grid[-1])
-    cell = np.clip(np.searchsorted(grid, inside, side="right").astype(np.int64) - 1, 0, len(grid) - 2)
-    return cell, (inside - grid[cell]) / (grid[cell + 1] - grid[cell])
+    clipped = np.clip(np.asarray(position, float), grid[0], grid[-1])
+    cell = np.clip(np.searchsorted(grid, clipped, side="right").astype(np.int64) - 1, 0, len(grid) - 2)
+    return cell, (clipped - grid[cell]) / (grid[cell + 1] - grid[cell])

@@ -93,7 +93,7 @@ def random_appearance(rng: np.random.Generator) -> Appearance:
     surface = str(rng.choice(SURFACES, p=(0.45, 0.42, 0.13)))
     low, high = {"asphalt": (0.07, 0.18), "old_asphalt": (0.14, 0.3), "concrete": (0.28, 0.42)}[surface]
     left, right = _random_edges(rng)
-    ahead = light == "sunset" and rng.random() < 0.6  # the sun is in the image
+    sun_in_image = light == "sunset" and rng.random() < 0.6  # the sun is in the image
     return Appearance(
         light=light,
         weather=str(rng.choice(WEATHERS, p=(0.68, 0.09, 0.1, 0.06, 0.07))),
@@ -109,7 +109,7 @@ def random_appearance(rng: np.random.Generator) -> Appearance:
         cracks=float(rng.beta(1.2, 2)),
         patches=float(rng.beta(1.2, 2)),
         distractors=float(rng.beta(1.2, 2)),
-        sun_azimuth_deg=float(rng.uniform(-35, 35) if ahead else rng.uniform(-180, 180)),
+        sun_azimuth_deg=float(rng.uniform(-35, 35) if sun_in_image else rng.uniform(-180, 180)),
         sun_elevation_deg=float(rng.uniform(4, 18) if light == "sunset" else rng.uniform(25, 75)),
         tree_shadow=_uniform_or_zero(rng, 0.3, 0.2, 1),
         bonnet=_uniform_or_zero(rng, 0.25, 0.03, 0.16),
@@ -124,7 +124,7 @@ def random_appearance(rng: np.random.Generator) -> Appearance:
         litter=_uniform_or_zero(rng, 0.4, 0.1, 1),
         puddles=_uniform_or_zero(rng, 0.15, 0.2, 1),
         street_lamps=_uniform_or_zero(rng, 0.6, 0.3, 1) if light == "night" else 0.0,
-        glare=_uniform_or_zero(rng, 0.8, 0.3, 1) if ahead else 0.0,
+        glare=_uniform_or_zero(rng, 0.8, 0.3, 1) if sun_in_image else 0.0,
         motion_blur_px=_uniform_or_zero(rng, 0.3, 1.5, 9),
         distortion=_uniform_or_zero(rng, 0.4, -0.12, 0.04),
     )

@@ -38,20 +38,22 @@ def draw(
     Returns the occluded share of the pixels of each feature in `hits`.
     """
     ordered = sorted(props, key=lambda prop: -float(np.hypot(*(ground_position(prop) - view.position[:2]))))
-    ground = hits.copy()
+    visible_hits = hits.copy()
     _shade_ground(image, view, ordered, air)
     halos: list[tuple[float, float, float, np.ndarray]] = []
     for prop in ordered:
         if isinstance(prop, Solid):
             for face in prop.faces:
-                _draw_face(image, ground, view, face, air, halos)
+                _draw_face(image, visible_hits, view, face, air, halos)
         else:
-            _draw_sprite(image, ground, view, prop, air, halos)
+            _draw_sprite(image, visible_hits, view, prop, air, halos)
     for u, v, size, colour in halos:
         _add_halo(image, u, v, size, colour, air.wet)
-    before, after = (np.bincount(seen.ravel(), minlength=int(hits.max()) + 1) for seen in (hits, ground))
-    hits[:] = ground
-    return {int(k): 1 - after[k] / before[k] for k in np.flatnonzero(before)}
+    pixels_before, pixels_after = (
+        np.bincount(ids.ravel(), minlength=int(hits.max()) + 1) for ids in (hits, visible_hits)
+    )
+    hits[:] = visible_hits
+    return {int(k): 1 - pixels_after[k] / pixels_before[k] for k in np.flatnonzero(pixels_before)}
 
 
 def lamp_pools(props: Sequence[Prop]) -> np.ndarray:
@@ -67,20 +69,24 @@ def _to_camera(view: CameraView, points: np.ndarray) -> np.ndarray:
 
 def _pixels(view: CameraView, points: np.ndarray) -> np.ndarray | None:
     """Pixel polygon (m, 2) of a world polygon, clipped at the near plane; None if nothing is left."""
-    seen = _to_camera(view, points)
-    inside = seen[:, 0] > _NEAR_M
+    corners = _to_camera(view, points)
+    inside = corners[:, 0] > _NEAR_M
     if not inside.any():
         return None
     if not inside.all():
-        kept = []
-        for a, b in zip(seen, np.roll(seen, -1, axis=0), strict=True):
+        clipped = []
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             if a[0] > _NEAR_M:
-                kept.append(a)
+                clipped.append(a)
             if (a[0] > _NEAR_M) != (b[0] > _NEAR_M):
-                kept.append(a + (b - a) * (_NEAR_M - a[0]) / (b[0] - a[0]))
-        seen = np.array(kept)
+                clipped.append(a + (b - a) * (_NEAR_M - a[0]) / (b[0] - a[0]))
+        corners = np.array(clipped)
     return np.stack(
-        (view.cx - view.focal * seen[:, 1] / seen[:, 0], view.cy - view.focal * seen[:, 2] / seen[:, 0]), 1
+        (
+            view.cx - view.focal * corners[:, 1] / corners[:, 0],
+            view.cy - view.focal * corners[:, 2] / corners[:, 0],
+        ),
+        1,
     )
 
 
@@ -113,8 +119,8 @@ def _shade_ground(image: np.ndarray, view: CameraView, props: Sequence[Prop], ai
                 if polygon is not None:
                     _fill(mask, polygon, 255)
         cv2.GaussianBlur(mask, (0, 0), 1.2, dst=mask)
-        left = light.sky / (light.sky + sun * max(light.direction[2], 0.1))
-        _darken(image, mask, 1 - left)
+        sky_share = light.sky / (light.sky + sun * max(light.direction[2], 0.1))
+        _darken(image, mask, 1 - sky_share)
     mask[:] = 0
     for scale, amount in _CONTACT:
         for base in [prop.base for prop in props if isinstance(prop, Solid)]:
@@ -136,8 +142,8 @@ def _darken(image: np.ndarray, mask: np.ndarray, amount: np.ndarray) -> None:
 def _shadow_outlines(prop: Prop, shift: np.ndarray) -> list[np.ndarray]:
     """Shadow polygons (n, 2) on the ground; `shift` (2,) is the shadow's displacement per metre of height."""
     if isinstance(prop, Solid):
-        both = np.concatenate((prop.base, prop.base + 0.95 * prop.height_m * shift)).astype(np.float32)
-        return [cv2.convexHull(both)[:, 0]]
+        end_faces = np.concatenate((prop.base, prop.base + 0.95 * prop.height_m * shift)).astype(np.float32)
+        return [cv2.convexHull(end_faces)[:, 0]]
     across = np.array([-shift[1], shift[0]]) / max(float(np.hypot(*shift)), 1e-6)
     return [ground_position(prop) + part[:, :1] * across + part[:, 1:] * shift for part in prop.shadow]
 
@@ -216,13 +222,13 @@ def _draw_sprite(
     corner = np.array([u - size[0] / 2 - part[1].start, v - size[1] - part[0].start])
     matrix = np.column_stack((np.diag(step), step * (0.5 - corner) - 0.5))
     shape = image[part].shape[1::-1]
-    seen = cv2.warpAffine(picture, matrix, shape, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+    warped = cv2.warpAffine(picture, matrix, shape, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
     ahead, aside = float(sprite.x - view.position[0]), float(sprite.y - view.position[1])
-    clear = np.float32(np.exp(-np.hypot(ahead, aside) / air.fog_m))
-    light = _radiance(np.ones(3), 0.4, 0.75, max(ahead, 0.1), aside, air).astype(np.float32) * clear
-    cover = seen[..., 3:]
-    veil = air.haze.astype(np.float32) * (1 - clear)
-    image[part] = image[part] * (1 - cover) + seen[..., :3] * light + cover * veil
+    transmission = np.float32(np.exp(-np.hypot(ahead, aside) / air.fog_m))
+    light = _radiance(np.ones(3), 0.4, 0.75, max(ahead, 0.1), aside, air).astype(np.float32) * transmission
+    cover = warped[..., 3:]
+    veil = air.haze.astype(np.float32) * (1 - transmission)
+    image[part] = image[part] * (1 - cover) + warped[..., :3] * light + cover * veil
     hits[part][cover[..., 0] > 0.5] = 0
     if any(sprite.glow):
         halos.append(

@@ -45,8 +45,8 @@ class Surface:
     the order.
     """
 
-    def __init__(self, road: Road, look: Appearance, seed: int) -> None:
-        self.road, self.look = road, look
+    def __init__(self, road: Road, appearance: Appearance, seed: int) -> None:
+        self.road, self.appearance = road, appearance
         blocks = int(np.ceil((road.length_m + BEYOND_END_M - START_M) / (BLOCK_ROWS * CELL_M)))
         self.rows = blocks * BLOCK_ROWS
         self.height = np.zeros((self.rows, COLUMNS), np.float32)
@@ -56,21 +56,21 @@ class Surface:
         self.strip = np.zeros((COLUMNS >> LEVEL_COLUMN_SHIFTS[-1], 4), np.float32)
         self._ranges = np.zeros((self.rows // MASK_CELLS, 2), np.float32)
         self._filled = 0
-        self._edges = _carriageway(road, look)
-        self._light = lighting.plan(look)
+        self._edges = _carriageway(road, appearance)
+        self._light = lighting.plan(appearance)
         rng = np.random.default_rng((seed, 1))
         coarse = ((self.rows + 2 * HALO_ROWS) // COARSENING, COLUMNS // COARSENING)
         self._fields = {name: fractal(rng, coarse, octaves) for name, octaves in _OCTAVES.items()}
         length = self.rows * CELL_M
-        self._damage = damage.plan(rng, look, self._edges, length)
-        self._markings = markings.plan(rng, look, self._edges, length)
-        self._cover = deposits.plan(np.random.default_rng((seed, 5)), look, self._edges, length)
+        self._damage = damage.plan(rng, appearance, self._edges, length)
+        self._markings = markings.plan(rng, appearance, self._edges, length)
+        self._cover = deposits.plan(np.random.default_rng((seed, 5)), appearance, self._edges, length)
         self._paint_seeds = [(seed, 2, number) for number in range(len(road.features))]
 
     def extend(self, x_m: float) -> None:
         """Fill the map from its start up to `x_m`, or to its end."""
-        wanted = int(np.ceil((x_m - START_M) / (BLOCK_ROWS * CELL_M)))
-        for index in range(self._filled, min(max(wanted, 1), self.rows // BLOCK_ROWS)):
+        blocks_needed = int(np.ceil((x_m - START_M) / (BLOCK_ROWS * CELL_M)))
+        for index in range(self._filled, min(max(blocks_needed, 1), self.rows // BLOCK_ROWS)):
             self._fill(index)
             self._filled = index + 1
             if index == 0:
@@ -85,26 +85,28 @@ class Surface:
 
     def _fill(self, index: int) -> None:
         block = self._paint(index)
-        inner = slice(HALO_ROWS, -HALO_ROWS)
+        without_halo = slice(HALO_ROWS, -HALO_ROWS)
         rows = slice(index * BLOCK_ROWS, (index + 1) * BLOCK_ROWS)
-        self.height[rows] = block.height[inner]
-        self.ids[rows] = block.ids[inner]
-        lit = lighting.shade(self._light, block)[inner]
+        self.height[rows] = block.height[without_halo]
+        self.ids[rows] = block.ids[without_halo]
+        radiance = lighting.shade(self._light, block)[without_halo]
         for k, (level, shift) in enumerate(zip(self._levels, LEVEL_COLUMN_SHIFTS, strict=True)):
             if k:
-                lit = cv2.resize(lit, (COLUMNS >> shift, BLOCK_ROWS >> k), interpolation=cv2.INTER_AREA)
-            level[index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = lit
+                radiance = cv2.resize(
+                    radiance, (COLUMNS >> shift, BLOCK_ROWS >> k), interpolation=cv2.INTER_AREA
+                )
+            level[index * (BLOCK_ROWS >> k) : (index + 1) * (BLOCK_ROWS >> k)] = radiance
         self._update_march_mask(block, rows)
 
     def _paint(self, index: int) -> Block:
         block = self._empty_block(index)
-        pavement.paint(block, self.look, self._edges)
+        pavement.paint(block, self.appearance, self._edges)
         damage.paint(block, self._damage)
         markings.paint(block, self._markings)
         for number, (feature, seed) in enumerate(zip(self.road.features, self._paint_seeds, strict=True)):
-            obstacles.paint(block, feature, number + 1, np.random.default_rng(seed), self.look)
-        deposits.paint(block, self._cover, self.look, self._edges)
-        pavement.apply_wetness(block, self.look, self._edges)
+            obstacles.paint(block, feature, number + 1, np.random.default_rng(seed), self.appearance)
+        deposits.paint(block, self._cover, self.appearance, self._edges)
+        pavement.apply_wetness(block, self.appearance, self._edges)
         return block
 
     def _empty_block(self, index: int) -> Block:
@@ -124,8 +126,8 @@ class Surface:
 
     def _update_march_mask(self, block: Block, rows: slice) -> None:
         """Store the height range, and the mask of fine ray steps: around features and at kerbs."""
-        across = np.abs(np.diff(block.height, axis=1, prepend=block.height[:, :1]))
-        uneven = (block.ids > 0) | (across > _FINE_STEP_SLOPE * CELL_M)
+        lateral_step = np.abs(np.diff(block.height, axis=1, prepend=block.height[:, :1]))
+        uneven = (block.ids > 0) | (lateral_step > _FINE_STEP_SLOPE * CELL_M)
         tiles = uneven.reshape(-1, MASK_CELLS, COLUMNS // MASK_CELLS, MASK_CELLS).any(axis=(1, 3))
         margin = int(np.ceil(COARSE_STEP_M / (MASK_CELLS * CELL_M)))
         around = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
@@ -154,15 +156,19 @@ def _heights(road: Road, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     Between features it is sampled COARSENING times more sparsely across the road and interpolated, as
     roughness itself is between its tracks.
     """
-    plain = np.ones(len(x), bool)
+    between_features = np.ones(len(x), bool)
     for feature in road.features:
-        plain &= (x[:, 0] < feature.start_m) | (x[:, 0] > feature.end_m)
+        between_features &= (x[:, 0] < feature.start_m) | (x[:, 0] > feature.end_m)
     height = np.zeros((len(x), y.shape[1]), np.float32)
-    if not road.is_flat_between_features and plain.any():
-        thin = road.height(x[plain], y.reshape(1, -1, COARSENING).mean(axis=2)).astype(np.float32)
-        height[plain] = cv2.resize(thin, (y.shape[1], len(thin)), interpolation=cv2.INTER_LINEAR)
-    if not plain.all():
-        height[~plain] = road.height(x[~plain], y)
+    if not road.is_flat_between_features and between_features.any():
+        sparse = road.height(x[between_features], y.reshape(1, -1, COARSENING).mean(axis=2)).astype(
+            np.float32
+        )
+        height[between_features] = cv2.resize(
+            sparse, (y.shape[1], len(sparse)), interpolation=cv2.INTER_LINEAR
+        )
+    if not between_features.all():
+        height[~between_features] = road.height(x[~between_features], y)
     return height
 
 
@@ -174,8 +180,8 @@ def _upsampled_rows(field: np.ndarray, first: int, rows: int) -> np.ndarray:
     return fine[(start - low) * COARSENING :][:rows]
 
 
-def _carriageway(road: Road, look: Appearance) -> tuple[float, float]:
+def _carriageway(road: Road, appearance: Appearance) -> tuple[float, float]:
     """Right and left edge (m) of the carriageway: those of the appearance, widened to hold every feature."""
-    right = min([look.right_edge_m, *(f.y_min_m - 0.05 for f in road.features)])
-    left = max([look.left_edge_m, *(f.y_max_m + 0.05 for f in road.features)])
+    right = min([appearance.right_edge_m, *(f.y_min_m - 0.05 for f in road.features)])
+    left = max([appearance.left_edge_m, *(f.y_max_m + 0.05 for f in road.features)])
     return max(right, -HALF_WIDTH_M + 0.5), min(left, HALF_WIDTH_M - 0.5)

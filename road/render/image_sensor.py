@@ -23,12 +23,12 @@ def noise_pool(rng: np.random.Generator) -> np.ndarray:
     return rng.standard_normal(1 << 20, dtype=np.float32)
 
 
-def bonnet_row(look: Appearance, width: int, height: int) -> np.ndarray:
+def bonnet_row(appearance: Appearance, width: int, height: int) -> np.ndarray:
     """(width,) first row of each column that the bonnet hides; `height` where it hides nothing."""
-    if look.bonnet == 0:
+    if appearance.bonnet == 0:
         return np.full(width, height)
-    across = (np.arange(width) + 0.5) / width * 2 - 1
-    return np.rint(height * (1 - look.bonnet * (1 - 0.35 * across**2))).astype(int)
+    u = (np.arange(width) + 0.5) / width * 2 - 1
+    return np.rint(height * (1 - appearance.bonnet * (1 - 0.35 * u**2))).astype(int)
 
 
 def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None:
@@ -59,18 +59,18 @@ def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.nda
 
 def develop(
     image: np.ndarray,
-    look: Appearance,
+    appearance: Appearance,
     exposure: float,
     pool: np.ndarray,
     rng: np.random.Generator,
     curve: np.ndarray,
 ) -> np.ndarray:
     """Sensor model: lens blur, exposure, shot and read noise, tone curve; returns (H, W, 3) uint8."""
-    if look.blur_px > 0.2:
-        image = cv2.GaussianBlur(image, (0, 0), look.blur_px)
-    gains = exposure * np.array([1 + look.warmth, 1.0, 1 - look.warmth], np.float32)
+    if appearance.blur_px > 0.2:
+        image = cv2.GaussianBlur(image, (0, 0), appearance.blur_px)
+    gains = exposure * np.array([1 + appearance.warmth, 1.0, 1 - appearance.warmth], np.float32)
     out = np.empty(image.shape, np.uint8)
-    _expose(image, gains, np.float32(look.noise), pool, int(rng.integers(pool.size)), curve, out)
+    _expose(image, gains, np.float32(appearance.noise), pool, int(rng.integers(pool.size)), curve, out)
     return out
 
 
@@ -81,11 +81,11 @@ def _expose(image, gains, noise, pool, offset, curve, out):  # type: ignore[no-u
     index = offset
     for r in range(rows):
         for c in range(cols):
-            grey = pool[index]
+            luminance_noise = pool[index]
             index = (index + 1) % size
             for q in range(3):
                 value = image[r, c, q] * gains[q]
                 sigma = noise * np.sqrt(0.1 + max(value, 0.0))
-                value += sigma * (0.8 * grey + 0.6 * pool[(index * 7 + q * 331) % size])
-                place = value * (_CURVE_STEPS / _CURVE_TOP)
-                out[r, c, q] = curve[int(min(max(place, 0.0), float(_CURVE_STEPS)))]
+                value += sigma * (0.8 * luminance_noise + 0.6 * pool[(index * 7 + q * 331) % size])
+                curve_index = value * (_CURVE_STEPS / _CURVE_TOP)
+                out[r, c, q] = curve[int(min(max(curve_index, 0.0), float(_CURVE_STEPS)))]

@@ -28,19 +28,19 @@ class LensMap(NamedTuple):
 def lens_map(camera: Camera) -> LensMap:
     """Resampling maps of a camera with lens distortion."""
     columns, rows = np.meshgrid(np.arange(camera.width_px) + 0.5, np.arange(camera.height_px) + 0.5)
-    straight = camera.straightened(np.column_stack([columns.ravel(), rows.ravel()]))
-    low, high = np.floor(straight.min(axis=0)) - 1, np.ceil(straight.max(axis=0)) + 1
+    undistorted = camera.undistort(np.column_stack([columns.ravel(), rows.ravel()]))
+    low, high = np.floor(undistorted.min(axis=0)) - 1, np.ceil(undistorted.max(axis=0)) + 1
     width, height = (high - low).astype(int).tolist()
     centre = float(camera.cx - low[0]), float(camera.cy - low[1])
-    across, down = (straight - low - 0.5).astype(np.float32).T.reshape(2, *columns.shape)
+    across, down = (undistorted - low - 0.5).astype(np.float32).T.reshape(2, *columns.shape)
     return LensMap(Camera(width, height, camera.focal_px, centre), across, down)
 
 
-def through(lens: LensMap, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
+def apply_lens_map(lens: LensMap, image: np.ndarray, maps: tuple[np.ndarray, ...]) -> list[np.ndarray]:
     """Apply the lens to a source's `image` (H, W, 3), and to `maps` (H, W) without interpolation."""
-    seen = cv2.remap(image, lens.across, lens.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    remapped = cv2.remap(image, lens.across, lens.down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     rows, cols = np.rint(lens.down).astype(int), np.rint(lens.across).astype(int)
-    return [seen, *(values[rows, cols] for values in maps)]
+    return [remapped, *(values[rows, cols] for values in maps)]
 
 
 def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float) -> list[np.ndarray]:
@@ -59,9 +59,9 @@ def distort(image: np.ndarray, maps: tuple[np.ndarray, ...], coefficient: float)
     stretch = stretch / max(float(stretch[0].max()), float(stretch[:, 0].max()))
     across = ((u * stretch + 1) * width / 2 - 0.5).astype(np.float32)
     down = (v * stretch * width / 2 + height / 2 - 0.5).astype(np.float32)
-    seen = cv2.remap(image, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    remapped = cv2.remap(image, across, down, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     rows, cols = np.rint(down).astype(int), np.rint(across).astype(int)
-    return [seen, *(values[rows, cols] for values in maps)]
+    return [remapped, *(values[rows, cols] for values in maps)]
 
 
 def motion_blur(

@@ -43,20 +43,20 @@ class Light:
         return float((self.sun * self.direction[2] + self.sky).mean())
 
 
-def plan(look: Appearance) -> Light:
+def plan(appearance: Appearance) -> Light:
     """Light of an appearance; rain and fog leave little of the sun."""
-    azimuth, elevation = np.deg2rad(look.sun_azimuth_deg), np.deg2rad(look.sun_elevation_deg)
+    azimuth, elevation = np.deg2rad(appearance.sun_azimuth_deg), np.deg2rad(appearance.sun_elevation_deg)
     flat = np.cos(elevation)
     direction = np.array([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)])
-    sun, sun_colour = _SUN[look.light]
-    sky, sky_colour = _SKY[look.light]
-    if look.weather in OVERCAST_WEATHER and look.light != "night":
+    sun, sun_colour = _SUN[appearance.light]
+    sky, sky_colour = _SKY[appearance.light]
+    if appearance.weather in OVERCAST_WEATHER and appearance.light != "night":
         sun, sky = 0.05 * sun, sky + 0.3 * sun
     return Light(
         np.array(sun_colour) * sun,
         np.array(sky_colour) * sky,
         direction,
-        look.tree_shadow if sun > 0.1 else 0.0,
+        appearance.tree_shadow if sun > 0.1 else 0.0,
     )
 
 
@@ -67,19 +67,19 @@ def shade(light: Light, block: Block) -> np.ndarray:
     to be decoded by (v / 255)**2 * WHITE.
     """
     height = block.height
-    hollow = 7 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
-    hollow += 9 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
+    occlusion = 7 * np.maximum(cv2.blur(height, (31, 31)) - height, 0)
+    occlusion += 9 * np.maximum(cv2.blur(height, (7, 7)) - height, 0)
     visible = _foliage_transmission(light.foliage, block)
     if light.sun.any():
         visible = visible * _sun_visibility(height, light.direction)
     out = np.empty((*height.shape, 4), np.uint8)
     vectors = np.stack((light.sun, light.sky, light.direction)).astype(np.float32)
-    _shade_cells(height, hollow, visible, block.albedo, block.wet, vectors, np.float32(CELL_M), out)
+    _shade_cells(height, occlusion, visible, block.albedo, block.wet, vectors, np.float32(CELL_M), out)
     return out
 
 
 @njit(nogil=True)
-def _shade_cells(height, hollow, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
+def _shade_cells(height, occlusion, visible, albedo, wet, vectors, cell, out):  # type: ignore[no-untyped-def]
     rows, cols = height.shape
     sun, sky, direction = vectors
     for i in range(rows):
@@ -90,7 +90,7 @@ def _shade_cells(height, hollow, visible, albedo, wet, vectors, cell, out):  # t
             slope_y = (height[i, left] - height[i, right]) / ((left - right) * cell)
             square = 1 / (1 + slope_x * slope_x + slope_y * slope_y)
             # A tilted face sees less of the bright zenith: cos^2 stands for the CIE overcast sky's gradient.
-            open_sky = max(1 - hollow[i, j], np.float32(0.25)) * square
+            open_sky = max(1 - occlusion[i, j], np.float32(0.25)) * square
             cosine = direction[2] - direction[0] * slope_x - direction[1] * slope_y
             beam = max(cosine, np.float32(0)) * np.sqrt(square) * visible[i, j]
             for q in range(3):
@@ -127,14 +127,14 @@ def _march_shadow(
     for i in range(rows):
         for j in range(cols):
             start = height[i, j]
-            worst = 0.0
+            max_excess = 0.0
             k = 1.5
             while start + k * rise < top and k < 60:
                 a, b = int(i + k * row_step + 0.5), int(j + k * col_step + 0.5)
                 if a < 0 or b < 0 or a >= rows or b >= cols:
                     break
-                worst = max(worst, height[a, b] - start - k * rise)
+                max_excess = max(max_excess, height[a, b] - start - k * rise)
                 k += 1.0
-            if worst > 0:
-                result[i, j] = max(0.0, 1 - worst * 80)
+            if max_excess > 0:
+                result[i, j] = max(0.0, 1 - max_excess * 80)
     return result

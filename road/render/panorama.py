@@ -39,30 +39,31 @@ class Panorama:
     haze: np.ndarray
 
 
-def panorama(rng: np.random.Generator, look: Appearance) -> Panorama:
+def panorama(rng: np.random.Generator, appearance: Appearance) -> Panorama:
     """Background panorama of a scene, drawn at random."""
-    zenith, horizon, light = (np.array(v, np.float32) for v in _SKIES[look.light])
-    if look.weather in OVERCAST_WEATHER and look.light != "night":
+    zenith, horizon, light = (np.array(v, np.float32) for v in _SKIES[appearance.light])
+    if appearance.weather in OVERCAST_WEATHER and appearance.light != "night":
         zenith, horizon = np.full(3, zenith.mean(), np.float32), np.full(3, horizon.mean() * 0.85, np.float32)
     up = np.clip((_HORIZON - np.arange(_ROWS)) / _HORIZON, 0, 1).astype(np.float32)[:, None, None]
     image = horizon + (zenith - horizon) * np.sqrt(up) + np.zeros((1, _COLUMNS, 1), np.float32)
-    _clouds(image, rng, look)
+    _clouds(image, rng, appearance)
     _hills(image, rng, horizon, light)
     _wood(image, rng, float(light))
-    _trees_and_houses(image, rng, look, float(light))
-    if look.light in ("night", "sunset"):
-        _lamps(image, rng, 14 if look.light == "night" else 4)
+    _trees_and_houses(image, rng, appearance, float(light))
+    if appearance.light in ("night", "sunset"):
+        _lamps(image, rng, 14 if appearance.light == "night" else 4)
     image = cv2.GaussianBlur(image, (0, 0), 0.8)
     return Panorama(image, cv2.blur(image, (15, 61)), horizon)
 
 
-def _clouds(image: np.ndarray, rng: np.random.Generator, look: Appearance) -> None:
+def _clouds(image: np.ndarray, rng: np.random.Generator, appearance: Appearance) -> None:
     field = fractal(rng, (_HORIZON // 4, _COLUMNS // 4), (0.5, 0.4, 0.3, 0.2, 0.12))
     field = cv2.resize(field, (_COLUMNS, _HORIZON), interpolation=cv2.INTER_CUBIC) + rng.uniform(-0.5, 0.4)
     cover = np.clip(field, 0, 1)[..., None] * 0.85
-    brightness = {"noon": 1.0, "overcast": 0.5, "sunset": 0.5, "night": 0.012}[look.light]
+    brightness = {"noon": 1.0, "overcast": 0.5, "sunset": 0.5, "night": 0.012}[appearance.light]
     white = (
-        np.array((1.0, 0.86, 0.75) if look.light == "sunset" else (1.0, 1.0, 1.0), np.float32) * brightness
+        np.array((1.0, 0.86, 0.75) if appearance.light == "sunset" else (1.0, 1.0, 1.0), np.float32)
+        * brightness
     )
     image[:_HORIZON] = image[:_HORIZON] * (1 - cover) + white * cover
 
@@ -82,9 +83,9 @@ def _wood(image: np.ndarray, rng: np.random.Generator, light: float) -> None:
     if rng.random() < 0.25:
         return
     edge = fractal(rng, (1, _COLUMNS), (0.5, 0.5, 0.4, 0.35, 0.3, 0.25, 0.2))[0]
-    away = np.abs(np.arange(_COLUMNS) / _COLUMNS - 0.5) * 2
+    from_centre = np.abs(np.arange(_COLUMNS) / _COLUMNS - 0.5) * 2
     top = _HORIZON - CELLS_PER_DEG * np.clip(
-        (0.8 + 7 * away * rng.uniform(0.2, 1.2)) * (1 + 0.5 * edge), 0.2, None
+        (0.8 + 7 * from_centre * rng.uniform(0.2, 1.2)) * (1 + 0.5 * edge), 0.2, None
     )
     mask = (np.arange(_ROWS)[:, None] >= top[None]) & (np.arange(_ROWS)[:, None] < _HORIZON + 3)
     leaves = np.clip(1 + 0.7 * fractal(rng, (_ROWS, _COLUMNS), (0.4, 0.4, 0.4, 0.3)), 0.3, 2)[mask]
@@ -92,7 +93,9 @@ def _wood(image: np.ndarray, rng: np.random.Generator, light: float) -> None:
     image[mask] = green.astype(np.float32) * leaves[:, None]
 
 
-def _trees_and_houses(image: np.ndarray, rng: np.random.Generator, look: Appearance, light: float) -> None:
+def _trees_and_houses(
+    image: np.ndarray, rng: np.random.Generator, appearance: Appearance, light: float
+) -> None:
     """Trees and houses on both sides; objects near the vanishing point are farther away and lower."""
     for side in (-1, 1):
         azimuth = rng.uniform(1.0, 5.0)
@@ -101,8 +104,8 @@ def _trees_and_houses(image: np.ndarray, rng: np.random.Generator, look: Appeara
             height = rng.uniform(0.35, 1.0) * min(4 + 0.42 * azimuth, 26)
             column = int(_COLUMNS / 2 - side * (azimuth + width / 2) * CELLS_PER_DEG)
             half, top = int(width / 2 * CELLS_PER_DEG), int(_HORIZON - height * CELLS_PER_DEG)
-            if rng.random() < (0.5 if look.verge == "pavement" else 0.2):
-                _house(image, rng, column, half, top, light, look.light == "night")
+            if rng.random() < (0.5 if appearance.verge == "pavement" else 0.2):
+                _house(image, rng, column, half, top, light, appearance.light == "night")
             elif rng.random() < 0.75:
                 _tree(image, rng, column, half, top, light)
             azimuth += width * rng.uniform(0.35, 1.3)

@@ -2,8 +2,8 @@
 
 Rays are marched downwards, so they must descend. Where the road rises to the camera's height they do so only
 relative to a plane that rises ahead of the camera: then all heights are counted from that plane
-(`CameraView.over`), which leaves x, y and the depth of every point unchanged. The horizon of the surroundings
-follows the plane.
+(`CameraView.relative_to_plane`), which leaves x, y and the depth of every point unchanged. The horizon of the
+surroundings follows the plane.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ class CameraView(NamedTuple):
     cx: float
     cy: float
 
-    def over(self, rise: float) -> "CameraView":
+    def relative_to_plane(self, rise: float) -> "CameraView":
         """The view with heights relative to a plane that rises by `rise` (m/m) ahead of the camera."""
         if rise == 0:
             return self
@@ -54,13 +54,14 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 def trace(  # type: ignore[no-untyped-def]
     view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
 ):
-    """Cast one ray per pixel; fills four (H, W) images. Heights refer to the plane of `CameraView.over`.
+    """Cast one ray per pixel; fills four (H, W) images.
 
+    Heights refer to the plane of `CameraView.relative_to_plane`.
     drop: depth of the intersection below the camera (m), 0 if the ray meets no ground. slope: dz/dx there, if
     a feature is near. hits: number of the feature met, 0 none. depth: distance along the optical axis (m),
     inf if none. outlines: (n, 5) per feature: 1 if its outline is the rectangle x0, x1, y0, y1, otherwise 0
     and the map of ids decides. limits: lowest and highest height of the map in view. far: height and grade of
-    the plane beyond it. hills: whether the grade changes, and the rise of the plane of `CameraView.over`.
+    the plane beyond it. hills: whether the grade changes, and the rise of the plane to which heights refer.
     """
     r, (px, py, pz) = view.rotation, view.position
     focal, cx, cy = view.focal, view.cx, view.cy
@@ -75,30 +76,32 @@ def trace(  # type: ignore[no-untyped-def]
             dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
             reach = np.sqrt(dx * dx + dy * dy)
             drop[v, u], slope[v, u], hits[v, u], depth[v, u] = 0, 0, 0, np.inf
-            above = reach * over_far > (far_grade * dx - dz) * end
-            if dz > -1e-6 or (above and not hilly):
+            above_far_plane = reach * over_far > (far_grade * dx - dz) * end
+            if dz > -1e-6 or (above_far_plane and not hilly):
                 continue
             sx, sy, reach = dx / -dz, dy / -dz, reach / -dz
             closing = 1 + far_grade * sx  # per metre of fall, relative to the far plane
-            under = over_far * reach < FAR_M * closing  # below the plane at the map's end: meets the map
-            fall = 0.0
-            if under or (hilly and (pz - top) * reach < FAR_M):
-                least = bottom if under else max(bottom, pz - FAR_M / reach)
-                z = _march(height, mask, px, py, pz, sx, sy, reach, least, top, rise)
-                if under or z > least:
-                    fall = pz - z
-                    x, y = px + sx * fall, py + sy * fall
+            below_far_plane = (
+                over_far * reach < FAR_M * closing
+            )  # below the plane at the map's end: meets the map
+            drop_m = 0.0
+            if below_far_plane or (hilly and (pz - top) * reach < FAR_M):
+                lowest_z = bottom if below_far_plane else max(bottom, pz - FAR_M / reach)
+                z = _march(height, mask, px, py, pz, sx, sy, reach, lowest_z, top, rise)
+                if below_far_plane or z > lowest_z:
+                    drop_m = pz - z
+                    x, y = px + sx * drop_m, py + sy * drop_m
                     i, j = int((x - START_M) / CELL_M), int((y + HALF_WIDTH_M) / CELL_M)
                     inside = 0 < i < ids.shape[0] - 1 and 0 <= j < ids.shape[1]
                     if inside and mask[i // MASK_CELLS, j // MASK_CELLS]:
                         hits[v, u] = _feature_at(ids, outlines, i, j, x, y)
                         slope[v, u] = (height[i + 1, j] - height[i - 1, j]) / (2 * CELL_M) - rise
-            if fall == 0:
-                if above:
+            if drop_m == 0:
+                if above_far_plane:
                     continue
-                fall = over_far / closing
-            drop[v, u] = fall
-            depth[v, u] = fall / -dz
+                drop_m = over_far / closing
+            drop[v, u] = drop_m
+            depth[v, u] = drop_m / -dz
 
 
 @njit(nogil=True)
@@ -119,12 +122,12 @@ def _march(height, mask, px, py, pz, sx, sy, reach, bottom, top, rise):  # type:
         if z <= bottom:
             return z
         i, j = int(row) // MASK_CELLS, int(col) // MASK_CELLS
-        near = 0 <= i < mask_rows and 0 <= j < mask_cols and mask[i, j] != 0
+        fine = 0 <= i < mask_rows and 0 <= j < mask_cols and mask[i, j] != 0
         last_z, last_gap = z, gap
         step = COARSE_STEP_M
-        if near:
-            least = _HALF_PIXEL_PER_M2 * (reach * (pz - z)) ** 2
-            step = min(max(gap, least), FINE_STEP_M)
+        if fine:
+            min_step = _HALF_PIXEL_PER_M2 * (reach * (pz - z)) ** 2
+            step = min(max(gap, min_step), FINE_STEP_M)
         z = max(bottom, z - step / reach)
 
 

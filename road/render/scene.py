@@ -99,7 +99,7 @@ class Scene:
         camera = camera if lens is None else lens.source
         view = CameraView(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
         rise = min_descending_slope(self.road.grades, float(view.position[0]), float(view.position[2]), FAR_M)
-        drop, slope, hits, depth = self._trace(camera, view.over(rise), rise)
+        drop, slope, hits, depth = self._trace(camera, view.relative_to_plane(rise), rise)
         image = np.empty((*drop.shape, 3), np.float32)
         sky, surface, pools = self._panorama, self._surface, draw_objects.lamp_pools(props)
         self._parallel_rows(
@@ -107,15 +107,15 @@ class Scene:
                 part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
                 sky.image, sky.blurred, sky.haze, pools, image[rows],
             ),
-            view.over(rise), camera.height_px,
+            view.relative_to_plane(rise), camera.height_px,
         )  # fmt: skip
         hidden_share = draw_objects.draw(image, hits, view, props, self._air) if props else {}
         hits, depth, pixels = self._expose(image, hits, depth, view, lens, index)
         boxes, numbers, counts = visible_boxes(hits)
         hidden = np.array([hidden_share.get(k, 0.0) for k in numbers], np.float32)
-        named = np.array([self.road.features[k - 1].cls is not None for k in numbers], bool)
-        kept = (hidden <= MAX_HIDDEN) & named
-        boxes, numbers, counts, hidden = boxes[kept], numbers[kept], counts[kept], hidden[kept]
+        labelled = np.array([self.road.features[k - 1].cls is not None for k in numbers], bool)
+        listed = (hidden <= MAX_HIDDEN) & labelled
+        boxes, numbers, counts, hidden = boxes[listed], numbers[listed], counts[listed], hidden[listed]
         classes = np.array([self.road.features[k - 1].cls for k in numbers], np.int64)
         return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)
 
@@ -129,26 +129,26 @@ class Scene:
         index: int,
     ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
         """Atmosphere, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
-        look, haze = self.appearance, self._panorama.haze
+        appearance, haze = self.appearance, self._panorama.haze
         rng = np.random.default_rng((self.seed, 4, index))
-        if look.motion_blur_px:
-            image = lens_effects.motion_blur(image, view, look.motion_blur_px, rng)
-        if look.glare and look.weather not in lighting.OVERCAST_WEATHER:
-            lens_effects.glare(image, view, self._air.light.direction, look.glare)
+        if appearance.motion_blur_px:
+            image = lens_effects.motion_blur(image, view, appearance.motion_blur_px, rng)
+        if appearance.glare and appearance.weather not in lighting.OVERCAST_WEATHER:
+            lens_effects.glare(image, view, self._air.light.direction, appearance.glare)
         if lens is not None:
-            image, hits, depth = lens_effects.through(lens, image, (hits, depth))
-        if look.weather == "rain":
+            image, hits, depth = lens_effects.apply_lens_map(lens, image, (hits, depth))
+        if appearance.weather == "rain":
             image_sensor.rain_streaks(image, rng, haze)
-        if look.weather == "snow":
+        if appearance.weather == "snow":
             lens_effects.snowfall(image, rng, np.maximum(haze, _FLAKE_AT_NIGHT))
-        if look.distortion:
-            image, hits, depth = lens_effects.distort(image, (hits, depth), look.distortion)
-        if look.bonnet:
+        if appearance.distortion:
+            image, hits, depth = lens_effects.distort(image, (hits, depth), appearance.distortion)
+        if appearance.bonnet:
             height, width = hits.shape
-            rows = image_sensor.bonnet_row(look, width, height)
+            rows = image_sensor.bonnet_row(appearance, width, height)
             image_sensor.paint_bonnet(image, rows, haze)
             hits[np.arange(height)[:, None] >= rows] = 0
-        pixels = image_sensor.develop(image, look, self._exposure, self._pool, rng, self._curve)
+        pixels = image_sensor.develop(image, appearance, self._exposure, self._pool, rng, self._curve)
         return hits, depth, pixels
 
     def _trace(
@@ -188,11 +188,13 @@ class Scene:
             pass
 
 
-def _exposure(look: Appearance) -> float:
+def _exposure(appearance: Appearance) -> float:
     """Exposure that brings a road of mean brightness near the key, compensating 60 % of its albedo."""
-    level = _NIGHT_LEVEL if look.light == "night" else lighting.plan(look).level
-    level *= _SNOW_LEVEL if look.weather == "snow" else 1.0
-    return float(look.exposure * _KEY[look.light] / (level * 0.2**0.4 * look.brightness**0.6))
+    level = _NIGHT_LEVEL if appearance.light == "night" else lighting.plan(appearance).level
+    level *= _SNOW_LEVEL if appearance.weather == "snow" else 1.0
+    return float(
+        appearance.exposure * _KEY[appearance.light] / (level * 0.2**0.4 * appearance.brightness**0.6)
+    )
 
 
 def _outline(feature: Feature) -> tuple[float, float, float, float, float]:

@@ -53,27 +53,29 @@ def colour(  # type: ignore[no-untyped-def]
     for v in range(rows):
         for u in range(cols):
             dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
-            fall = drop[v, u]
-            if fall == 0:
+            drop_m = drop[v, u]
+            if drop_m == 0:
                 _sample_panorama(panorama, dx, dy, dz, light)
                 distance = _SKY_DISTANCE_M
             else:
                 sx, sy = dx / -dz, dy / -dz
                 reach = np.sqrt(sx * sx + sy * sy)
-                distance = reach * fall
-                x, y = px + sx * fall, py + sy * fall
-                pixel = np.sqrt(fall * fall + distance * distance) / focal
-                grazing = fall / (pixel * focal)
-                lean = slope[v, u] * sx / reach
-                facing = (fall + lean * distance) / (pixel * focal * np.sqrt(1 + lean * lean))
+                distance = reach * drop_m
+                x, y = px + sx * drop_m, py + sy * drop_m
+                pixel = np.sqrt(drop_m * drop_m + distance * distance) / focal
+                grazing = drop_m / (pixel * focal)
+                slope_ahead = slope[v, u] * sx / reach
+                facing = (drop_m + slope_ahead * distance) / (
+                    pixel * focal * np.sqrt(1 + slope_ahead * slope_ahead)
+                )
                 facing = max(facing, 0.5 * grazing)
                 _ground(atlas, strip, x, y, pixel / facing, distance, conditions.end_m, texel)
                 gain = _grain(grain, conditions, x, y, conditions.grain_m / pixel * min(1.0, 3 * facing))
                 lamps = _lamps(conditions, x - px, y - py, slope[v, u])
                 for k in range(pools.shape[0]):
-                    away = (x - pools[k, 0]) ** 2 + (y - pools[k, 1]) ** 2
-                    if away < POOL_REACH_M**2:
-                        lamps += pools[k, 2] * 0.16 / (1 + away / 25) ** 2
+                    lamp_distance_sq = (x - pools[k, 0]) ** 2 + (y - pools[k, 1]) ** 2
+                    if lamp_distance_sq < POOL_REACH_M**2:
+                        lamps += pools[k, 2] * 0.16 / (1 + lamp_distance_sq / 25) ** 2
                 _illuminate(reflected, texel, gain * lamps, grazing, sx, sy, light)
             # Koschmieder's law: contrast fades exponentially towards the colour of the haze.
             veil = np.exp(-distance / conditions.fog_m)
@@ -94,9 +96,9 @@ def _ground(atlas, strip, x, y, pixel_m, distance, end_m, texel):  # type: ignor
     _add_texel(atlas, k + 1, row, col, level - k, texel)
     share = min(max(distance - FAR_M, x - end_m) / FADE_M + 1, 1.0)
     if share > 0:
-        place = min(max(col / (1 << _SHIFTS[-1]) - 0.5, 0.0), strip.shape[0] - 1.001)
-        j = int(place)
-        b = place - j
+        strip_position = min(max(col / (1 << _SHIFTS[-1]) - 0.5, 0.0), strip.shape[0] - 1.001)
+        j = int(strip_position)
+        b = strip_position - j
         for q in range(4):
             texel[q] += share * (strip[j, q] * (1 - b) + strip[j + 1, q] * b - texel[q])
 
@@ -175,5 +177,5 @@ def _lamps(conditions, ahead, aside, slope):  # type: ignore[no-untyped-def]
     ahead = max(ahead - 1.0, 0.1)
     spread = np.exp(-((aside / (1.3 + 0.22 * ahead)) ** 2))
     falloff = min(ahead / 3, 1.0) / (1 + (ahead / 12) ** 2)
-    lean = (HEADLIGHT_HEIGHT_M + slope * ahead) / HEADLIGHT_HEIGHT_M
-    return conditions.ambient + conditions.headlight * spread * falloff * min(max(lean, 0.05), 3.0)
+    incidence = (HEADLIGHT_HEIGHT_M + slope * ahead) / HEADLIGHT_HEIGHT_M
+    return conditions.ambient + conditions.headlight * spread * falloff * min(max(incidence, 0.05), 3.0)

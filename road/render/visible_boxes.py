@@ -19,9 +19,9 @@ def visible_boxes(
     rows = np.flatnonzero(hits.any(axis=1))
     band = hits[rows[0] : rows[-1] + 1] if len(rows) else hits[:0]
     for number in np.unique(band[band > 0]):
-        seen = band == number
-        r, c = np.flatnonzero(seen.any(axis=1)) + rows[0], np.flatnonzero(seen.any(axis=0))
-        width, height, count = c[-1] + 1 - c[0], r[-1] + 1 - r[0], int(seen.sum())
+        visible = band == number
+        r, c = np.flatnonzero(visible.any(axis=1)) + rows[0], np.flatnonzero(visible.any(axis=0))
+        width, height, count = c[-1] + 1 - c[0], r[-1] + 1 - r[0], int(visible.sum())
         if height >= MIN_BOX_HEIGHT_PX and width >= MIN_BOX_WIDTH_PX and count >= MIN_VISIBLE_PX:
             boxes.append((c[0], r[0], c[-1] + 1, r[-1] + 1))
             numbers.append(int(number))

@@ -87,10 +87,10 @@ def _discretise(
     model: tuple[NDArray[np.float64], NDArray[np.float64]], dt: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     a, b = model
-    block = np.zeros((5, 5))
-    block[:4, :4], block[:4, 4] = a * dt, b * dt
-    whole = expm(block)
-    return whole[:4, :4], whole[:4, 4]
+    exponent = np.zeros((5, 5))
+    exponent[:4, :4], exponent[:4, 4] = a * dt, b * dt
+    transition_block = expm(exponent)
+    return transition_block[:4, :4], transition_block[:4, 4]
 
 
 def _stroke_slope(slope: NDArray[np.float64], initial: float, step_m: float) -> NDArray[np.float64]:
@@ -101,7 +101,7 @@ def _stroke_slope(slope: NDArray[np.float64], initial: float, step_m: float) -> 
     start = np.linalg.solve(vectors, np.array([initial, 0, initial, 0], complex))
     output = (vectors[0] - vectors[2])[:, None]
     modes = [
-        lfilter([gain], [1.0, -pole], slope.astype(complex), zi=np.array([pole * at]))[0]
-        for pole, gain, at in zip(eigenvalues, inputs, start, strict=True)
+        lfilter([gain], [1.0, -pole], slope.astype(complex), zi=np.array([pole * initial_mode]))[0]
+        for pole, gain, initial_mode in zip(eigenvalues, inputs, start, strict=True)
     ]
     return (output * np.array(modes)).sum(axis=0).real

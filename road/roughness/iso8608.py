@@ -66,9 +66,9 @@ class RoughSurface(NamedTuple):
         s, t = column - i, row - j
         i0, i1 = i % samples, (i + 1) % samples
         z = self.heights
-        near = z[j, i0] + s * (z[j, i1] - z[j, i0])
-        far = z[j + 1, i0] + s * (z[j + 1, i1] - z[j + 1, i0])
-        return near + t * (far - near)
+        right = z[j, i0] + s * (z[j, i1] - z[j, i0])
+        left = z[j + 1, i0] + s * (z[j + 1, i1] - z[j + 1, i0])
+        return right + t * (left - right)
 
 
 @lru_cache(maxsize=8)

@@ -52,19 +52,19 @@ def spectrum(heights: ArrayLike, step_m: float, band: tuple[float, float] = BAND
     edges = np.geomspace(low, high, max(2, round(3 * np.log2(high / low)) + 1))
     centres, means = [], []
     for start, end in pairwise(edges):
-        inside = (n >= start) & (n < end)
-        if inside.any():
-            centre = float(np.exp(np.log(n[inside]).mean()))
+        in_band = (n >= start) & (n < end)
+        if in_band.any():
+            centre = float(np.exp(np.log(n[in_band]).mean()))
             centres.append(centre)
-            means.append(float(np.mean(psd[inside] * (n[inside] / centre) ** WAVINESS)))
+            means.append(float(np.mean(psd[in_band] * (n[in_band] / centre) ** WAVINESS)))
     return DisplacementPsd(np.array(centres), np.array(means))
 
 
-def fit(found: DisplacementPsd) -> FittedPsdLine:
+def fit(psd: DisplacementPsd) -> FittedPsdLine:
     """Line fitted to a spectrum, with its class. Raises InputError for a profile without roughness."""
-    if len(found.n) < 2 or not np.all(found.psd_m3 > 0):
+    if len(psd.n) < 2 or not np.all(psd.psd_m3 > 0):
         raise InputError("ISO 8608 class: road must be rough in each band of wavelengths, got a flat one")
-    slope, offset = np.polyfit(np.log(found.n / REFERENCE_N0), np.log(found.psd_m3), 1)
+    slope, offset = np.polyfit(np.log(psd.n / REFERENCE_N0), np.log(psd.psd_m3), 1)
     level = float(np.exp(offset))
     return FittedPsdLine(level, float(-slope), classify_iso8608(level))
 

@@ -87,11 +87,11 @@ def _cam_profile(
     """Height of the lowest point of an upright superellipse resting on the road, at each station."""
     reach = int(half_length_m / step_m)
     padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach, reach)], mode="edge")
-    along = step_m * np.arange(reach + 1) / max(half_length_m, step_m)
-    drop = half_height_m * (1.0 - np.maximum(1.0 - along**order, 0.0) ** (1 / order))
-    result, relief = z.copy(), np.ptp(z)
+    station_ratio = step_m * np.arange(reach + 1) / max(half_length_m, step_m)
+    drop = half_height_m * (1.0 - np.maximum(1.0 - station_ratio**order, 0.0) ** (1 / order))
+    result, height_range = z.copy(), np.ptp(z)
     for shift in range(-reach, reach + 1):
-        if drop[abs(shift)] <= relief:  # otherwise this part of the cam cannot touch the road
+        if drop[abs(shift)] <= height_range:  # otherwise this part of the cam cannot touch the road
             window = padded[..., reach + shift : reach + shift + z.shape[-1]]
             np.maximum(result, window - drop[abs(shift)], out=result)
     return result
@@ -108,5 +108,5 @@ def _integrate_to(
 ) -> NDArray[np.float64]:
     """Integral of the linear interpolant of z from 0 to fractional grid positions."""
     cell = np.floor(position).astype(np.int64)
-    part = position - cell
-    return area[..., cell] + part * z[..., cell] + part**2 / 2 * (z[..., cell + 1] - z[..., cell])
+    fraction = position - cell
+    return area[..., cell] + fraction * z[..., cell] + fraction**2 / 2 * (z[..., cell + 1] - z[..., cell])

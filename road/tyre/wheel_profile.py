@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass, field
 from math import floor
-from typing import overload
+from typing import Annotated, overload
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_number
+from foreride.files.reading.ranges import Checked
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 
@@ -19,24 +21,23 @@ MARGIN_M = 10.0  # extra length before the start and beyond the end, for axles a
 
 
 @dataclass(frozen=True, eq=False)
-class WheelProfile:
+class WheelProfile(Checked):
     """Effective road height under one wheel on a uniform grid, linear between grid points.
 
     x0_m: x of the first grid point; step_m: spacing; heights: (n,) m, n >= 2. Constant beyond both ends.
     """
 
-    x0_m: float
-    step_m: float
+    x0_m: Annotated[float, Interval(ge=-1e6, le=1e6), "m"]
+    step_m: Annotated[float, Interval(gt=0.0, le=10.0), "m"]
     heights: NDArray[np.float64]
     _table: list[float] = field(init=False, repr=False)
     _rises: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         heights = np.asarray(self.heights)
         if heights.ndim != 1 or len(heights) < 2 or not np.all(np.isfinite(heights)):
             raise InputError(f"heights must be (n,) finite values, n >= 2, got shape {heights.shape}")
-        check_number("x0_m", self.x0_m, -1e6, 1e6)
-        check_number("step_m", self.step_m, 0.0, 10.0, open_low=True)
         object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
         object.__setattr__(self, "_rises", np.diff(heights))
 
@@ -117,7 +118,7 @@ def wheel_profile(
     check_number("step_m", step_m, 0.0005, 0.1)
     count = int(np.ceil((road.length_m + 2 * MARGIN_M) / step_m)) + 1
     x = step_m * np.arange(count) - MARGIN_M
-    tyre = RigidWheel(PATCH_M) if enveloping is None else enveloping
-    heights = tyre.effective_height(road.height(x, y_m), step_m, radius_m)
+    model = RigidWheel(PATCH_M) if enveloping is None else enveloping
+    heights = model.effective_height(road.height(x, y_m), step_m, radius_m)
     heights.setflags(write=False)
     return WheelProfile(-MARGIN_M, step_m, heights)

@@ -26,7 +26,7 @@ def photograph(camera: Camera, rotation: np.ndarray, place: np.ndarray, board: B
     """
     u, v = ((np.arange(n * _FINER) + 0.5) / _FINER for n in (camera.width_px, camera.height_px))
     pixels = np.stack(np.meshgrid(u, v), axis=2).reshape(-1, 2)
-    x, y = ((camera.straightened(pixels) - (camera.cx, camera.cy)) / camera.focal_px).T
+    x, y = ((camera.undistort(pixels) - (camera.cx, camera.cy)) / camera.focal_px).T
     rays = np.stack([x, y, np.ones_like(x)])
     across, normal = rotation[:, :2].T @ rays, rotation[:, 2] @ rays
     reach = (rotation[:, 2] @ place) / normal

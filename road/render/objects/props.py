@@ -106,14 +106,14 @@ def panel(
 
 def wheel(x: float, y: float, radius: float, side: int) -> list[Face]:
     """Tyre and rim as seen from the left (+1) or right (-1)."""
-    turn = np.linspace(0, 2 * np.pi, 14, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, 14, endpoint=False)
     faces = []
     for scale, albedo in ((1.0, (0.025, 0.025, 0.025)), (0.55, (0.25, 0.25, 0.26))):
         rim = np.stack(
             (
-                x + scale * radius * np.cos(turn),
+                x + scale * radius * np.cos(angle),
                 np.full(14, y + 0.01 * side),
-                radius + scale * radius * np.sin(turn),
+                radius + scale * radius * np.sin(angle),
             ),
             axis=1,
         )
@@ -126,10 +126,10 @@ def place_body(
 ) -> Solid:
     """Place a body that is built around the origin on the road."""
     c, s = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+    rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
     offset = np.array([x, y, 0.0])
-    placed = tuple(Face(f.points @ turn.T + offset, turn @ f.normal, f.albedo, f.glow) for f in faces)
-    return Solid(placed, outline @ turn[:2, :2].T + offset[:2], height_m)
+    placed = tuple(Face(f.points @ rotation.T + offset, rotation @ f.normal, f.albedo, f.glow) for f in faces)
+    return Solid(placed, outline @ rotation[:2, :2].T + offset[:2], height_m)
 
 
 def _face(points: np.ndarray, albedo: Colour) -> Face:

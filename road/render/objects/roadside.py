@@ -13,21 +13,21 @@ _HOUSE_SPACING_M = {"avenue": 60.0, "country": 90.0, "town": 22.0}
 _BUSH_SPACING_M = {"avenue": 9.0, "country": 12.0, "town": 40.0}
 
 
-def static_objects(rng: np.random.Generator, look: Appearance) -> list[Prop]:
+def static_objects(rng: np.random.Generator, appearance: Appearance) -> list[Prop]:
     """Static roadside objects of an appearance, from the start of the road to REACH_M."""
     props: list[Prop] = []
     density = rng.uniform(0.3, 1.6, 3)
     pictures = [pyramid(sprites.tree(rng)) for _ in range(5)]
     bushes = [pyramid(sprites.bush(rng)) for _ in range(3)]
-    for side, edge in ((-1, look.right_edge_m), (1, look.left_edge_m)):
-        for x in _random_stations(rng, _TREE_SPACING_M[look.surroundings] / density[0]):
-            off = rng.gamma(2.0, 1.3 if look.surroundings == "avenue" else 3.0) + 1.2
-            props.append(_tree(rng, x, edge + side * off, pictures[int(rng.integers(5))]))
-        for x in _random_stations(rng, _BUSH_SPACING_M[look.surroundings] / density[1]):
+    for side, edge in ((-1, appearance.right_edge_m), (1, appearance.left_edge_m)):
+        for x in _random_stations(rng, _TREE_SPACING_M[appearance.surroundings] / density[0]):
+            offset = rng.gamma(2.0, 1.3 if appearance.surroundings == "avenue" else 3.0) + 1.2
+            props.append(_tree(rng, x, edge + side * offset, pictures[int(rng.integers(5))]))
+        for x in _random_stations(rng, _BUSH_SPACING_M[appearance.surroundings] / density[1]):
             height = rng.uniform(0.4, 2.0)
             y = edge + side * (rng.gamma(2.0, 2.0) + 1.0)
             props.append(Sprite(x, y, height * rng.uniform(1.2, 2.5), height, bushes[int(rng.integers(3))]))
-        for x in _random_stations(rng, _HOUSE_SPACING_M[look.surroundings] / density[2]):
+        for x in _random_stations(rng, _HOUSE_SPACING_M[appearance.surroundings] / density[2]):
             props.append(vehicles.house(rng, x, edge + side * rng.uniform(6, 16)))
         for x in _random_stations(rng, 40.0):
             height = rng.uniform(1.8, 2.8)
@@ -40,20 +40,20 @@ def static_objects(rng: np.random.Generator, look: Appearance) -> list[Prop]:
                     pyramid(sprites.sign(rng)),
                 )
             )
-    return props + _poles(rng, look)
+    return props + _poles(rng, appearance)
 
 
-def random_traffic(rng: np.random.Generator, look: Appearance, x: float) -> list[Prop]:
+def random_traffic(rng: np.random.Generator, appearance: Appearance, x: float) -> list[Prop]:
     """Vehicles and people around a camera at x."""
-    lights = look.light == "night" or (look.light == "sunset" and rng.random() < 0.5)
-    right, left = look.right_edge_m, look.left_edge_m
-    far = 1 if left > -right else -1  # the side of the oncoming lane
+    lights = appearance.light == "night" or (appearance.light == "sunset" and rng.random() < 0.5)
+    right, left = appearance.right_edge_m, appearance.left_edge_m
+    oncoming_side = 1 if left > -right else -1  # the side of the oncoming lane
     props: list[Prop] = []
     if rng.random() < 0.1:
         props.append(vehicles.random_vehicle(rng, x + 6 + _distance(rng), rng.normal(0, 0.3), 0.0, lights))
     if left - right > 5.5:
         for _ in range(rng.binomial(2, 0.17)):
-            y = far * rng.uniform(2.4, max(max(left, -right) - 1.2, 2.5))
+            y = oncoming_side * rng.uniform(2.4, max(max(left, -right) - 1.2, 2.5))
             props.append(
                 vehicles.random_vehicle(rng, x + _distance(rng), y, np.pi + rng.normal(0, 0.03), lights)
             )
@@ -79,24 +79,26 @@ def random_traffic(rng: np.random.Generator, look: Appearance, x: float) -> list
 def _random_stations(rng: np.random.Generator, spacing_m: float) -> list[float]:
     """Positions along the road, `spacing_m` apart on average."""
     steps = rng.uniform(0.4, 1.6, int(REACH_M / spacing_m) + 2) * spacing_m
-    places = np.cumsum(steps) - spacing_m * rng.random()
-    return [float(x) for x in places[places < REACH_M]]
+    stations = np.cumsum(steps) - spacing_m * rng.random()
+    return [float(x) for x in stations[stations < REACH_M]]
 
 
-def _poles(rng: np.random.Generator, look: Appearance) -> list[Prop]:
+def _poles(rng: np.random.Generator, appearance: Appearance) -> list[Prop]:
     """A row of poles on one side, with lamps where the street is lit."""
-    lamps = look.street_lamps > 0 or (look.surroundings != "country" and rng.random() < 0.4)
+    lamps = appearance.street_lamps > 0 or (appearance.surroundings != "country" and rng.random() < 0.4)
     if not lamps and rng.random() < 0.3:
         return []
-    side, edge = ((-1, look.right_edge_m), (1, look.left_edge_m))[int(rng.integers(2))]
-    picture, height, off = pyramid(sprites.pole(rng, lamps)), rng.uniform(6, 9), rng.uniform(0.5, 3)
-    glow = tuple(float(v) for v in 2.5 * look.street_lamps * _LAMP_GLOW)
+    side, edge = ((-1, appearance.right_edge_m), (1, appearance.left_edge_m))[int(rng.integers(2))]
+    picture, height, offset = pyramid(sprites.pole(rng, lamps)), rng.uniform(6, 9), rng.uniform(0.5, 3)
+    glow = tuple(float(v) for v in 2.5 * appearance.street_lamps * _LAMP_GLOW)
     if rng.random() < 0.3:
         glow = (glow[0], glow[0], glow[0])
     spacing = rng.uniform(16, 45)
     starts = np.arange(rng.uniform(-5, spacing), REACH_M, spacing)
     return [
-        _upright(float(x), edge + side * off, height / 4, height, picture, 0.12, (glow[0], glow[1], glow[2]))
+        _upright(
+            float(x), edge + side * offset, height / 4, height, picture, 0.12, (glow[0], glow[1], glow[2])
+        )
         for x in starts
     ]
 
@@ -104,12 +106,12 @@ def _poles(rng: np.random.Generator, look: Appearance) -> list[Prop]:
 def _tree(rng: np.random.Generator, x: float, y: float, picture: tuple[np.ndarray, ...]) -> Sprite:
     height = rng.uniform(3.5, 10)
     width = height * rng.uniform(0.6, 1.2)
-    turn = np.linspace(0, 2 * np.pi, 14, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, 14, endpoint=False)
     blobs = []
     for _ in range(4):
         middle = np.array([rng.normal(0, 0.2) * width, rng.uniform(0.5, 0.85) * height])
         radius = rng.uniform(0.14, 0.28) * width * (1 + 0.25 * rng.standard_normal(14))
-        blobs.append(middle + np.column_stack((radius * np.cos(turn), radius * np.sin(turn))))
+        blobs.append(middle + np.column_stack((radius * np.cos(angle), radius * np.sin(angle))))
     return Sprite(x, y, width, height, picture, (*blobs, _bar(0.12, 0.7 * height)))
 
 
@@ -134,5 +136,5 @@ def _distance(rng: np.random.Generator) -> float:
 
 
 def _lateral_offset(rng: np.random.Generator, right: float, left: float) -> float:
-    off = rng.uniform(-0.3, 2.5)
-    return float(right - off if rng.random() < 0.5 else left + off)
+    offset = rng.uniform(-0.3, 2.5)
+    return float(right - offset if rng.random() < 0.5 else left + offset)

@@ -81,11 +81,11 @@ def sign(rng: np.random.Generator) -> np.ndarray:
     """Round, triangular, square or board sign on its post, 128 x 48."""
     picture = np.zeros((128, 48, 4), np.float32)
     cv2.line(picture, (24, 127), (24, 20), (0.3, 0.3, 0.3, 1.0), 3)
-    inner, frame = (
+    face, frame = (
         ((0.6, 0.6, 0.58), (0.45, 0.02, 0.02)) if rng.random() < 0.6 else ((0.55, 0.42, 0.03), (0.03,) * 3)
     )
     shape = int(rng.integers(3))
-    for size, colour in ((21, frame), (15, inner)):
+    for size, colour in ((21, frame), (15, face)):
         if shape == 0:
             cv2.circle(picture, (24, 24), size, (*colour, 1.0), -1)
         elif shape == 1:

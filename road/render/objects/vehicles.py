@@ -59,18 +59,16 @@ def house(rng: np.random.Generator, x: float, y: float) -> Solid:
 
 
 def _windows(rng: np.random.Generator, length: float, width: float, height: float) -> list[Face]:
-    dark, size = (0.05, 0.06, 0.07), rng.uniform(0.8, 1.3)
+    albedo, size = (0.05, 0.06, 0.07), rng.uniform(0.8, 1.3)
     faces = []
     for z in np.arange(1.0, height - 1.2, 3.0):
-        for along in np.arange(-length / 2 + 1, length / 2 - 1.5, 2.4):
+        for x in np.arange(-length / 2 + 1, length / 2 - 1.5, 2.4):
             for side in (-1, 1):
-                points = np.array(
-                    [[along, 0, z], [along + size, 0, z], [along + size, 0, z + size], [along, 0, z + size]]
-                )
+                points = np.array([[x, 0, z], [x + size, 0, z], [x + size, 0, z + size], [x, 0, z + size]])
                 points[:, 1] = side * (width / 2 + 0.01)
-                faces.append(Face(points, np.array([0.0, float(side), 0.0]), dark))
-        for across in np.arange(-width / 2 + 0.8, width / 2 - 1.5, 2.2):
-            faces.append(panel(-length / 2 - 0.01, (across, across + size), (z, z + size), -1, dark))
+                faces.append(Face(points, np.array([0.0, float(side), 0.0]), albedo))
+        for y in np.arange(-width / 2 + 0.8, width / 2 - 1.5, 2.2):
+            faces.append(panel(-length / 2 - 0.01, (y, y + size), (z, z + size), -1, albedo))
     return faces
 
 
@@ -125,8 +123,8 @@ def _rickshaw(rng: np.random.Generator) -> tuple[tuple[float, float, float], lis
 
 def _running_gear(half: float, side: float, radius: float) -> list[Face]:
     """Dark parts under the body: axles and tyre treads."""
-    inner = (-half + 0.15, half - 0.15, -side + 0.12, side - 0.12)
-    faces = prism(inner, inner, (0.12, 0.5), _BLACK)
+    base = (-half + 0.15, half - 0.15, -side + 0.12, side - 0.12)
+    faces = prism(base, base, (0.12, 0.5), _BLACK)
     for facing in (-1, 1):
         for y in (-side + 0.02, side - 0.24):
             faces.append(panel(facing * (half - 0.2), (y, y + 0.22), (0.0, 1.6 * radius), facing, _BLACK))
@@ -134,8 +132,8 @@ def _running_gear(half: float, side: float, radius: float) -> list[Face]:
 
 
 def _wheels(half: float, side: float, radius: float) -> list[Face]:
-    spots = [(x, s) for x in (-0.62 * half, 0.62 * half) for s in (-1, 1)]
-    return [face for x, s in spots for face in wheel(x, s * side, radius, s)]
+    positions = [(x, s) for x in (-0.62 * half, 0.62 * half) for s in (-1, 1)]
+    return [face for x, s in positions for face in wheel(x, s * side, radius, s)]
 
 
 def _lamps(length: float, width: float, height: float, lights: bool) -> list[Face]:

@@ -42,19 +42,23 @@ class Damage:
     stains: tuple[tuple[float, float, float, float], ...]  # x, y, radius, factor
 
 
-def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Damage:
+def plan(
+    rng: np.random.Generator, appearance: Appearance, edges: tuple[float, float], length_m: float
+) -> Damage:
     """Random damage of a whole road; densities are per 60 m."""
     share = length_m / 60
 
-    def place() -> np.ndarray:
+    def random_point() -> np.ndarray:
         return np.array([rng.uniform(0, length_m), rng.uniform(edges[0] + 0.3, edges[1] - 0.3)])
 
-    patches = tuple(_patch(rng, place()) for _ in range(rng.poisson(9 * look.patches * share)))
-    cracks = tuple(_crack(rng, place()) for _ in range(rng.poisson(45 * look.cracks * share)))
-    manholes = np.array([place() for _ in range(rng.poisson(2.5 * look.distractors * share))]).reshape(-1, 2)
+    patches = tuple(_patch(rng, random_point()) for _ in range(rng.poisson(9 * appearance.patches * share)))
+    cracks = tuple(_crack(rng, random_point()) for _ in range(rng.poisson(45 * appearance.cracks * share)))
+    manholes = np.array(
+        [random_point() for _ in range(rng.poisson(2.5 * appearance.distractors * share))]
+    ).reshape(-1, 2)
     stains = tuple(
-        (*place(), rng.uniform(0.1, 0.6), rng.uniform(0.55, 0.9))
-        for _ in range(rng.poisson(8 * look.distractors * share))
+        (*random_point(), rng.uniform(0.1, 0.6), rng.uniform(0.55, 0.9))
+        for _ in range(rng.poisson(8 * appearance.distractors * share))
     )
     return Damage(patches, cracks, manholes, stains)
 
@@ -92,12 +96,12 @@ def _patch(rng: np.random.Generator, centre: np.ndarray) -> Patch:
 
 def _crack(rng: np.random.Generator, start: np.ndarray) -> Crack:
     steps = int(rng.integers(8, 45))
-    along = rng.choice((0.0, np.pi / 2, rng.uniform(0, np.pi)), p=(0.45, 0.3, 0.25))
-    headings = along + 0.35 * rng.standard_normal(steps) + np.cumsum(0.08 * rng.standard_normal(steps))
-    walk = start + np.cumsum(0.12 * np.stack((np.cos(headings), np.sin(headings)), axis=1), axis=0)
+    direction = rng.choice((0.0, np.pi / 2, rng.uniform(0, np.pi)), p=(0.45, 0.3, 0.25))
+    headings = direction + 0.35 * rng.standard_normal(steps) + np.cumsum(0.08 * rng.standard_normal(steps))
+    polyline = start + np.cumsum(0.12 * np.stack((np.cos(headings), np.sin(headings)), axis=1), axis=0)
     sealed = rng.random() < 0.2
     width = rng.uniform(0.05, 0.1) if sealed else rng.uniform(0.015, 0.045)
-    return Crack(walk, float(width), float(rng.uniform(0.3, 0.6) if sealed else rng.uniform(0.35, 0.75)))
+    return Crack(polyline, float(width), float(rng.uniform(0.3, 0.6) if sealed else rng.uniform(0.35, 0.75)))
 
 
 def _paint_patch(block: Block, patch: Patch) -> None:
@@ -124,9 +128,9 @@ def _paint_manhole(block: Block, centre: np.ndarray) -> None:
     grid = (np.mod(block.x[rows], 0.09) < 0.035) ^ (np.mod(block.y, 0.09) < 0.035)
     iron = np.where(grid, 0.09, 0.14).astype(np.float32)[..., None] * np.ones(3, np.float32)
     frame = np.abs(radius - MANHOLE_RADIUS_M) < 0.025
-    here = block.albedo[rows]
-    here[radius < MANHOLE_RADIUS_M] = iron[radius < MANHOLE_RADIUS_M]
-    here[frame] = 0.05
+    albedo = block.albedo[rows]
+    albedo[radius < MANHOLE_RADIUS_M] = iron[radius < MANHOLE_RADIUS_M]
+    albedo[frame] = 0.05
 
 
 def _points(block: Block, outline: np.ndarray) -> np.ndarray:

@@ -29,11 +29,11 @@ class LooseCover:
 
 
 def plan(
-    rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float
+    rng: np.random.Generator, appearance: Appearance, edges: tuple[float, float], length_m: float
 ) -> LooseCover:
     """Random loose cover of a whole road."""
     right, left = edges
-    count = rng.poisson(_MAX_LITTER_PER_M2 * look.litter**2 * length_m * (left - right))
+    count = rng.poisson(_MAX_LITTER_PER_M2 * appearance.litter**2 * length_m * (left - right))
     kinds = rng.integers(len(_LEAVES), size=count)
     litter = np.column_stack(
         (
@@ -43,17 +43,17 @@ def plan(
             np.array(_LEAVES)[kinds] * rng.uniform(0.6, 1.3, (count, 1)),
         )
     )
-    pools = rng.poisson(14 * look.puddles * length_m / 60)
+    pools = rng.poisson(14 * appearance.puddles * length_m / 60)
     puddles = np.column_stack(
         (rng.uniform(0, length_m, pools), rng.uniform(right, left, pools), rng.uniform(0.2, 1.3, pools))
     )
-    return LooseCover(litter, puddles, float(rng.uniform(0.1, 1)) if look.weather == "snow" else 0.0)
+    return LooseCover(litter, puddles, float(rng.uniform(0.1, 1)) if appearance.weather == "snow" else 0.0)
 
 
-def paint(block: Block, cover: LooseCover, look: Appearance, edges: tuple[float, float]) -> None:
+def paint(block: Block, cover: LooseCover, appearance: Appearance, edges: tuple[float, float]) -> None:
     """Paint dust, litter, puddles and snow over a painted block."""
-    if look.dirt:
-        _dust(block, look, edges)
+    if appearance.dirt:
+        _dust(block, appearance, edges)
     for x, y, radius in cover.puddles:
         if block.reaches(x - 3 * radius, x + 3 * radius):
             rows = block.rows(x - 3 * radius, x + 3 * radius)
@@ -66,12 +66,15 @@ def paint(block: Block, cover: LooseCover, look: Appearance, edges: tuple[float,
         _snow(block, cover.snow, edges)
 
 
-def _dust(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
+def _dust(block: Block, appearance: Appearance, edges: tuple[float, float]) -> None:
     """Soil carried on from the verge: thick along the edges, thin in the middle, none in the wheel tracks."""
-    soil = np.array(_SOILS.get(look.verge, _DUST), np.float32)
-    inward = np.minimum(block.y - edges[0], edges[1] - block.y)
+    soil = np.array(_SOILS.get(appearance.verge, _DUST), np.float32)
+    edge_distance = np.minimum(block.y - edges[0], edges[1] - block.y)
     tracks = np.exp(-(((np.abs(block.y) - 0.8) / 0.35) ** 2))
-    amount = look.dirt * (0.15 + 0.85 * np.exp(-np.maximum(inward, 0) / (0.3 + look.dirt))) - 0.12 * tracks
+    amount = (
+        appearance.dirt * (0.15 + 0.85 * np.exp(-np.maximum(edge_distance, 0) / (0.3 + appearance.dirt)))
+        - 0.12 * tracks
+    )
     share = np.clip(amount * (1 + 0.9 * block.noise["dirt"] + 0.3 * block.noise["wear"]), 0, 0.85)
     block.albedo += (soil - block.albedo) * share.astype(np.float32)[..., None]
 
@@ -79,8 +82,8 @@ def _dust(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
 def _litter(block: Block, litter: np.ndarray) -> None:
     low, high = block.x[0, 0], block.x[-1, 0]
     for x, y, radius, *albedo in litter[(litter[:, 0] > low) & (litter[:, 0] < high)]:
-        place = (round((y - block.y[0, 0]) / CELL_M * 16), round((x - low) / CELL_M * 16))
-        cv2.circle(block.albedo, place, round(radius / CELL_M * 16), albedo, -1, cv2.LINE_8, 4)
+        centre = (round((y - block.y[0, 0]) / CELL_M * 16), round((x - low) / CELL_M * 16))
+        cv2.circle(block.albedo, centre, round(radius / CELL_M * 16), albedo, -1, cv2.LINE_8, 4)
 
 
 def _snow(block: Block, amount: float, edges: tuple[float, float]) -> None:
@@ -88,7 +91,7 @@ def _snow(block: Block, amount: float, edges: tuple[float, float]) -> None:
     inside = ((block.y > edges[0]) & (block.y < edges[1])).astype(np.float32)
     tracks = np.exp(-(((np.abs(block.y) - 0.8) / 0.4) ** 2))
     depth = 1.3 - inside * (2.0 - 1.5 * amount + 0.7 * tracks)
-    lying = depth + 0.7 * block.noise["dirt"] + 0.35 * block.noise["wear"]
-    share = np.clip(1.8 * lying, 0, 0.97).astype(np.float32)[..., None]
+    coverage = depth + 0.7 * block.noise["dirt"] + 0.35 * block.noise["wear"]
+    share = np.clip(1.8 * coverage, 0, 0.97).astype(np.float32)[..., None]
     block.albedo += (_SNOW * (1 + 0.5 * block.noise["tone"][..., None]) - block.albedo) * share
     block.wet *= 1 - share[..., 0]

@@ -46,21 +46,23 @@ class Markings:
     wear: float
 
 
-def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float], length_m: float) -> Markings:
+def plan(
+    rng: np.random.Generator, appearance: Appearance, edges: tuple[float, float], length_m: float
+) -> Markings:
     """Random markings of a whole road."""
     right, left = edges
     inset, width = rng.uniform(0.12, 0.35), rng.uniform(0.10, 0.16)
     lines = []
-    if look.edge_lines:
+    if appearance.edge_lines:
         lines += [Line(y, width, 1.0, 0.0, 0.0) for y in (right + inset, left - inset)]
     middle = _divider(right, left)
     dash, gap, phase = rng.uniform(1.5, 5), rng.uniform(2, 8), rng.uniform(0, 10)
-    if look.centre_line == "double":
+    if appearance.centre_line == "double":
         lines += [Line(middle + s, width, 1.0, 0.0, 0.0) for s in (-0.12, 0.12)]
-    elif look.centre_line != "none":
-        lines.append(Line(middle, width, dash, gap if look.centre_line == "dashed" else 0.0, phase))
+    elif appearance.centre_line != "none":
+        lines.append(Line(middle, width, dash, gap if appearance.centre_line == "dashed" else 0.0, phase))
     bars = []
-    for _ in range(rng.poisson(1.2 * look.distractors * length_m / 60)):
+    for _ in range(rng.poisson(1.2 * appearance.distractors * length_m / 60)):
         start = rng.uniform(4, length_m)
         if rng.random() < 0.6:
             bars.append(
@@ -68,18 +70,18 @@ def plan(rng: np.random.Generator, look: Appearance, edges: tuple[float, float],
             )
         else:
             bars.append(Bars(start, start + rng.uniform(0.25, 0.5), right + 0.3, middle, 0.0))
-    return Markings(tuple(lines), tuple(bars), _COLOURS[look.line_colour], look.wear)
+    return Markings(tuple(lines), tuple(bars), _COLOURS[appearance.line_colour], appearance.wear)
 
 
 def paint(block: Block, marks: Markings) -> None:
     """Paint the markings into the block's albedo; edges are anti-aliased over one cell."""
-    worn = np.clip(1.15 - 0.75 * marks.wear + (0.3 + 0.9 * marks.wear) * block.noise["wear"], 0.0, 1.0)
+    paint_left = np.clip(1.15 - 0.75 * marks.wear + (0.3 + 0.9 * marks.wear) * block.noise["wear"], 0.0, 1.0)
     for line in marks.lines:
         columns = np.flatnonzero(np.abs(block.y[0] - line.y_m) < line.width_m / 2 + CELL_M)
         if len(columns):
             part = (slice(None), slice(columns[0], columns[-1] + 1))
             across = _cover(line.width_m / 2 - np.abs(block.y[part] - line.y_m))
-            _blend(block, part, across * _dashes(block.x, line), worn, marks.colour)
+            _blend(block, part, across * _dashes(block.x, line), paint_left, marks.colour)
     for bar in marks.bars:
         if block.reaches(bar.x0_m, bar.x1_m, CELL_M):
             part = (block.rows(bar.x0_m - CELL_M, bar.x1_m + CELL_M), slice(None))
@@ -87,7 +89,7 @@ def paint(block: Block, marks: Markings) -> None:
             across = _cover(np.minimum(block.y - bar.y0_m, bar.y1_m - block.y))
             if bar.bar_m:
                 across = across * (np.mod(block.y - bar.y0_m, 2 * bar.bar_m) < bar.bar_m)
-            _blend(block, part, along * across, worn, _COLOURS["white"])
+            _blend(block, part, along * across, paint_left, _COLOURS["white"])
 
 
 def _divider(right: float, left: float) -> float:
@@ -100,8 +102,8 @@ def _divider(right: float, left: float) -> float:
 def _dashes(x: np.ndarray, line: Line) -> np.ndarray:
     if line.gap_m == 0:
         return np.ones_like(x)
-    place = np.mod(x + line.phase_m, line.dash_m + line.gap_m)
-    return _cover(np.minimum(place, line.dash_m - place))
+    position = np.mod(x + line.phase_m, line.dash_m + line.gap_m)
+    return _cover(np.minimum(position, line.dash_m - position))
 
 
 def _cover(inside_m: np.ndarray) -> np.ndarray:
@@ -110,8 +112,12 @@ def _cover(inside_m: np.ndarray) -> np.ndarray:
 
 
 def _blend(
-    block: Block, part: tuple[slice, slice], cover: np.ndarray, worn: np.ndarray, colour: tuple[float, ...]
+    block: Block,
+    part: tuple[slice, slice],
+    cover: np.ndarray,
+    paint_left: np.ndarray,
+    colour: tuple[float, ...],
 ) -> None:
-    share = (cover * worn[part]).astype(np.float32)[..., None]
+    share = (cover * paint_left[part]).astype(np.float32)[..., None]
     paint_colour = np.array(colour, np.float32) * (1 + block.noise["tone"][part])[..., None]
     block.albedo[part] = block.albedo[part] * (1 - share) + paint_colour * share

@@ -33,7 +33,9 @@ class FeatureCells:
     inside: np.ndarray
 
 
-def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator, look: Appearance) -> None:
+def paint(
+    block: Block, feature: Feature, number: int, rng: np.random.Generator, appearance: Appearance
+) -> None:
     """Paint one feature into the block, if they overlap, and write its id `number`.
 
     All random numbers come from `rng`, in the same order for every block that shares the feature.
@@ -49,33 +51,35 @@ def paint(block: Block, feature: Feature, number: int, rng: np.random.Generator,
     spot = FeatureCells(part, x, y, np.asarray(feature.footprint(x, y)))
     block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
-        _pothole(block, spot, feature, rng, look)
+        _pothole(block, spot, feature, rng, appearance)
     elif feature.cls is None:
         albedo = block.albedo[part]
         np.copyto(albedo, fitting_albedo(albedo, x, y, feature, rng), where=spot.inside[..., None])
     else:
-        _bump(block, spot, feature, rng, look)
+        _bump(block, spot, feature, rng, appearance)
 
 
 def _bump(
-    block: Block, spot: FeatureCells, feature: Bump, rng: np.random.Generator, look: Appearance
+    block: Block, spot: FeatureCells, feature: Bump, rng: np.random.Generator, appearance: Appearance
 ) -> None:
     # A bump is laid later than the road around it: darker or lighter, with a joint at either edge.
     if feature.paint == "bare":
         _bare(block, spot, feature, rng)
         return
     factor = rng.uniform(0.55, 0.85) if rng.random() < 0.6 else rng.uniform(1.12, 1.4)
-    base = np.full(3, look.brightness * factor, np.float32)
+    base = np.full(3, appearance.brightness * factor, np.float32)
     along = (spot.x - feature.start_m) / feature.length_m
     along, across = np.broadcast_arrays(along, spot.y - feature.y_min_m)
-    cover, over, under = _pattern(feature, along, across, base, rng)
-    worn = 1.2 - 0.8 * look.wear + (0.2 + 0.7 * look.wear) * block.noise["wear"][spot.part]
-    worn -= look.paint_wear * (0.6 + 0.5 * block.noise["wear"][spot.part])
-    share = (cover * np.clip(worn, 0.1 * (1 - 0.8 * look.paint_wear), 1)).astype(np.float32)[..., None]
+    cover, marking, body = _pattern(feature, along, across, base, rng)
+    paint_left = 1.2 - 0.8 * appearance.wear + (0.2 + 0.7 * appearance.wear) * block.noise["wear"][spot.part]
+    paint_left -= appearance.paint_wear * (0.6 + 0.5 * block.noise["wear"][spot.part])
+    share = (cover * np.clip(paint_left, 0.1 * (1 - 0.8 * appearance.paint_wear), 1)).astype(np.float32)[
+        ..., None
+    ]
     joint = np.minimum(along, 1 - along) * feature.length_m < 0.025
     tone = (1 + block.noise["tone"][spot.part]) * (1 - rng.uniform(0.1, 0.5) * joint).astype(np.float32)
-    skin = (under * (1 - share) + over * share) * tone[..., None]
-    np.copyto(block.albedo[spot.part], skin, where=spot.inside[..., None])
+    painted = (body * (1 - share) + marking * share) * tone[..., None]
+    np.copyto(block.albedo[spot.part], painted, where=spot.inside[..., None])
 
 
 def _bare(block: Block, spot: FeatureCells, feature: Bump, rng: np.random.Generator) -> None:
@@ -145,22 +149,22 @@ def _rubber(
     """Rubber bump: bolted segments, black and yellow in turn, with ribs, round black ends and cat's eyes."""
     segment = rng.choice((0.25, 0.5, rng.uniform(0.2, 0.6)))
     width = feature.y_max_m - feature.y_min_m
-    place = np.mod(across, segment)
+    position = np.mod(across, segment)
     yellow = np.mod(np.floor(across / segment), 2) == 0
-    yellow &= (across > 0.15) & (across < width - 0.15) & (place > 0.012)
+    yellow &= (across > 0.15) & (across < width - 0.15) & (position > 0.012)
     if rng.random() < 0.5:  # coloured inlay with a black frame
-        yellow &= (along > 0.12) & (along < 0.88) & (place > 0.03) & (place < segment - 0.03)
+        yellow &= (along > 0.12) & (along < 0.88) & (position > 0.03) & (position < segment - 0.03)
     ribs = 1 - 0.35 * (np.mod(along * feature.length_m, 0.05) < 0.02)
-    eyes = ~yellow & (np.abs(place - segment / 2) < 0.05) & (np.abs(along - 0.25) < 0.09)
+    eyes = ~yellow & (np.abs(position - segment / 2) < 0.05) & (np.abs(along - 0.25) < 0.09)
     eyes &= rng.random() < 0.6
     body = np.where(eyes[..., None], _WHITE, _BLACK * np.float32(rng.uniform(0.8, 2.2)) * ribs[..., None])
     return yellow, _YELLOW * np.float32(rng.uniform(0.75, 1.35)), body.astype(np.float32)
 
 
 def _pothole(
-    block: Block, spot: FeatureCells, hole: Pothole, rng: np.random.Generator, look: Appearance
+    block: Block, spot: FeatureCells, hole: Pothole, rng: np.random.Generator, appearance: Appearance
 ) -> None:
-    if look.decay and rng.random() < 0.35 + 0.5 * look.decay:
+    if appearance.decay and rng.random() < 0.35 + 0.5 * appearance.decay:
         lumps, stones = (_noise_at(hole, spot, octaves, rng) for octaves in ((0.5, 0.5, 0.5, 0.4), (1.0,)))
         crumbled_potholes.paint(
             block,
@@ -168,21 +172,23 @@ def _pothole(
             hole,
             crumbled_potholes.PotholeCells(spot.x, spot.y, spot.inside, lumps, stones),
             rng,
-            look,
+            appearance,
         )
         return
-    sink = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
+    relative_depth = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
     lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
-    tint, least, most = _FILLINGS[str(rng.choice(list(_FILLINGS), p=(0.6, 0.25, 0.15)))]
-    fill = np.array(tint, np.float32) * np.float32(look.brightness * rng.uniform(least, most))
-    inner = fill * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
+    tint, min_gain, max_gain = _FILLINGS[str(rng.choice(list(_FILLINGS), p=(0.6, 0.25, 0.15)))]
+    mean_albedo = np.array(tint, np.float32) * np.float32(
+        appearance.brightness * rng.uniform(min_gain, max_gain)
+    )
+    filling = mean_albedo * np.clip(1 + 0.45 * lumps, 0.3, 2.2)[..., None]
     rim = np.float32(rng.uniform(0.55, 0.9))  # freshly broken asphalt is darker than the worn top
-    wall = np.clip(sink * 3, 0, 1)[..., None]
+    wall = np.clip(relative_depth * 3, 0, 1)[..., None]
     albedo = block.albedo[spot.part]
-    np.copyto(albedo, albedo * rim * (1 - wall) + inner * wall, where=spot.inside[..., None])
+    np.copyto(albedo, albedo * rim * (1 - wall) + filling * wall, where=spot.inside[..., None])
     _scatter_debris(albedo, spot, hole, lumps, rng)
     if rng.random() < 0.25:
-        water = np.clip((sink - rng.uniform(0.45, 0.85)) / 0.12, 0, 1)
+        water = np.clip((relative_depth - rng.uniform(0.45, 0.85)) / 0.12, 0, 1)
         albedo += (_WATER - albedo) * water[..., None]
         block.wet[spot.part] = np.maximum(block.wet[spot.part], water)
 
@@ -193,9 +199,9 @@ def _scatter_debris(
     """Loose gravel and dust, thinning out around the rim."""
     u = (spot.x - hole.start_m - hole.length_m / 2) / (hole.length_m / 2)
     v = (spot.y - hole.y_m) / (hole.width_m / 2)
-    near = np.clip(1.9 - np.hypot(u, v), 0, 1) * ~spot.inside
+    debris_density = np.clip(1.9 - np.hypot(u, v), 0, 1) * ~spot.inside
     speckle = np.clip(0.9 * _noise_at(hole, spot, (1.0,), rng) + 0.3 * lumps, -0.8, 1.6)
-    albedo *= (1 + rng.uniform(0, 0.5) * near * speckle)[..., None].astype(np.float32)
+    albedo *= (1 + rng.uniform(0, 0.5) * debris_density * speckle)[..., None].astype(np.float32)
 
 
 def _noise_at(

@@ -29,53 +29,53 @@ _EDGE_RAGGEDNESS_M = {
 }
 
 
-def paint(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
+def paint(block: Block, appearance: Appearance, edges: tuple[float, float]) -> None:
     """Fill the block's albedo; raise a kerb where the verge is a pavement (outside the carriageway)."""
-    tone = 1 + block.noise["tone"] * (1 + look.wear) + _tracks(block.y, look)
-    base = np.float32(look.brightness) * np.array(_TINTS[look.surface], np.float32)
+    tone = 1 + block.noise["tone"] * (1 + appearance.wear) + _tracks(block.y, appearance)
+    base = np.float32(appearance.brightness) * np.array(_TINTS[appearance.surface], np.float32)
     block.albedo[:] = cv2.merge([tone * v for v in base])
-    if look.surface == "concrete":
+    if appearance.surface == "concrete":
         joint = (np.abs(np.mod(block.x, 5.0) - 2.5) < 0.02) | (np.abs(block.y - sum(edges) / 2) < 0.02)
         block.albedo[np.broadcast_to(joint, tone.shape)] *= 0.55
     for side, edge in ((-1, edges[0]), (1, edges[1])):
-        _verge(block, look, side, edge)
+        _verge(block, appearance, side, edge)
 
 
-def apply_wetness(block: Block, look: Appearance, edges: tuple[float, float]) -> None:
+def apply_wetness(block: Block, appearance: Appearance, edges: tuple[float, float]) -> None:
     """Apply the weather's water film to the carriageway and darken wet cells."""
-    water = _WETNESS[look.weather]
+    water = _WETNESS[appearance.weather]
     if water:
         inside = (block.y > edges[0]) & (block.y < edges[1])
         film = np.clip(water + 0.35 * block.noise["dirt"], 0, 1) * np.where(inside, 1.0, 0.25)
         block.wet[:] = np.maximum(block.wet, film.astype(np.float32))
     if block.wet.any():
-        dark = 1 - 0.45 * block.wet
-        block.albedo *= cv2.merge([dark] * 3)
+        gain = 1 - 0.45 * block.wet
+        block.albedo *= cv2.merge([gain] * 3)
 
 
-def _tracks(y: np.ndarray, look: Appearance) -> np.ndarray:
+def _tracks(y: np.ndarray, appearance: Appearance) -> np.ndarray:
     """Albedo change along the wheel tracks of the ego lane: polish (light) or oil (dark)."""
     tracks = np.exp(-(((np.abs(y) - 0.8) / 0.3) ** 2)) - 0.7 * np.exp(-((y / 0.35) ** 2))
-    return (0.10 * (look.wear - 0.35) * tracks).astype(np.float32)
+    return (0.10 * (appearance.wear - 0.35) * tracks).astype(np.float32)
 
 
-def _verge(block: Block, look: Appearance, side: int, edge: float) -> None:
-    beyond = side * (block.y - edge)
-    columns = np.flatnonzero(beyond[0] > -0.3)
+def _verge(block: Block, appearance: Appearance, side: int, edge: float) -> None:
+    outward_distance = side * (block.y - edge)
+    columns = np.flatnonzero(outward_distance[0] > -0.3)
     if not len(columns):
         return
     part = (slice(None), slice(columns[0], columns[-1] + 1))
-    distance = np.broadcast_to(beyond[part].astype(np.float32), block.height[part].shape)
-    ragged = _EDGE_RAGGEDNESS_M[look.verge]
+    distance = np.broadcast_to(outward_distance[part].astype(np.float32), block.height[part].shape)
+    raggedness_m = _EDGE_RAGGEDNESS_M[appearance.verge]
     wear = block.noise["wear"][part]
-    outside = distance + ragged * wear > 0
-    rough = np.clip(1 + _CONTRAST[look.verge] * (wear + 0.5 * block.noise["dirt"][part]), 0.25, 2.2)
-    colour = cv2.merge([rough * np.float32(v) for v in _VERGES[look.verge]])
-    if look.verge == "pavement":
+    outside = distance + raggedness_m * wear > 0
+    rough = np.clip(1 + _CONTRAST[appearance.verge] * (wear + 0.5 * block.noise["dirt"][part]), 0.25, 2.2)
+    colour = cv2.merge([rough * np.float32(v) for v in _VERGES[appearance.verge]])
+    if appearance.verge == "pavement":
         slab = (np.mod(block.x, 0.5) < 0.02) | (np.mod(block.y[part], 0.5) < 0.02)
         colour[np.broadcast_to(slab, outside.shape)] *= 0.7
         kerb = outside & (distance < KERB_WIDTH_M)
-        band = np.mod(block.x, 2.0) < 1.0 if look.wear < 0.3 else np.ones_like(block.x, bool)
+        band = np.mod(block.x, 2.0) < 1.0 if appearance.wear < 0.3 else np.ones_like(block.x, bool)
         colour[kerb & band] = (0.42, 0.42, 0.40)
         colour[kerb & ~band] = (0.06, 0.06, 0.06)
         block.height[part][outside] += KERB_HEIGHT_M

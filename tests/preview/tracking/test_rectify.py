@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from foreride.preview.estimator import Estimator
-from foreride.preview.tracking.rectify import straightened
+from foreride.preview.tracking.rectify import rectify_boxes
 from foreride.road.camera.distortion import NO_DISTORTION
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
 from foreride.road.features.feature import HalfSineBump, Pothole
@@ -27,7 +27,7 @@ def test_the_edges_of_a_bump_get_the_rows_of_a_level_ideal_camera(lens, roll):
     y = np.linspace(-2.5, 1.5, 401)
     edges = [np.column_stack([np.full_like(y, x), y, np.zeros_like(y)]) for x in (6.0, 6.6)]
     box = around(np.concatenate([project(camera, tilted, edge) for edge in edges]))
-    straight = straightened(camera, tilted, box, WHOLE, np.array([0]))[0]
+    straight = rectify_boxes(camera, tilted, box, WHOLE, np.array([0]))[0]
     bottom, top = (project(camera.pinhole, level, edge)[0, 1] for edge in edges)
     assert (straight[3], straight[1]) == (pytest.approx(bottom, abs=0.2), pytest.approx(top, abs=0.2))
     if roll or lens != NO_DISTORTION:
@@ -41,16 +41,16 @@ def test_a_round_outline_gets_its_own_rows_too(lens, roll):
     tilted, level = (CameraPose(0.0, 0.0, 1.3, angle, 0.1, 0.0) for angle in (roll, 0.0))
     turn = np.linspace(0, 2 * np.pi, 721)
     rim = np.column_stack([8.0 + 0.4 * np.cos(turn), -1.2 + 0.3 * np.sin(turn), np.zeros_like(turn)])
-    straight = straightened(camera, tilted, around(project(camera, tilted, rim)), WHOLE, np.array([1]))
+    straight = rectify_boxes(camera, tilted, around(project(camera, tilted, rim)), WHOLE, np.array([1]))
     np.testing.assert_allclose(straight, around(project(camera.pinhole, level, rim)), atol=0.5)
 
 
 def test_an_ideal_level_picture_stays_as_it_is():
     boxes = np.array([[100.0, 200.0, 300.0, 220.0]])
     pose = CameraPose(0.0, 0.0, 1.3, 0.0, 0.1, 0.0)
-    assert straightened(Camera(), pose, boxes, WHOLE, np.array([0])) is boxes
+    assert rectify_boxes(Camera(), pose, boxes, WHOLE, np.array([0])) is boxes
     none = np.zeros((0, 4))
-    assert straightened(Camera(distortion=BARREL), pose, none, none > 0, np.zeros(0, int)).shape == (0, 4)
+    assert rectify_boxes(Camera(distortion=BARREL), pose, none, none > 0, np.zeros(0, int)).shape == (0, 4)
 
 
 @pytest.mark.parametrize("feature", [HalfSineBump(40.0, 0.08, 0.4), Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)])

@@ -24,7 +24,7 @@ def test_corners_are_found_to_a_fraction_of_a_pixel():
     points = BOARD.corners + place
     straight = TRUE.focal_px * points[:, :2] / points[:, 2:] + (TRUE.cx, TRUE.cy)
     # A board turned by 180 degrees differs only in its colours, so the first corner is one of two.
-    apart = [np.abs(corners[::order] - TRUE.bent(straight)).max() for order in (1, -1)]
+    apart = [np.abs(corners[::order] - TRUE.distort(straight)).max() for order in (1, -1)]
     assert min(apart) < 0.4
 
 
@@ -40,8 +40,7 @@ def test_the_camera_is_recovered(views):
     # Criterion: wherever boards were seen, a pixel belongs to the same ray, to half a pixel.
     grid = np.stack(np.meshgrid(np.linspace(80, 560, 13), np.linspace(50, 330, 9)), axis=2).reshape(-1, 2)
     rays, truth = (
-        (camera.straightened(grid) - (camera.cx, camera.cy)) / camera.focal_px
-        for camera in (found.camera, TRUE)
+        (camera.undistort(grid) - (camera.cx, camera.cy)) / camera.focal_px for camera in (found.camera, TRUE)
     )
     # A shift of the principal point is equivalent to a rotation of the camera.
     apart = rays - truth - (rays - truth).mean(axis=0)
