@@ -19,7 +19,9 @@ def paper(board: Board) -> np.ndarray:
     return np.kron(squares, np.ones((_PAPER, _PAPER), np.float32))
 
 
-def photograph(camera: Camera, rotation: np.ndarray, place: np.ndarray, board: Board = BOARD) -> np.ndarray:
+def photograph(
+    camera: Camera, rotation: np.ndarray, translation: np.ndarray, board: Board = BOARD
+) -> np.ndarray:
     """(H, W) uint8: the board, whose x runs right and y down, turned and moved into the camera's view.
 
     rotation (3, 3) and place (3,) take board to camera coordinates: x right, y down, z forward.
@@ -28,27 +30,27 @@ def photograph(camera: Camera, rotation: np.ndarray, place: np.ndarray, board: B
     pixels = np.stack(np.meshgrid(u, v), axis=2).reshape(-1, 2)
     x, y = ((camera.undistort(pixels) - (camera.cx, camera.cy)) / camera.focal_px).T
     rays = np.stack([x, y, np.ones_like(x)])
-    across, normal = rotation[:, :2].T @ rays, rotation[:, 2] @ rays
-    reach = (rotation[:, 2] @ place) / normal
-    on_board = (across * reach).T - rotation[:, :2].T @ place
+    directions, normal = rotation[:, :2].T @ rays, rotation[:, 2] @ rays
+    reach = (rotation[:, 2] @ translation) / normal
+    on_board = (directions * reach).T - rotation[:, :2].T @ translation
     # Corner (0, 0) lies one square from the board's and two from the paper's edge.
     at = ((on_board / board.square_m + 2.0) * _PAPER - 0.5).astype(np.float32)
     shape = (camera.height_px * _FINER, camera.width_px * _FINER)
-    seen = cv2.remap(paper(board), *(a.reshape(shape) for a in at.T), cv2.INTER_LINEAR, borderValue=120.0)
-    fine = cv2.resize(seen, (camera.width_px, camera.height_px), interpolation=cv2.INTER_AREA)
+    sampled = cv2.remap(paper(board), *(a.reshape(shape) for a in at.T), cv2.INTER_LINEAR, borderValue=120.0)
+    fine = cv2.resize(sampled, (camera.width_px, camera.height_px), interpolation=cv2.INTER_AREA)
     return np.rint(fine).astype(np.uint8)
 
 
 def poses(count: int, rng: np.random.Generator) -> list[tuple[np.ndarray, np.ndarray]]:
     """Tilted boards at close range, all over the image of a camera with a 50 by 30 degree field of view."""
-    found = []
+    poses_drawn = []
     for number in range(count):
         turn = Rotation.from_euler("xyz", rng.uniform(-0.55, 0.55, 3)).as_matrix()
         middle = turn @ (0.03 * np.array([3.5, 2.0, 0.0]))
-        away = rng.uniform(0.28, 0.42)
-        side = (np.array([number % 3, number // 3 % 3]) - 1.0) * (0.24, 0.09) * away
-        found.append((turn, np.array([*side, away]) - middle))
-    return found
+        distance = rng.uniform(0.28, 0.42)
+        side = (np.array([number % 3, number // 3 % 3]) - 1.0) * (0.24, 0.09) * distance
+        poses_drawn.append((turn, np.array([*side, distance]) - middle))
+    return poses_drawn
 
 
 def on_the_road(camera: Camera, pose: CameraPose, board: Board) -> np.ndarray:
@@ -59,5 +61,5 @@ def on_the_road(camera: Camera, pose: CameraPose, board: Board) -> np.ndarray:
     turn = to_camera @ pose.rotation.T @ axes
     point = ground_point(camera, pose, [[camera.cx, 0.75 * camera.height_px]])[0]
     middle = board.square_m * np.array([*board.pattern, 0.0]) / 2
-    place = to_camera @ pose.rotation.T @ (point - axes @ middle - pose.position)
-    return photograph(camera, turn, place, board)
+    translation = to_camera @ pose.rotation.T @ (point - axes @ middle - pose.position)
+    return photograph(camera, turn, translation, board)

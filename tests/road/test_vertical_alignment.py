@@ -69,9 +69,9 @@ def marched(changes: tuple[GradeChange, ...], camera: Camera, pose: CameraPose) 
     ground = grade_height(changes, pose.x + ahead)
     direction = rays(camera, pose, np.stack([np.full(rows.shape, camera.cx), rows], axis=1))
     z = pose.z + ahead * (direction[:, 2] / direction[:, 0])[:, None]
-    under = z < ground
-    at = ahead[under.argmax(axis=1)] / direction[:, 0]
-    return np.where(under.any(axis=1), at, np.inf)
+    below_road = z < ground
+    at = ahead[below_road.argmax(axis=1)] / direction[:, 0]
+    return np.where(below_road.any(axis=1), at, np.inf)
 
 
 CREST = (GradeChange(8.0, 0.08), GradeChange(30.0, -0.05), GradeChange(60.0, 0.0))
@@ -93,11 +93,11 @@ def test_the_road_is_where_marching_through_its_height_finds_it(
     pose = replace(level, z=level.z + float(grade_height(changes, x_m)))
     scene = Scene(Road(200.0, grades=changes), Appearance(), 1)
     depth = scene.render(camera, pose, 0).depth[:, camera.width_px // 2]
-    found = marched(changes, camera, pose)
-    near = np.isfinite(found)
-    assert near.any()
-    np.testing.assert_allclose(depth[near], found[near], rtol=0.02)
-    assert (depth[~near] > 0.98 * FAR_M).all()
+    distance = marched(changes, camera, pose)
+    finite = np.isfinite(distance)
+    assert finite.any()
+    np.testing.assert_allclose(depth[finite], distance[finite], rtol=0.02)
+    assert (depth[~finite] > 0.98 * FAR_M).all()
 
 
 def test_no_road_is_painted_where_only_sky_is_to_be_seen() -> None:

@@ -41,10 +41,10 @@ def test_project_agrees_with_opencv(lens):
     points = np.column_stack([rng.uniform(4, 30, 50), rng.uniform(-2, 2, 50), rng.uniform(-0.1, 0.3, 50)])
     forward, left, up = ((points - REST.position) @ REST.rotation).T
     matrix = np.array([[457.0, 0, 331.0], [0, 457.0, 185.5], [0, 0, 1]])
-    seen, _ = cv2.projectPoints(
+    distorted, _ = cv2.projectPoints(
         np.column_stack([-left, -up, forward]), np.zeros(3), np.zeros(3), matrix, np.array(lens)
     )
-    np.testing.assert_allclose(project(camera, REST, points), seen.reshape(-1, 2) + 0.5, atol=1e-9)
+    np.testing.assert_allclose(project(camera, REST, points), distorted.reshape(-1, 2) + 0.5, atol=1e-9)
 
 
 @given(lenses, st.floats(0, 640), st.floats(180, 384))
@@ -56,8 +56,8 @@ def test_ground_point_undoes_the_lens(lens, u, v):
 
 def test_the_reach_is_where_the_radius_stops_growing():
     r = np.linspace(0, 3, 30001)
-    seen = r * (1 - 0.32 * r**2 + 0.12 * r**4 - 0.02 * r**6)
-    assert reach(BARREL) == pytest.approx(r[np.argmax(np.diff(seen) < 0)], abs=2e-4)
+    distorted = r * (1 - 0.32 * r**2 + 0.12 * r**4 - 0.02 * r**6)
+    assert reach(BARREL) == pytest.approx(r[np.argmax(np.diff(distorted) < 0)], abs=2e-4)
     assert reach(PINCUSHION[:1] + (0.0,) * 4) == np.inf
 
 

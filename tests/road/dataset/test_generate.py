@@ -56,7 +56,7 @@ def test_splits_show_different_roads(folder: Path) -> None:
 
 
 def test_labels_are_the_objects_and_lie_in_the_image(folder: Path) -> None:
-    seen = 0
+    boxes_checked = 0
     for split in COUNTS:
         for row in rows_of(folder, split):
             image = cv2.imread(str(folder / split / "images" / row["image"]))
@@ -65,19 +65,19 @@ def test_labels_are_the_objects_and_lie_in_the_image(folder: Path) -> None:
             lines = (folder / split / "labels" / f"{Path(row['image']).stem}.txt").read_text().splitlines()
             assert (width, height) == (640, 384)
             assert len(lines) == len(row["objects"])
-            for line, thing in zip(lines, row["objects"], strict=True):
+            for line, obj in zip(lines, row["objects"], strict=True):
                 cls, *values = line.split()
                 cx, cy, w, h = map(float, values)
                 box = np.array([cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2])
                 box *= (width, height, width, height)
-                np.testing.assert_allclose(box, thing["box"], atol=0.01)
-                assert int(cls) == thing["class"]
+                np.testing.assert_allclose(box, obj["box"], atol=0.01)
+                assert int(cls) == obj["class"]
                 assert box.min() >= -0.01
                 assert box[2] <= width + 0.01
                 assert box[3] <= height + 0.01
-                assert thing["height_px"] >= 3
-                seen += 1
-    assert seen > 5
+                assert obj["height_px"] >= 3
+                boxes_checked += 1
+    assert boxes_checked > 5
 
 
 def test_splits_share_no_image(folder: Path) -> None:
@@ -90,17 +90,17 @@ def test_objects_are_at_most_partly_hidden_and_carry_kind_and_condition(folder: 
     for split in COUNTS:
         for row in rows_of(folder, split):
             assert {"light", "weather", "low_sun", "motion_blur_px"} <= set(row["condition"])
-            for thing in row["objects"]:
-                assert 0 <= thing["hidden"] <= MAX_HIDDEN
-                assert thing["class"] == (thing["kind"] == "pothole")
-                assert (thing["paint"] is None) == (thing["class"] == 1)
+            for obj in row["objects"]:
+                assert 0 <= obj["hidden"] <= MAX_HIDDEN
+                assert obj["class"] == (obj["kind"] == "pothole")
+                assert (obj["paint"] is None) == (obj["class"] == 1)
 
 
 def test_the_card_counts_what_is_there(folder: Path) -> None:
     card = (folder / "README.md").read_text()
     for split, count in COUNTS.items():
         rows = rows_of(folder, split)
-        classes = [thing["class"] for row in rows for thing in row["objects"]]
+        classes = [obj["class"] for row in rows for obj in row["objects"]]
         empty = sum(not row["objects"] for row in rows)
         roads = len({row["road"] for row in rows})
         line = f"| {split} | {roads} | {count} | {empty} | {classes.count(0)} | {classes.count(1)} |"
@@ -127,9 +127,9 @@ def features_of(seed: int, split: str, number: int) -> tuple[Feature, ...]:
     return random_road(rng, random_appearance(rng)).features
 
 
-def lies_ahead(feature: Feature, places: list[float]) -> bool:
+def lies_ahead(feature: Feature, positions: list[float]) -> bool:
     """True if a feature is within the approach distances of all `places`."""
-    return all(MIN_APPROACH_M - 1e-9 <= feature.start_m - x <= MAX_APPROACH_M + 1e-9 for x in places)
+    return all(MIN_APPROACH_M - 1e-9 <= feature.start_m - x <= MAX_APPROACH_M + 1e-9 for x in positions)
 
 
 @pytest.mark.parametrize("approach", [True, False])
@@ -137,10 +137,10 @@ def test_an_approach_comes_nearer_to_one_feature(tmp_path: Path, approach: bool)
     write_dataset(tmp_path / "set", {"val": 3 * VIEWS_PER_ROAD}, seed=5, approach=approach)
     rows = rows_of(tmp_path / "set", "val")
     for number in range(3):
-        places = [row["pose"]["x"] for row in rows if row["road"] == number]
-        assert places == sorted(places)
-        found = [f for f in features_of(5, "val", number) if lies_ahead(f, places)]
-        assert bool(found) == approach
+        positions = [row["pose"]["x"] for row in rows if row["road"] == number]
+        assert positions == sorted(positions)
+        ahead_of_all = [f for f in features_of(5, "val", number) if lies_ahead(f, positions)]
+        assert bool(ahead_of_all) == approach
     if approach:
         near = [min((o["distance_m"] for o in row["objects"]), default=np.inf) for row in rows]
         assert np.median(near) < MAX_APPROACH_M

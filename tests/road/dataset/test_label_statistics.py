@@ -27,15 +27,15 @@ def test_sizes_are_those_of_an_image_640_wide(tmp_path: Path) -> None:
     folder = folder_of(
         tmp_path / "set", {"a": "0 .5 .5 .5 .1\n1 .5 .5 .01 .02\n", "b": "", "c": "0 .5 .5 .25 .3\n"}
     )
-    found = box_statistics(folder)
-    assert (found["images"], found["without_object"]) == (3, 1)
-    bumps, holes = found["classes"]["speed_bump"], found["classes"]["pothole"]
+    statistics = box_statistics(folder)
+    assert (statistics["images"], statistics["without_object"]) == (3, 1)
+    bumps, holes = statistics["classes"]["speed_bump"], statistics["classes"]["pothole"]
     assert bumps["boxes"] == 2
     assert bumps["width_px"][2] == pytest.approx((320 + 160) / 2)
     assert bumps["height_px"][2] == pytest.approx((0.1 + 0.3) / 2 * 320)
     assert holes["width_px"] == [6.4] * 5
     assert holes["small"] == 1.0
-    assert table({"set": found}).count("\n") == 4
+    assert table({"set": statistics}).count("\n") == 4
 
 
 def test_every_unreadable_file_is_named_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

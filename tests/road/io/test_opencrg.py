@@ -64,15 +64,15 @@ def hand_written(path, kind, slope="0.0"):
 
 @pytest.mark.parametrize("kind", ["LRFI", "LDFI", "KRBI", "KDBI"])
 def test_hand_written_file_of_each_basic_variant(tmp_path, kind):
-    found = read_surface(hand_written(tmp_path / "hand.crg", kind))
-    np.testing.assert_allclose(found.x_m, [0, 0.5, 1])
-    np.testing.assert_allclose(found.y_m, [-1, 1])
-    np.testing.assert_allclose(found.heights, np.transpose(ROWS), atol=1e-7)
+    loaded = read_surface(hand_written(tmp_path / "hand.crg", kind))
+    np.testing.assert_allclose(loaded.x_m, [0, 0.5, 1])
+    np.testing.assert_allclose(loaded.y_m, [-1, 1])
+    np.testing.assert_allclose(loaded.heights, np.transpose(ROWS), atol=1e-7)
 
 
 def test_slope_and_banking_of_the_reference_line_count(tmp_path):
-    found = read_surface(hand_written(tmp_path / "sloped.crg", "LRFI", slope="0.1"))
-    np.testing.assert_allclose(found.heights, np.transpose(ROWS) + 0.1 * found.x_m, atol=1e-7)
+    loaded = read_surface(hand_written(tmp_path / "sloped.crg", "LRFI", slope="0.1"))
+    np.testing.assert_allclose(loaded.heights, np.transpose(ROWS) + 0.1 * loaded.x_m, atol=1e-7)
     banked = pyopencrg.CrgRoad(np.zeros((41, 4)), 0.25, V, banking=0.02)
     banked.save(tmp_path / "banked.crg")
     np.testing.assert_allclose(read_surface(tmp_path / "banked.crg").heights[:, 7], 0.02 * V, atol=1e-7)
@@ -81,9 +81,9 @@ def test_slope_and_banking_of_the_reference_line_count(tmp_path):
 @pytest.mark.parametrize("kind", ["LRFI", "LDFI", "KRBI", "KDBI"])
 def test_what_another_program_writes_comes_back(tmp_path, kind):
     pyopencrg.CrgRoad(Z, 0.25, V, u_start=100.0).save(tmp_path / "road.crg", fmt=kind)
-    found = read_surface(tmp_path / "road.crg")
-    np.testing.assert_allclose(found.x_m, U)
-    np.testing.assert_allclose(found.heights, Z.T - Z[0].mean(), atol=1e-7)
+    loaded = read_surface(tmp_path / "road.crg")
+    np.testing.assert_allclose(loaded.x_m, U)
+    np.testing.assert_allclose(loaded.heights, Z.T - Z[0].mean(), atol=1e-7)
     road = Road(9.0, file=str(tmp_path / "road.crg"))
     assert road.height(U[30], V[1]) == pytest.approx(Z[30, 1] - Z[0].mean(), abs=1e-7)
 
@@ -91,9 +91,9 @@ def test_what_another_program_writes_comes_back(tmp_path, kind):
 def test_curved_road_is_rolled_out_straight(tmp_path):
     heading = np.linspace(0, 0.8, 40)
     pyopencrg.CrgRoad(Z, 0.25, V, heading=heading).save(tmp_path / "bend.crg", fmt="KDBI")
-    found = read_surface(tmp_path / "bend.crg")
-    np.testing.assert_allclose(found.x_m, U)
-    np.testing.assert_allclose(found.heights, Z.T - Z[0].mean(), atol=1e-9)
+    loaded = read_surface(tmp_path / "bend.crg")
+    np.testing.assert_allclose(loaded.x_m, U)
+    np.testing.assert_allclose(loaded.heights, Z.T - Z[0].mean(), atol=1e-9)
 
 
 def test_what_lies_far_beside_the_road_is_left_out(tmp_path):
@@ -130,14 +130,14 @@ def test_holes_are_filled_as_the_format_says(tmp_path):
 @settings(max_examples=150, deadline=None)
 @given(
     kind=st.sampled_from(["LRFI", "KRBI"]),
-    place=st.integers(0, 700),
+    offset=st.integers(0, 700),
     cut=st.integers(0, 30),
     insert=st.binary(max_size=5),
 )
-def test_a_mutated_file_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, kind, place, cut, insert):
+def test_a_mutated_file_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, kind, offset, cut, insert):
     path = tmp_path_factory.getbasetemp() / "mutated.crg"
     data = hand_written(path, kind).read_bytes()
-    mutated = data[:place] + insert + data[place + cut :]
+    mutated = data[:offset] + insert + data[offset + cut :]
     path.write_bytes(mutated)
     os.utime(path, ns=(1, hash(mutated) & 0xFFFFFFFFFFF))
     assert outcome(path).count("\n") == 0

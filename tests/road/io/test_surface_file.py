@@ -29,14 +29,14 @@ def outcome(path):
 
 
 def test_csv_begins_at_zero_and_is_bilinear(tmp_path):
-    found = read_surface(written(tmp_path, GOOD))
-    np.testing.assert_array_equal(found.x_m, [0, 0.5, 2])
-    np.testing.assert_array_equal(found.y_m, [-0.75, 0.75])
-    np.testing.assert_allclose(found.heights, [[0.1, 0.1, 0.14], [-0.1, -0.08, -0.1]])
-    assert found.height(0.25, 0.75) == pytest.approx(-0.09)
-    assert found.height(1.25, 0.0) == pytest.approx((0.12 - 0.09) / 2)
-    np.testing.assert_allclose(found.height([-5.0, 99.0], 9.0), [-0.1, -0.1])
-    assert found.height(np.zeros((4, 1)), np.zeros(3)).shape == (4, 3)
+    loaded = read_surface(written(tmp_path, GOOD))
+    np.testing.assert_array_equal(loaded.x_m, [0, 0.5, 2])
+    np.testing.assert_array_equal(loaded.y_m, [-0.75, 0.75])
+    np.testing.assert_allclose(loaded.heights, [[0.1, 0.1, 0.14], [-0.1, -0.08, -0.1]])
+    assert loaded.height(0.25, 0.75) == pytest.approx(-0.09)
+    assert loaded.height(1.25, 0.0) == pytest.approx((0.12 - 0.09) / 2)
+    np.testing.assert_allclose(loaded.height([-5.0, 99.0], 9.0), [-0.1, -0.1])
+    assert loaded.height(np.zeros((4, 1)), np.zeros(3)).shape == (4, 3)
 
 
 def test_csv_with_one_line_or_lines_by_place(tmp_path):
@@ -115,10 +115,10 @@ def test_surface_meets_its_points_and_stays_between_them(x, seed):
     rng = np.random.default_rng(seed)
     y = np.sort(rng.uniform(-3, 3, 3))
     heights = rng.normal(size=(3, len(x)))
-    found = surface(x, y, heights, "test")
-    np.testing.assert_allclose(found.height(found.x_m[None], y[:, None]), found.heights, atol=1e-9)
-    inside = found.height(rng.uniform(-5, x[-1] - x[0] + 5, 50), rng.uniform(-4, 4, 50))
-    assert found.heights.min() - 1e-9 <= inside.min() <= inside.max() <= found.heights.max() + 1e-9
+    loaded = surface(x, y, heights, "test")
+    np.testing.assert_allclose(loaded.height(loaded.x_m[None], y[:, None]), loaded.heights, atol=1e-9)
+    inside = loaded.height(rng.uniform(-5, x[-1] - x[0] + 5, 50), rng.uniform(-4, 4, 50))
+    assert loaded.heights.min() - 1e-9 <= inside.min() <= inside.max() <= loaded.heights.max() + 1e-9
 
 
 @settings(max_examples=150, deadline=None)
@@ -131,9 +131,9 @@ def test_any_text_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, text)
 
 
 @settings(max_examples=100, deadline=None)
-@given(place=st.integers(0, len(GOOD) - 1), insert=st.text(max_size=4))
-def test_a_mutated_profile_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, place, insert):
-    text = GOOD[:place] + insert + GOOD[place + 1 :]
+@given(offset=st.integers(0, len(GOOD) - 1), insert=st.text(max_size=4))
+def test_a_mutated_profile_gives_a_surface_or_one_line_of_refusal(tmp_path_factory, offset, insert):
+    text = GOOD[:offset] + insert + GOOD[offset + 1 :]
     path = tmp_path_factory.getbasetemp() / "mutated.csv"
     path.write_text(text, encoding="utf-8", errors="surrogatepass")
     os.utime(path, ns=(1, hash(text) & 0xFFFFFFFFFFF))
@@ -154,6 +154,6 @@ def test_a_mutated_profile_gives_a_surface_or_one_line_of_refusal(tmp_path_facto
 )
 def test_absurd_numbers_are_refused_without_a_warning(tmp_path, text, message):
     path = written(tmp_path, text)
-    with warnings.catch_warnings(record=True) as told, pytest.raises(InputError, match=message):
+    with warnings.catch_warnings(record=True) as warned, pytest.raises(InputError, match=message):
         read_surface(path)
-    assert not told
+    assert not warned

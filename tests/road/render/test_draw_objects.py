@@ -111,8 +111,8 @@ def test_nothing_on_the_road_changes_nothing() -> None:
 
 @pytest.mark.parametrize("azimuth", [90.0, -90.0])
 def test_a_shadow_falls_away_from_the_sun(azimuth: float) -> None:
-    look = Appearance(light="noon", sun_azimuth_deg=azimuth, sun_elevation_deg=40.0, **QUIET)
-    scene = Scene(Road(40.0), look, 0)
+    appearance = Appearance(light="noon", sun_azimuth_deg=azimuth, sun_elevation_deg=40.0, **QUIET)
+    scene = Scene(Road(40.0), appearance, 0)
     plain = scene.render(CAMERA, POSE).image.astype(float).mean(axis=2)
     pole = Sprite(12.0, 0.0, 0.01, 3.0, pyramid(np.zeros((8, 8, 4), np.float32)), (_rectangle(0.6, 3.0),))
     change = scene.render(CAMERA, POSE, 0, [pole]).image.astype(float).mean(axis=2) - plain
@@ -132,8 +132,8 @@ def test_a_near_body_is_drawn_over_a_far_one_whatever_their_order() -> None:
 
 
 def test_a_street_lamp_lights_the_road_below_it() -> None:
-    look = Appearance(light="night", street_lamps=1.0, **QUIET)
-    scene = Scene(Road(60.0), look, 0)
+    appearance = Appearance(light="night", street_lamps=1.0, **QUIET)
+    scene = Scene(Road(60.0), appearance, 0)
     lamp = Sprite(25.0, 4.0, 1.5, 6.0, pyramid(np.zeros((8, 8, 4), np.float32)), (), (2.5, 1.9, 1.0))
     dark, lit = (scene.render(CAMERA, POSE, 0, props).image.astype(float) for props in ([], [lamp]))
     u, v = project(CAMERA, POSE, [[25.0, 2.0, 0.0]])[0].astype(int)

@@ -21,17 +21,17 @@ def test_distortion_follows_the_radial_polynomial_and_stays_filled(coefficient: 
     u = np.broadcast_to((np.arange(640) + 0.5 - 320) / 320, SHAPE).astype(np.float32)
     v = np.broadcast_to(((np.arange(384) + 0.5 - 192) / 320)[:, None], SHAPE).astype(np.float32)
     source = np.stack((u, v, np.ones(SHAPE, np.float32)), axis=2)
-    seen, number = lens_effects.distort(source, (np.arange(640 * 384).reshape(SHAPE),), coefficient)
-    radius, origin = np.hypot(u, v), np.hypot(seen[..., 0], seen[..., 1])
+    remapped, number = lens_effects.distort(source, (np.arange(640 * 384).reshape(SHAPE),), coefficient)
+    radius, origin = np.hypot(u, v), np.hypot(remapped[..., 0], remapped[..., 1])
     inner = (np.abs(u) < 0.95) & (np.abs(v) < 0.55) & (radius > 0.05)
     scale = (origin / radius)[inner]
     expected = 1 - coefficient * radius[inner] ** 2
     assert np.ptp(scale / expected) < 2e-3
-    assert np.abs(seen[..., :2]).max() <= 1.0
+    assert np.abs(remapped[..., :2]).max() <= 1.0
     # Maps move with the image, to the pixel.
     rows, cols = np.divmod(number, 640)
-    assert np.abs(source[rows, cols, 0] - seen[..., 0]).max() < 0.51 / 320 + 1e-6
-    assert np.abs(source[rows, cols, 1] - seen[..., 1]).max() < 0.51 / 320 + 1e-6
+    assert np.abs(source[rows, cols, 0] - remapped[..., 0]).max() < 0.51 / 320 + 1e-6
+    assert np.abs(source[rows, cols, 1] - remapped[..., 1]).max() < 0.51 / 320 + 1e-6
 
 
 def test_motion_blur_keeps_the_light_and_is_as_long_as_asked_at_the_lower_edge() -> None:

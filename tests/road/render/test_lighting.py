@@ -46,8 +46,8 @@ def test_a_face_turned_to_the_sun_is_brighter_than_one_turned_away() -> None:
 def test_a_step_casts_a_shadow_of_height_over_tangent(elevation: float) -> None:
     height = np.zeros((160, 40))
     height[:60] = 0.2
-    look = Appearance(light="noon", sun_azimuth_deg=180.0, sun_elevation_deg=elevation)
-    shaded = decoded(lighting.shade(lighting.plan(look), level_block(height, 0.3)))[:, 20, 1]
+    appearance = Appearance(light="noon", sun_azimuth_deg=180.0, sun_elevation_deg=elevation)
+    shaded = decoded(lighting.shade(lighting.plan(appearance), level_block(height, 0.3)))[:, 20, 1]
     lit = shaded[150]
     dark = np.flatnonzero(shaded[60:] < 0.6 * lit)
     assert (dark.max() + 1) * CELL_M == pytest.approx(0.2 / np.tan(np.deg2rad(elevation)), abs=0.06)
@@ -61,8 +61,8 @@ def test_dapple_needs_sun() -> None:
 
 def test_a_ramp_shows_under_an_overcast_sky() -> None:
     """A ramp sees less of the zenith than the road: shading alone reveals an unpainted hump."""
-    along = np.arange(150)[:, None] * CELL_M
-    height = 0.1 * np.clip((along - 1.0) / 0.35, 0, 1) * np.ones((1, 40))
+    row = np.arange(150)[:, None] * CELL_M
+    height = 0.1 * np.clip((row - 1.0) / 0.35, 0, 1) * np.ones((1, 40))
     shaded = decoded(lighting.shade(lighting.plan(Appearance(light="overcast")), level_block(height, 0.3)))
     assert (shaded[57, 20] < 0.95 * shaded[120, 20]).all()
     assert shaded[5, 20] == pytest.approx(shaded[120, 20], rel=0.02)

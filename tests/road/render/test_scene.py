@@ -63,8 +63,8 @@ def test_boxes_agree_with_projection(feature: Feature) -> None:
         pose = random_pose(rng, x)
         frame = scene.render(CAMERA, pose)
         pixels = project(CAMERA, pose, points)
-        seen = ((pixels >= 0) & (pixels <= (CAMERA.width_px, CAMERA.height_px))).all(axis=1)
-        expected = np.concatenate([pixels[seen].min(axis=0), pixels[seen].max(axis=0)])
+        in_image = ((pixels >= 0) & (pixels <= (CAMERA.width_px, CAMERA.height_px))).all(axis=1)
+        expected = np.concatenate([pixels[in_image].min(axis=0), pixels[in_image].max(axis=0)])
         assert list(frame.feature_index) == [0]
         assert list(frame.classes) == [feature.cls]
         error = np.abs(frame.boxes[0] - expected)
@@ -135,16 +135,16 @@ def test_heave_moves_what_is_near_by_the_similar_triangles() -> None:
 @pytest.mark.parametrize("weather", ["dry", "rain"])
 def test_same_seed_same_bytes_in_any_order(weather: str) -> None:
     road = Road(40.0, (HalfSineBump(8.0, 0.08, 0.4), Pothole(20.0, 0.08, 0.6, 0.6)), Roughness("C", 1))
-    look = Appearance(light="sunset", weather=weather, tree_shadow=0.5, bonnet=0.1)
+    appearance = Appearance(light="sunset", weather=weather, tree_shadow=0.5, bonnet=0.1)
     far = pose_of(MOUNT, 17.0, 0.0, 0.0)
-    one, other = Scene(road, look, 7), Scene(road, look, 7)
+    one, other = Scene(road, appearance, 7), Scene(road, appearance, 7)
     first = [one.render(CAMERA, REST, 0), one.render(CAMERA, far, 1)]
     second = [other.render(CAMERA, far, 1), other.render(CAMERA, REST, 0)][::-1]
     for a, b in zip(first, second, strict=True):
         assert a.image.tobytes() == b.image.tobytes()
         assert a.depth.tobytes() == b.depth.tobytes()
         np.testing.assert_array_equal(a.boxes, b.boxes)
-    assert Scene(road, look, 8).render(CAMERA, REST, 0).image.tobytes() != first[0].image.tobytes()
+    assert Scene(road, appearance, 8).render(CAMERA, REST, 0).image.tobytes() != first[0].image.tobytes()
 
 
 def test_threads_share_the_rows_without_changing_a_byte() -> None:

@@ -36,8 +36,8 @@ def test_gain_follows_from_the_equations_of_motion_integrated():
         return [body_v, strut, wheel_v, (653.0 * (amplitude * np.sin(omega * t) - wheel) - strut) / 0.15]
 
     t = np.linspace(0, 30, 60_001)
-    found = solve_ivp(rates, (0, 30), [0, 0, 0, 0], t_eval=t, rtol=1e-9, atol=1e-12).y[:, t > 10]
-    stroke = np.mean(np.abs(found[1] - found[3])) / SPEED_M_S
+    simulated = solve_ivp(rates, (0, 30), [0, 0, 0, 0], t_eval=t, rtol=1e-9, atol=1e-12).y[:, t > 10]
+    stroke = np.mean(np.abs(simulated[1] - simulated[3])) / SPEED_M_S
     assert stroke == pytest.approx(2 / np.pi * amplitude * 2 * np.pi * n * abs(response(n)), rel=1e-3)
 
 

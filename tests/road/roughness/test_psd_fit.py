@@ -10,19 +10,17 @@ from foreride.road.roughness.psd_fit import classify_iso8608, fit, spectrum
 def test_class_is_recognised_from_300_m_and_waviness_from_1000_m(iso_class):
     z = rough_surface(Roughness(iso_class, 3), 1000.0).heights[4]
     assert fit(spectrum(z[: round(300 / STEP_M)], STEP_M)).iso_class == iso_class
-    whole = fit(spectrum(z, STEP_M))
-    assert whole.iso_class == iso_class
-    assert whole.waviness == pytest.approx(2.0, abs=0.1)
+    line = fit(spectrum(z, STEP_M))
+    assert line.iso_class == iso_class
+    assert line.waviness == pytest.approx(2.0, abs=0.1)
 
 
 def test_sinusoid_shows_in_its_third_of_an_octave_with_its_mean_square():
     x = np.arange(0, 400, 0.05)
-    found = spectrum(0.004 * np.sin(2 * np.pi * 0.5 * x), 0.05)
-    peak = int(np.argmax(found.psd_m3))
-    assert found.n[peak] == pytest.approx(0.5, rel=0.13)
-    assert found.psd_m3[peak] * found.n[peak] * (2 ** (1 / 6) - 2 ** (-1 / 6)) == pytest.approx(
-        8e-6, rel=0.25
-    )
+    psd = spectrum(0.004 * np.sin(2 * np.pi * 0.5 * x), 0.05)
+    peak = int(np.argmax(psd.psd_m3))
+    assert psd.n[peak] == pytest.approx(0.5, rel=0.13)
+    assert psd.psd_m3[peak] * psd.n[peak] * (2 ** (1 / 6) - 2 ** (-1 / 6)) == pytest.approx(8e-6, rel=0.25)
 
 
 def test_class_limits_lie_a_factor_of_two_about_the_means():

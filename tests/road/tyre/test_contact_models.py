@@ -19,12 +19,12 @@ def test_pothole_of_30_cm_by_5_cm_becomes_about_28_mm_under_a_rigid_wheel():
     """
     hang = R - np.sqrt(R**2 - 0.15**2)
     slot = np.where(np.abs(X) < 0.15, -0.05, 0.0)
-    bare = RigidWheel(patch_m=0.0).effective_height(slot, STEP, R)
-    assert -bare.min() == pytest.approx(hang, abs=1e-3)
+    envelope_only = RigidWheel(patch_m=0.0).effective_height(slot, STEP, R)
+    assert -envelope_only.min() == pytest.approx(hang, abs=1e-3)
     shares = np.linspace(-0.05, 0.05, 2001)
     mean = np.mean(R - np.sqrt(R**2 - (0.15 - np.abs(shares)) ** 2))
-    felt = RigidWheel(patch_m=0.1).effective_height(slot, STEP, R)
-    assert -felt.min() == pytest.approx(mean, abs=5e-4)
+    effective = RigidWheel(patch_m=0.1).effective_height(slot, STEP, R)
+    assert -effective.min() == pytest.approx(mean, abs=5e-4)
     smaller = RigidWheel(patch_m=0.1).effective_height(slot, STEP, 0.2975)
     assert -smaller.min() == pytest.approx(0.028, abs=5e-4)
     hole = Pothole(10.0, depth_m=0.05, length_m=0.3, width_m=0.5)
@@ -35,11 +35,11 @@ def test_cam_over_a_step_follows_its_own_superellipse():
     cam = TandemCam(contact_m=0.0)
     a, b, c = cam.length * R, cam.height * R, cam.order
     h = 0.025
-    felt = cam.effective_height(np.where(X >= 0, h, 0.0), STEP, R)
+    effective = cam.effective_height(np.where(X >= 0, h, 0.0), STEP, R)
     climbing = (-a < X) & (X < 0)
     outline = h - b * (1 - (1 - (np.abs(X[climbing]) / a) ** c) ** (1 / c))
-    np.testing.assert_allclose(felt[climbing], np.maximum(outline, 0.0), atol=1e-9)
-    np.testing.assert_allclose(felt[X >= 0], h, atol=1e-12)
+    np.testing.assert_allclose(effective[climbing], np.maximum(outline, 0.0), atol=1e-9)
+    np.testing.assert_allclose(effective[X >= 0], h, atol=1e-12)
 
 
 def test_tandem_is_the_mean_of_two_cams_a_shift_apart():
@@ -53,12 +53,12 @@ def test_tandem_is_the_mean_of_two_cams_a_shift_apart():
 def test_short_cleat_is_felt_twice_and_lower_than_it_is():
     """A cleat shorter than the contact patch gives two humps, one for each edge (Schmeitz 2004)."""
     cleat = np.where(np.abs(X) <= 0.005, 0.01, 0.0)
-    felt = TandemCam(shift=1.6).effective_height(cleat, STEP, R)
-    peaks = np.flatnonzero((felt[1:-1] > felt[:-2]) & (felt[1:-1] >= felt[2:])) + 1
+    effective = TandemCam(shift=1.6).effective_height(cleat, STEP, R)
+    peaks = np.flatnonzero((effective[1:-1] > effective[:-2]) & (effective[1:-1] >= effective[2:])) + 1
     assert len(peaks) == 2
     assert X[peaks].mean() == pytest.approx(0.0, abs=2 * STEP)
-    assert 0.004 < felt.max() < 0.008
-    assert felt[np.abs(X) < 1e-9] < felt.max()
+    assert 0.004 < effective.max() < 0.008
+    assert effective[np.abs(X) < 1e-9] < effective.max()
 
 
 def test_circular_cam_without_shift_is_the_rigid_wheel():
@@ -74,9 +74,9 @@ def test_circular_cam_without_shift_is_the_rigid_wheel():
 def test_any_radius_has_a_foremost_point_on_the_grid_or_not(radius):
     wall = np.where(X > 0, 5.0, 0.0)
     for tyre in (RigidWheel(patch_m=0.0), TandemCam(contact_m=0.0, length=1.0, height=1.0)):
-        felt = tyre.effective_height(wall, 0.005, radius)
-        assert np.all(np.isfinite(felt))
-        assert np.count_nonzero((felt > 0) & (wall == 0)) in (int(radius / 0.005), round(radius / 0.005))
+        effective = tyre.effective_height(wall, 0.005, radius)
+        assert np.all(np.isfinite(effective))
+        assert np.count_nonzero((effective > 0) & (wall == 0)) in (int(radius / 0.005), round(radius / 0.005))
 
 
 @pytest.mark.parametrize("tyre", [RigidWheel(), TandemCam()])
@@ -84,8 +84,8 @@ def test_long_waves_pass_and_flat_roads_stay(tyre):
     x = np.arange(0, 40, 0.005)
     np.testing.assert_allclose(tyre.effective_height(np.full(500, 0.2), 0.005, R), 0.2, atol=1e-12)
     wave = 0.02 * np.sin(2 * np.pi * x / 10)
-    felt = tyre.effective_height(wave, 0.005, R)
-    np.testing.assert_allclose(felt[500:-500], wave[500:-500], atol=1e-4)
+    effective = tyre.effective_height(wave, 0.005, R)
+    np.testing.assert_allclose(effective[500:-500], wave[500:-500], atol=1e-4)
 
 
 def test_bad_parameters_are_named():

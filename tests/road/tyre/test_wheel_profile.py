@@ -16,18 +16,20 @@ R = 0.31
 def test_flat_road_and_ramp_keep_their_slope():
     np.testing.assert_allclose(envelope(np.full(400, 0.3), 0.005), 0.3)
     x = np.arange(400) * 0.005
-    felt = envelope(0.2 * x, 0.005)
+    effective = envelope(0.2 * x, 0.005)
     # A wheel on a ramp of slope m touches ahead of its centre: raised by R (sqrt(1 + m^2) - 1).
-    np.testing.assert_allclose(felt[100:-100], 0.2 * x[100:-100] + R * (np.sqrt(1 + 0.2**2) - 1), atol=2e-5)
+    np.testing.assert_allclose(
+        effective[100:-100], 0.2 * x[100:-100] + R * (np.sqrt(1 + 0.2**2) - 1), atol=2e-5
+    )
 
 
 def test_wheel_over_a_step_follows_its_own_circle():
     x = np.arange(-300, 300) * 0.002
-    felt = envelope((x >= 0) * 0.1, 0.002, R, patch_m=0.0)
+    effective = envelope((x >= 0) * 0.1, 0.002, R, patch_m=0.0)
     reach = np.sqrt(R**2 - (R - 0.1) ** 2)  # distance at which the wheel meets a 10 cm edge
-    assert x[np.flatnonzero(felt > 1e-4)[0]] == pytest.approx(-reach, abs=0.004)
+    assert x[np.flatnonzero(effective > 1e-4)[0]] == pytest.approx(-reach, abs=0.004)
     climbing = (x > -reach + 0.004) & (x <= 0)
-    np.testing.assert_allclose(felt[climbing], 0.1 + np.sqrt(R**2 - x[climbing] ** 2) - R, atol=1e-9)
+    np.testing.assert_allclose(effective[climbing], 0.1 + np.sqrt(R**2 - x[climbing] ** 2) - R, atol=1e-9)
 
 
 def gap_depth(length: float, depth: float, patch: float = 0.1) -> float:
@@ -42,8 +44,8 @@ def gap_depth(length: float, depth: float, patch: float = 0.1) -> float:
 @pytest.mark.parametrize(("length", "depth"), [(0.3, 0.05), (0.3, 0.15), (0.2, 0.05), (0.4, 0.2)])
 def test_wheel_cannot_reach_the_floor_of_a_short_pothole(length, depth):
     hole = Pothole(10.0, depth, length, 0.6, wall_m=0.02, irregularity=0.0)
-    felt = wheel_profile(Road(20.0, (hole,)), 0.0).heights.min()
-    assert -felt == pytest.approx(gap_depth(length, depth), abs=1e-3)
+    effective = wheel_profile(Road(20.0, (hole,)), 0.0).heights.min()
+    assert -effective == pytest.approx(gap_depth(length, depth), abs=1e-3)
 
 
 def test_reference_potholes():
@@ -64,12 +66,12 @@ def test_wheel_feels_a_narrow_bump_before_its_edge():
 @given(seed=st.integers(0, 200), lift=st.floats(-1, 1))
 def test_envelope_is_monotone_covariant_and_above_the_patch_mean(seed, lift):
     z = 0.01 * np.cumsum(np.random.default_rng(seed).normal(size=300))
-    felt = envelope(z, 0.01)
-    np.testing.assert_allclose(envelope(z + lift, 0.01), felt + lift, atol=1e-12)
-    np.testing.assert_allclose(envelope(z[::-1], 0.01), felt[::-1], atol=1e-12)
-    assert np.all(envelope(np.maximum(z, 0.0), 0.01) >= felt - 1e-12)
-    assert np.all(felt >= envelope(z, 0.01, radius_m=0.0) - 1e-12)
-    assert np.all(felt <= z.max() + 1e-12)
+    effective = envelope(z, 0.01)
+    np.testing.assert_allclose(envelope(z + lift, 0.01), effective + lift, atol=1e-12)
+    np.testing.assert_allclose(envelope(z[::-1], 0.01), effective[::-1], atol=1e-12)
+    assert np.all(envelope(np.maximum(z, 0.0), 0.01) >= effective - 1e-12)
+    assert np.all(effective >= envelope(z, 0.01, radius_m=0.0) - 1e-12)
+    assert np.all(effective <= z.max() + 1e-12)
 
 
 def test_patch_mean_is_the_integral_of_the_interpolant():

@@ -42,8 +42,8 @@ def test_vehicles_stand_on_the_ground_inside_their_outline_and_carry_lamps_at_bo
 
 def test_standing_things_leave_the_carriageway_free_and_reach_beyond_the_view() -> None:
     for seed, surroundings in enumerate(SURROUNDINGS * 3):
-        look = Appearance(surroundings=surroundings, left_edge_m=4.0, right_edge_m=-2.0)
-        props = static_objects(np.random.default_rng(seed), look)
+        appearance = Appearance(surroundings=surroundings, left_edge_m=4.0, right_edge_m=-2.0)
+        props = static_objects(np.random.default_rng(seed), appearance)
         for prop in props:
             sides = prop.base[:, 1] if isinstance(prop, Solid) else np.array([prop.y])
             assert (sides > 4.0).all() or (sides < -2.0).all()
@@ -51,8 +51,8 @@ def test_standing_things_leave_the_carriageway_free_and_reach_beyond_the_view() 
 
 
 def test_only_a_lit_street_has_lamps_that_glow() -> None:
-    def glows(look: Appearance) -> bool:
-        props = static_objects(np.random.default_rng(2), look)
+    def glows(appearance: Appearance) -> bool:
+        props = static_objects(np.random.default_rng(2), appearance)
         return any(isinstance(prop, Sprite) and any(prop.glow) for prop in props)
 
     assert glows(Appearance(light="night", street_lamps=0.7))

@@ -13,9 +13,11 @@ from foreride.road.road import Road
 EDGES: dict[str, Any] = {"left_edge_m": 3.5, "right_edge_m": -3.5}
 
 
-def lit(look: Appearance, features: tuple = (), seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def lit(
+    appearance: Appearance, features: tuple = (), seed: int = 0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Radiance (rows, cols, 3) and wetness (rows, cols) of the first 20 m, and y of the columns."""
-    surface = Surface(Road(20.0, features), look, seed)
+    surface = Surface(Road(20.0, features), appearance, seed)
     surface.extend(20.0)
     level = surface.atlas[: int(20 / CELL_M)].astype(float) / 255
     y = -HALF_WIDTH_M + (np.arange(level.shape[1]) + 0.5) * CELL_M

@@ -23,15 +23,15 @@ def look(*features):
 
 def test_fittings_are_seen_and_are_neither_bump_nor_pothole():
     fittings = ManholeCover(8.0, diameter_m=1.0), ExpansionJoint(11.0, gap_m=0.3), Step(14.0, 0.08)
-    bare, fitted = look(), look(*fittings)
-    changed = np.abs(bare.image.astype(int) - fitted.image).max(axis=2) > 12
+    plain_frame, fitted_frame = look(), look(*fittings)
+    changed = np.abs(plain_frame.image.astype(int) - fitted_frame.image).max(axis=2) > 12
     for fitting in fittings:
         ends = np.array([[x, y, 0.0] for x in (fitting.start_m, fitting.end_m) for y in (-0.4, 0.4)])
         pixels = project(CAMERA, POSE, ends)
         left, top = np.floor(pixels.min(axis=0)).astype(int)
         right, bottom = np.ceil(pixels.max(axis=0)).astype(int)
         assert changed[top - 1 : bottom + 1, left:right].mean() > 0.3, fitting
-    assert len(fitted.boxes) == 0
+    assert len(fitted_frame.boxes) == 0
 
 
 def test_bumps_of_every_shape_have_boxes_beside_fittings():
