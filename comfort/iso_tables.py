@@ -111,8 +111,8 @@ MOTION_SICKNESS_INDICATIONS = (
 
 def bands(weighting: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """True third-octave centres (Hz) and factors of annex B."""
-    first, factors = ISO_8041[weighting]
-    return 10.0 ** (np.arange(first, first + len(factors)) / 10), np.array(factors)
+    first_band, factors = ISO_8041[weighting]
+    return 10.0 ** (np.arange(first_band, first_band + len(factors)) / 10), np.array(factors)
 
 
 def sawtooth_bursts(cycles: int, rate: float, low_frequency: bool = False) -> NDArray[np.float64]:
@@ -120,8 +120,8 @@ def sawtooth_bursts(cycles: int, rate: float, low_frequency: bool = False) -> ND
 
     100 rad/s, first at 1 s, every 10 s, for 60 s; for low frequencies 2.5 rad/s and all times 40-fold.
     """
-    slower = 40.0 if low_frequency else 1.0
-    time = np.arange(round(60 * slower * rate)) / rate
-    since = np.mod(time - slower, 10 * slower)
-    turns = since * 100 / slower / (2 * np.pi)
-    return np.where((turns < cycles) & (time >= slower), 2 * (np.mod(turns + 0.5, 1) - 0.5), 0.0)
+    time_scale = 40.0 if low_frequency else 1.0
+    time = np.arange(round(60 * time_scale * rate)) / rate
+    since_burst = np.mod(time - time_scale, 10 * time_scale)
+    turns = since_burst * 100 / time_scale / (2 * np.pi)
+    return np.where((turns < cycles) & (time >= time_scale), 2 * (np.mod(turns + 0.5, 1) - 0.5), 0.0)

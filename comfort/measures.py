@@ -51,13 +51,13 @@ def running_rms(
         raise InputError(f"averaging must be linear or exponential, got {averaging!r}")
     power = weight(acc, rate, weighting) ** 2
     if averaging == "exponential":
-        kept = np.exp(-1.0 / (window_s * rate))
-        return np.sqrt(lfilter([1.0 - kept], [1.0, -kept], power, axis=-1))
+        memory = np.exp(-1.0 / (window_s * rate))
+        return np.sqrt(lfilter([1.0 - memory], [1.0, -memory], power, axis=-1))
     energy = np.cumsum(power, axis=-1)
     count = round(window_s * rate)
-    before = np.zeros_like(energy)
-    before[..., count:] = energy[..., :-count]
-    return np.sqrt(np.maximum(energy - before, 0.0) / count)
+    outside_window = np.zeros_like(energy)
+    outside_window[..., count:] = energy[..., :-count]
+    return np.sqrt(np.maximum(energy - outside_window, 0.0) / count)
 
 
 def mtvv(acc: ArrayLike, rate: float, weighting: str | None = "Wk", averaging: Averaging = "linear") -> Array:

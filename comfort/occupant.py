@@ -97,17 +97,17 @@ def axis_values(
     Raises InputError if shapes are wrong or the rate is too low.
     """
     check_rate(rate)
-    moved, turned = np.asarray(acc, float), np.asarray(angular_acc, float)
-    if moved.ndim < 2 or moved.shape[-2] != 3 or turned.shape != moved.shape:
-        shapes = f"{moved.shape} and {turned.shape}"
+    translation, rotation = np.asarray(acc, float), np.asarray(angular_acc, float)
+    if translation.ndim < 2 or translation.shape[-2] != 3 or rotation.shape != translation.shape:
+        shapes = f"{translation.shape} and {rotation.shape}"
         raise InputError(f"acc and angular_acc must both have shape (..., 3, samples), got {shapes}")
-    points = {name: acceleration_at(getattr(person, name), moved, turned) for name in _POINTS}
+    points = {name: acceleration_at(getattr(person, name), translation, rotation) for name in _POINTS}
     values = {}
     for name, axis in AXES.items():
-        signal = (turned if axis.rotation else points[axis.point])[..., axis.direction, :]
-        still = not signal.any()  # avoids most of the filtering for a car without roll and pitch
+        signal = (rotation if axis.rotation else points[axis.point])[..., axis.direction, :]
+        is_zero = not signal.any()  # avoids most of the filtering for a car without roll and pitch
         values[name] = (
-            np.zeros(signal.shape[:-1]) if still else axis.k * weighted_rms(signal, rate, axis.weighting)
+            np.zeros(signal.shape[:-1]) if is_zero else axis.k * weighted_rms(signal, rate, axis.weighting)
         )
     return values
 

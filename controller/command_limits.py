@@ -60,6 +60,6 @@ def plan_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
     They keep a margin to the physical limits: beyond those the model clips the command, so that its
     derivative vanishes, and an entry placed there by rounding would appear to have no effect.
     """
-    least, most = (limit / KILO for limit in command_limits(vehicle))
-    margin = np.minimum(BOUND_MARGIN, 0.25 * (most - least))
-    return least + margin, most - margin
+    low, high = (limit / KILO for limit in command_limits(vehicle))
+    margin = np.minimum(BOUND_MARGIN, 0.25 * (high - low))
+    return low + margin, high - margin

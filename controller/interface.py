@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
+from annotated_types import Interval
 
-from foreride.files.errors import InputError
+from foreride.files.reading.ranges import Checked
 from foreride.preview.road_preview import RoadPreview
 
 ALL_SILENT = "all sensors silent"
@@ -41,17 +42,11 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Timing:
+class Timing(Checked):
     """Sampling period of a controller and the delay from sampling to actuation."""
 
-    period_s: float = 0.01
-    delay_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0.001 <= self.period_s <= 0.1:
-            raise InputError(f"period_s must lie in 0.001 ... 0.1 s, got {self.period_s}")
-        if not 0.0 <= self.delay_s <= 0.5:
-            raise InputError(f"delay_s must lie in 0 ... 0.5 s, got {self.delay_s}")
+    period_s: Annotated[float, Interval(ge=0.001, le=0.1), "s"] = 0.01
+    delay_s: Annotated[float, Interval(ge=0.0, le=0.5), "s"] = 0.0
 
 
 class Controller(Protocol):

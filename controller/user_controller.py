@@ -10,7 +10,7 @@ import numpy as np
 from foreride.controller.command_limits import command_limits
 from foreride.controller.interface import Controller, Estimate, Timing
 from foreride.files.errors import InputError, printable, shortened, shown
-from foreride.files.own_code import load, place, say_once, told, waiting_for
+from foreride.files.own_code import error_text, load, location, say_once, waiting_for
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
@@ -48,7 +48,7 @@ def build_user_controller(
     except (InputError, KeyboardInterrupt):
         raise
     except BaseException as error:  # user code may raise anything, even SystemExit
-        raise InputError(f"controller {target}: cannot be built ({told(error, path)})") from error
+        raise InputError(f"controller {target}: cannot be built ({error_text(error, path)})") from error
     if missing:
         raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
     return UserController(controller, path, name, vehicle)
@@ -69,50 +69,50 @@ class UserController:
 
     def __init__(self, controller: Controller, path: Path, name: str, vehicle: Car) -> None:
         self._controller, self._path, self._name = controller, path, name
-        self._nothing = np.zeros(len(command_limits(vehicle)[0]))
-        self._shapes = sorted({(vehicle.wheels,), self._nothing.shape})
+        self._zeros = np.zeros(len(command_limits(vehicle)[0]))
+        self._shapes = sorted({(vehicle.wheels,), self._zeros.shape})
         self.problem: str | None = None
         self.active: tuple[str, ...] = ()
-        self._unheard: str | None = None
+        self._acted_problem: str | None = None
 
     def reset(self) -> None:
         """Reset the user's controller. Raises InputError if its `reset` fails."""
-        self.problem, self.active, self._unheard = None, (), None
+        self.problem, self.active, self._acted_problem = None, (), None
         try:
             self._controller.reset()
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            where = f"controller {self._path}:{self._name}"
-            raise InputError(f"{where}: reset() fails ({told(error, self._path)})") from error
+            subject = f"controller {self._path}:{self._name}"
+            raise InputError(f"{subject}: reset() fails ({error_text(error, self._path)})") from error
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the user's command (wheels,) or (inputs,); zeros if there is a `problem`."""
         self.problem, self.active = None, ()
-        answer = self._guarded(lambda: self._ask(deepcopy(estimate), deepcopy(preview)))
-        self.problem, self._unheard = self.problem or self._unheard, None
-        return self._nothing if answer is None else answer
+        answer = self._guarded(lambda: self._call_step(deepcopy(estimate), deepcopy(preview)))
+        self.problem, self._acted_problem = self.problem or self._acted_problem, None
+        return self._zeros if answer is None else answer
 
     def acted(self, command: np.ndarray) -> None:
         """Pass the issued command to a controller that has `acted`; a failure invalidates its next answer."""
         self.problem = None
-        self._guarded(lambda: self._tell(command.copy()))
-        self._unheard = self.problem
+        self._guarded(lambda: self._call_acted(command.copy()))
+        self._acted_problem = self.problem
 
-    def _tell(self, command: np.ndarray) -> None:
+    def _call_acted(self, command: np.ndarray) -> None:
         if (listen := getattr(self._controller, "acted", None)) is not None:
             listen(command)
 
-    def _ask(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray | None:
-        found = self._controller.step(estimate, preview)
-        answer = _numbers(found)
+    def _call_step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray | None:
+        returned = self._controller.step(estimate, preview)
+        answer = _numbers(returned)
         if answer is None or answer.shape not in self._shapes or not np.isfinite(answer).all():
             allowed = " or ".join(str(shape) for shape in self._shapes)
-            message = f"finite numbers {allowed} expected, got {shown(found)}"
+            message = f"finite numbers {allowed} expected, got {shown(returned)}"
             self._blame("bad answer", self._step_line(), message)
             return None
-        said = getattr(self._controller, "problem", None)
-        self.problem = None if said is None else shortened(printable(said))
+        problem = getattr(self._controller, "problem", None)
+        self.problem = None if problem is None else shortened(printable(problem))
         self.active = tuple(str(name) for name in getattr(self._controller, "active", ()))
         return answer
 
@@ -123,24 +123,24 @@ class UserController:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # user code may raise anything, even SystemExit
-            self._blame(type(error).__name__, place(error, self._path), told(error, self._path))
+            self._blame(type(error).__name__, location(error, self._path), error_text(error, self._path))
             return None
 
-    def _blame(self, kind: str, where: str, message: str) -> None:
+    def _blame(self, kind: str, location: str, message: str) -> None:
         """Record the problem without step-dependent details, so that repetitions count as one."""
-        self.problem, self.active = f"own controller: {kind} at {where}", ()
-        of = f"controller {self._path}:{self._name}: {kind} at {where}"
-        say_once(of, f"{of}: a fallback acts instead ({message})")
+        self.problem, self.active = f"own controller: {kind} at {location}", ()
+        subject = f"controller {self._path}:{self._name}: {kind} at {location}"
+        say_once(subject, f"{subject}: a fallback acts instead ({message})")
 
     def _step_line(self) -> str:
         code = getattr(getattr(self._controller.step, "__func__", self._controller.step), "__code__", None)
         return f"{self._path.name}:{code.co_firstlineno}" if code else self._path.name
 
 
-def _numbers(found: Any) -> np.ndarray | None:
+def _numbers(returned: Any) -> np.ndarray | None:
     """Convert the answer to floats; None for anything else, including text that reads as a number."""
     try:
-        answer = np.asarray(found)
+        answer = np.asarray(returned)
     except ValueError:  # rows of different lengths
         return None
     return answer.astype(float) if answer.dtype.kind in "fiu" else None

@@ -14,7 +14,7 @@ from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.edge_refinement import refine
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
-from foreride.files.reading.numbers import whole
+from foreride.files.reading.numbers import parse_integer
 from foreride.files.reading.regular_file import read_bytes, reading
 
 WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
@@ -163,5 +163,5 @@ def _metadata(path: Path, session: ort.InferenceSession) -> dict[str, str]:
         raise InputError(
             f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {shown(metadata.get('names'))}"
         )
-    whole(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MAX_WIDTH)
+    parse_integer(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MAX_WIDTH)
     return metadata

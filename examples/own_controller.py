@@ -7,7 +7,7 @@ Numbers in `control.settings.user` become keyword arguments; `step` returns N·s
 import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
@@ -20,7 +20,7 @@ class Anticipating:
         pass
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        at = corners(self.vehicle, estimate.x)
+        at = corner_motion(self.vehicle, estimate.x)
         stiff = at.body * at.relative > 0.0  # where the damper brakes the body
         if preview is not None:
             ahead = np.linspace(0.0, self.look_s, 6) * estimate.speed_m_s

@@ -13,8 +13,8 @@ def cache_folder() -> Path | None:
 
     FORERIDE_CACHE overrides the platform's default location.
     """
-    if named := os.environ.get("FORERIDE_CACHE"):
-        return Path(named)
+    if override := os.environ.get("FORERIDE_CACHE"):
+        return Path(override)
     try:
         if sys.platform == "win32":
             base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
@@ -59,14 +59,14 @@ def temporary_folder() -> Path | None:
             folder = Path(tempfile.mkdtemp(prefix="foreride-"))
     except OSError:
         return None
-    place = cache_folder() or "a home folder"
-    told = f"{place} cannot be written, so caches are in {folder}; FORERIDE_CACHE names another folder"
-    print(f"foreride: {told}", file=sys.stderr, flush=True)
+    unwritable = cache_folder() or "a home folder"
+    notice = f"{unwritable} cannot be written, so caches are in {folder}; FORERIDE_CACHE names another folder"
+    print(f"foreride: {notice}", file=sys.stderr, flush=True)
     return folder
 
 
 def _private(folder: Path) -> bool:
     """Whether the folder is not a link, and is owned by and open to this user alone."""
-    found = folder.lstat()
-    mine = not hasattr(os, "getuid") or (found.st_uid == os.getuid() and not found.st_mode & 0o077)
-    return stat.S_ISDIR(found.st_mode) and mine
+    status = folder.lstat()
+    owned = not hasattr(os, "getuid") or (status.st_uid == os.getuid() and not status.st_mode & 0o077)
+    return stat.S_ISDIR(status.st_mode) and owned

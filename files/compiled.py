@@ -23,23 +23,23 @@ def _prepare() -> Path | None:
         folder = temporary_folder()
         if folder is not None:
             os.environ.setdefault("MPLCONFIGDIR", str(folder / "matplotlib"))
-    named = os.environ.get("NUMBA_CACHE_DIR")
-    if named and writable(Path(named)):
-        return Path(named)
+    cache_dir = os.environ.get("NUMBA_CACHE_DIR")
+    if cache_dir and writable(Path(cache_dir)):
+        return Path(cache_dir)
     if all(writable(part / "__pycache__") for part in {source.parent for source in _sources()}):
         return SOURCE
-    if folder is None or not writable(place := folder / "compiled" / _digest()):
+    if folder is None or not writable(compiled_folder := folder / "compiled" / _digest()):
         return None
-    os.environ["NUMBA_CACHE_DIR"] = str(place)
-    return place
+    os.environ["NUMBA_CACHE_DIR"] = str(compiled_folder)
+    return compiled_folder
 
 
 def _digest() -> str:
     """Hash of all sources: Numba checks only the file of a function, not those of the functions it calls."""
-    told = hashlib.sha256()
+    hasher = hashlib.sha256()
     for source in _sources():
-        told.update(source.read_bytes())
-    return told.hexdigest()[:16]
+        hasher.update(source.read_bytes())
+    return hasher.hexdigest()[:16]
 
 
 def _sources() -> list[Path]:

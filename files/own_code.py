@@ -15,11 +15,11 @@ from foreride.files.errors import InputError, printable, shortened
 PATIENCE_S = 10.0
 """Loading time after which a notice is printed, s."""
 _LONGEST = 200
-_said: set[str] = set()
+_warnings_issued: set[str] = set()
 
 
-def load(path: Path, what: str) -> ModuleType:
-    """Import a file as a module; `what` names it in messages.
+def load(path: Path, subject: str) -> ModuleType:
+    """Import a file as a module; `subject` names it in messages.
 
     Raises InputError, in one line with file and line, for any failure: a syntax error, any exception,
     sys.exit. Ctrl-C passes.
@@ -30,19 +30,19 @@ def load(path: Path, what: str) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses and pickle look up classes by their module
     try:
-        with waiting_for(f"{what}: {path} to load"):
+        with waiting_for(f"{subject}: {path} to load"):
             spec.loader.exec_module(module)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        raise InputError(f"{what}: {path} does not load ({told(error, path)})") from error
+        raise InputError(f"{subject}: {path} does not load ({error_text(error, path)})") from error
     return module
 
 
 @contextmanager
-def waiting_for(what: str) -> Iterator[None]:
+def waiting_for(subject: str) -> Iterator[None]:
     """Print a notice on stderr if the block takes long."""
-    message = f"foreride: still waiting for {printable(what)}; Ctrl-C ends it"
+    message = f"foreride: still waiting for {printable(subject)}; Ctrl-C ends it"
     timer = threading.Timer(PATIENCE_S, lambda: print(message, file=sys.stderr, flush=True))
     timer.daemon = True
     timer.start()
@@ -52,30 +52,30 @@ def waiting_for(what: str) -> Iterator[None]:
         timer.cancel()
 
 
-def place(error: BaseException, path: Path) -> str:
+def location(error: BaseException, path: Path) -> str:
     """Location such as `file.py:12`: innermost line in the user's file, else where the error was raised."""
     if isinstance(error, SyntaxError) and error.filename and error.lineno:
         return f"{Path(error.filename).name}:{error.lineno}"
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
-    own = [(file, line) for file, line in frames if file == os.path.abspath(path)]
+    own_frames = [(file, line) for file, line in frames if file == os.path.abspath(path)]
     if not frames:
         return path.name
-    file, line = (own or frames)[-1]
+    file, line = (own_frames or frames)[-1]
     return f"{Path(file).name}:{line}"
 
 
-def told(error: BaseException, path: Path) -> str:
+def error_text(error: BaseException, path: Path) -> str:
     """Type, message and location of an error, in one line of bounded length."""
     try:
         message = error.msg if isinstance(error, SyntaxError) else str(error)
     except Exception:  # the exception's own __str__ may fail
         message = ""
     message = shortened(printable(message), _LONGEST)
-    return f"{type(error).__name__}{': ' if message else ''}{message} at {place(error, path)}"
+    return f"{type(error).__name__}{': ' if message else ''}{message} at {location(error, path)}"
 
 
-def say_once(of: str, message: str) -> None:
-    """Print a warning on stderr, once per process for each `of`."""
-    if of not in _said:
-        _said.add(of)
+def say_once(key: str, message: str) -> None:
+    """Print a warning on stderr, once per process for each `key`."""
+    if key not in _warnings_issued:
+        _warnings_issued.add(key)
         print(f"foreride: {message}", file=sys.stderr, flush=True)

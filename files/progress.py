@@ -11,7 +11,7 @@ class Progress:
 
     def __init__(self, total: int, start: int = 0, every_s: float = 20.0):
         self.total, self.start, self.every_s = total, start, every_s
-        self.began = self.told = time.monotonic()
+        self.started_at = self.reported_at = time.monotonic()
         self.bar = _bar(total) if sys.stderr.isatty() else None
 
     def __enter__(self) -> "Progress":
@@ -29,11 +29,13 @@ class Progress:
         """Update the display to `done` passes."""
         if self.bar:
             self.bar.update(self.bar.task_ids[0], completed=done, description=note)
-        elif time.monotonic() - self.told > self.every_s:
-            self.told = time.monotonic()
-            rate = (done - self.start) / (self.told - self.began)
-            left = (self.total - done) / rate / 60
-            print(f"{done}/{self.total} passes, {rate:.1f}/s, {left:.0f} min left, {note}", flush=True)
+        elif time.monotonic() - self.reported_at > self.every_s:
+            self.reported_at = time.monotonic()
+            rate = (done - self.start) / (self.reported_at - self.started_at)
+            minutes_left = (self.total - done) / rate / 60
+            print(
+                f"{done}/{self.total} passes, {rate:.1f}/s, {minutes_left:.0f} min left, {note}", flush=True
+            )
 
 
 def _bar(total: int) -> Any:

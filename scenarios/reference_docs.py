@@ -49,7 +49,7 @@ def scenario_page() -> str:
             lines += ["| field | type | range | default | |", "|---|---|---|---|---|"]
             for item in own:
                 meaning = meanings.get(item.name) or _first_line(hints[item.name])
-                allowed = ", ".join(dict.fromkeys(one.told() for one in numbers_in(ranged[item.name])))
+                allowed = ", ".join(dict.fromkeys(one.text() for one in numbers_in(ranged[item.name])))
                 cells = f"`{item.name}`", _type(hints[item.name]), allowed, _default(item), meaning
                 lines.append(f"| {' | '.join(cells)} |")
             lines.append("")

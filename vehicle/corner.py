@@ -64,20 +64,23 @@ def axle_corners(
 ) -> tuple[Corner, ...]:
     """Corners of a two-axle car with parameters in pairs (front, rear), for wheels at x_m, front first."""
     wheelbase = car.front_axle_m + car.rear_axle_m
-    abreast = len(x_m) // 2
-    shares = (car.rear_axle_m / wheelbase / abreast, car.front_axle_m / wheelbase / abreast)
+    wheels_per_axle = len(x_m) // 2
+    weight_fractions = (
+        car.rear_axle_m / wheelbase / wheels_per_axle,
+        car.front_axle_m / wheelbase / wheels_per_axle,
+    )
     rebound = car.stop_gap_m if car.rebound_gap_m is None else car.rebound_gap_m
     return tuple(
         Corner(
             x_m=x,
             y_m=y,
             kinematic_row=kinematic_row,
-            body_load_n=car.body_mass_kg * GRAVITY_M_S2 * shares[i // abreast],
+            body_load_n=car.body_mass_kg * GRAVITY_M_S2 * weight_fractions[i // wheels_per_axle],
             damper_lag_s=car.damper_lag_s,
-            rebound_gap_m=rebound[i // abreast],
+            rebound_gap_m=rebound[i // wheels_per_axle],
             damper=car.damper,
             actuator=car.actuator,
-            **{name: getattr(car, name)[i // abreast] for name in CORNER_FIELDS},
+            **{name: getattr(car, name)[i // wheels_per_axle] for name in CORNER_FIELDS},
         )
         for i, (x, y, kinematic_row) in enumerate(zip(x_m, y_m, kinematic_rows, strict=True))
     )
@@ -97,10 +100,10 @@ CORNER_FIELDS = (
 )
 
 
-def require_damping_order(least: float, passive: float, most: float, suffix: str = "") -> None:
+def require_damping_order(lowest: float, passive: float, highest: float, suffix: str = "") -> None:
     """Raise InputError unless the passive damping lies within the damper's range."""
-    if not least <= passive <= most:
-        allowed = f"between damping_min_ns_m ({least:g}) and damping_max_ns_m ({most:g})"
+    if not lowest <= passive <= highest:
+        allowed = f"between damping_min_ns_m ({lowest:g}) and damping_max_ns_m ({highest:g})"
         raise InputError(f"damping_passive_ns_m{suffix} must lie {allowed}, got {passive:g}")
 
 

@@ -18,7 +18,7 @@ def energy_audit(parameters: Car, record: VehicleState) -> dict[str, float]:
     energy delivered, J; actuator_recovered: energy absorbed, J; actuator_power, actuator_power_peak: mean
     over the run and maximum of the total power delivered, W.
     """
-    delivered = record.damper_force * record.rattle_velocity
+    damper_power = record.damper_force * record.rattle_velocity
     low, high = (
         np.array([[getattr(corner, name)] for corner in parameters.corners])
         for name in ("damping_min_ns_m", "damping_max_ns_m")
@@ -26,17 +26,17 @@ def energy_audit(parameters: Car, record: VehicleState) -> dict[str, float]:
     slack = _ROUNDING * high
     outside = (record.damping < low - slack) | (record.damping > high + slack)
     audit = {
-        "damper_produced": float(np.maximum(delivered, 0.0).sum() / RATE_HZ),
+        "damper_produced": float(np.maximum(damper_power, 0.0).sum() / RATE_HZ),
         "damping_outside": float(outside.any(axis=0).sum() / RATE_HZ),
     }
     if parameters.corners[0].actuator is None:
         return audit
     power = actuator.power(record.actuator_force, record.rattle_velocity)
-    given, taken = actuator.work(power, RATE_HZ)
+    delivered, absorbed = actuator.work(power, RATE_HZ)
     total = np.maximum(power, 0.0).sum(axis=0)
     return audit | {
-        "actuator_energy": given,
-        "actuator_recovered": taken,
+        "actuator_energy": delivered,
+        "actuator_recovered": absorbed,
         "actuator_power": float(total.mean()),
         "actuator_power_peak": float(total.max()),
     }

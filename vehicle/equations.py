@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
 
 FLOATS = SimpleNamespace(fmax=max, fmin=min, tanh=math.tanh, fabs=abs)
 Arithmetic = ModuleType | SimpleNamespace
@@ -63,9 +64,7 @@ class Motion(NamedTuple):
 
 def state_size(parameters: Car) -> int:
     """Length of the state vector."""
-    corner = parameters.corners[0]
-    each = 3 + (corner.actuator is not None) + corner.damper.internal_states
-    return 2 * len(parameters.generalised_mass) + each * parameters.wheels
+    return state_layout(parameters).internal_states.stop
 
 
 def input_size(parameters: Car) -> int:
@@ -73,34 +72,38 @@ def input_size(parameters: Car) -> int:
     return parameters.wheels * (1 if parameters.corners[0].actuator is None else 2)
 
 
-def damping_rows(parameters: Car) -> slice:
-    """Slice of the dampers' settings in the state vector."""
-    first = 2 * (len(parameters.generalised_mass) + parameters.wheels)
-    return slice(first, first + parameters.wheels)
-
-
 def rest_state(parameters: Car) -> np.ndarray:
     """State at standstill with passive dampers, (states,)."""
     x = np.zeros(state_size(parameters))
-    x[damping_rows(parameters)] = [corner.damping_passive_ns_m for corner in parameters.corners]
+    x[state_layout(parameters).damping] = [corner.damping_passive_ns_m for corner in parameters.corners]
     return x
+
+
+def rest_per_road_height(parameters: Car) -> np.ndarray:
+    """Deviation from the rest state per unit road height, (states, wheels): the body is in equilibrium."""
+    kinematic_rows = np.array([corner.kinematic_row for corner in parameters.corners])
+    layout = state_layout(parameters)
+    rest = np.zeros((state_size(parameters), parameters.wheels))
+    rest[layout.body] = np.linalg.pinv(kinematic_rows)
+    rest[layout.wheel] = np.eye(parameters.wheels)
+    return rest
 
 
 def motion(parameters: Car, x: Any) -> Motion:
     """Split the state vector (states, ...) into named rows."""
     body, wheels = len(parameters.generalised_mass), parameters.wheels
-    first = 2 * body
+    wheel_start = 2 * body
     forces = wheels if parameters.corners[0].actuator else 0
     depth = parameters.corners[0].damper.internal_states
-    last = first + 3 * wheels + forces
+    internal_start = wheel_start + 3 * wheels + forces
     return Motion(
         [x[2 * i] for i in range(body)],
         [x[2 * i + 1] for i in range(body)],
-        [x[first + 2 * i] for i in range(wheels)],
-        [x[first + 2 * i + 1] for i in range(wheels)],
-        [x[first + 2 * wheels + i] for i in range(wheels)],
-        [x[first + 3 * wheels + i] for i in range(forces)],
-        [[x[last + depth * i + j] for j in range(depth)] for i in range(wheels)],
+        [x[wheel_start + 2 * i] for i in range(wheels)],
+        [x[wheel_start + 2 * i + 1] for i in range(wheels)],
+        [x[wheel_start + 2 * wheels + i] for i in range(wheels)],
+        [x[wheel_start + 3 * wheels + i] for i in range(forces)],
+        [[x[internal_start + depth * i + j] for j in range(depth)] for i in range(wheels)],
     )
 
 
@@ -113,8 +116,8 @@ def rattle(parameters: Car, x: Any, xp: Arithmetic = np) -> tuple[Any, Any]:
 
 def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Arithmetic = np) -> Forces:
     """Forces at each wheel for the effective road height (wheels, ...) under it and its rate of change."""
-    acting = evaluate_forces(parameters, motion(parameters, x), road_height, road_velocity, xp)[2]
-    return Forces(*(_rows(xp, rows) for rows in acting))
+    wheel_forces = evaluate_forces(parameters, motion(parameters, x), road_height, road_velocity, xp)[2]
+    return Forces(*(_rows(xp, rows) for rows in wheel_forces))
 
 
 def evaluate_forces(
@@ -147,13 +150,13 @@ def evaluate_forces(
     return travel, rate, Forces(spring, damper, stop, actuator, tyre)
 
 
-def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> tuple[list, list]:
+def accelerations(parameters: Car, wheel_forces: Forces, forward_acc: Any = None) -> tuple[list, list]:
     """Accelerations (body motions; wheels) due to the forces, lists of rows.
 
     forward_acc: longitudinal acceleration, m/s², whose inertial force pitches the body; None for none.
     """
     suspension = [
-        acting.spring[i] + acting.damper[i] + acting.stop[i] + acting.actuator[i]
+        wheel_forces.spring[i] + wheel_forces.damper[i] + wheel_forces.stop[i] + wheel_forces.actuator[i]
         for i in range(parameters.wheels)
     ]
     body = [
@@ -162,13 +165,13 @@ def accelerations(parameters: Car, acting: Forces, forward_acc: Any = None) -> t
     ]
     if forward_acc is not None:
         mass = parameters.generalised_mass[0]
-        turning = zip(parameters.inertial_lever_arm_m, parameters.generalised_mass, strict=True)
+        moments = zip(parameters.inertial_lever_arm_m, parameters.generalised_mass, strict=True)
         body = [
             part - mass * arm / inertia * forward_acc
-            for part, (arm, inertia) in zip(body, turning, strict=True)
+            for part, (arm, inertia) in zip(body, moments, strict=True)
         ]
     wheel = [
-        (acting.tyre[i] - corner.static_tyre_n - suspension[i]) / corner.unsprung_mass_kg
+        (wheel_forces.tyre[i] - corner.static_tyre_n - suspension[i]) / corner.unsprung_mass_kg
         for i, corner in enumerate(parameters.corners)
     ]
     return body, wheel
@@ -185,16 +188,16 @@ def derivative(
 ) -> Any:
     """State derivative dx/dt, rows (states, ...), for a command (inputs, ...) or (wheels, ...)."""
     state = motion(parameters, x)
-    travel, rate, acting = evaluate_forces(parameters, state, road_height, road_velocity, xp)
-    body, wheel = accelerations(parameters, acting, forward_acc)
+    travel, rate, wheel_forces = evaluate_forces(parameters, state, road_height, road_velocity, xp)
+    body, wheel = accelerations(parameters, wheel_forces, forward_acc)
     rows = []
     for velocity, acceleration in zip(state.body_velocity, body, strict=True):
         rows += [velocity, acceleration]
     for velocity, acceleration in zip(state.wheel_velocity, wheel, strict=True):
         rows += [velocity, acceleration]
     for i, corner in enumerate(parameters.corners):
-        asked = xp.fmin(xp.fmax(command[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
-        rows.append((asked - state.damping[i]) / corner.damper_lag_s)
+        clipped = xp.fmin(xp.fmax(command[i], corner.damping_min_ns_m), corner.damping_max_ns_m)
+        rows.append((clipped - state.damping[i]) / corner.damper_lag_s)
     rows += _actuator_rates(parameters, state, command, xp)
     for i, corner in enumerate(parameters.corners):
         normalised_setting = corner.normalised_setting(state.damping[i])
@@ -207,13 +210,13 @@ def derivative(
 def _actuator_rates(parameters: Car, state: Motion, command: Any, xp: Arithmetic) -> list:
     """Rates of the actuator forces: first-order lag towards the clipped request."""
     wheels, rates = parameters.wheels, []
-    given = command.shape[0] if hasattr(command, "shape") else len(command)
+    command_length = command.shape[0] if hasattr(command, "shape") else len(command)
     for i, actual in enumerate(state.force):
         actuator = parameters.corners[i].actuator
         assert actuator is not None
         limit = actuator.force_limit_n
-        asked = xp.fmin(xp.fmax(command[wheels + i], -limit), limit) if given > wheels else 0.0
-        rates.append((asked - actual) / actuator.lag_s)
+        clipped = xp.fmin(xp.fmax(command[wheels + i], -limit), limit) if command_length > wheels else 0.0
+        rates.append((clipped - actual) / actuator.lag_s)
     return rates
 
 

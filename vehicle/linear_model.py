@@ -38,9 +38,9 @@ def linear_twin(parameters: Car, damping_ns_m: Sequence[float] | None = None) ->
     state = np.vstack([rate, response])[np.ix_(pairs, pairs)]
     inputs = np.vstack([np.zeros((size, 2 * wheels)), drive])[pairs]
     above = strut + wheel  # motion of the body above the wheels
-    still = np.zeros((wheels, size))
+    no_velocity = np.zeros((wheels, size))
     outputs = np.vstack(
-        [above @ response, np.hstack([strut, still]), np.hstack([-tyre_k @ wheel, -tyre_c @ wheel])]
+        [above @ response, np.hstack([strut, no_velocity]), np.hstack([-tyre_k @ wheel, -tyre_c @ wheel])]
     )[:, pairs]
     direct = np.vstack([above @ drive, np.zeros((wheels, 2 * wheels)), np.hstack([tyre_k, tyre_c])])
     return control.ss(

@@ -22,14 +22,22 @@ def require_plausible(car: Any) -> None:
     frequency within bounds, and no eigenvalue too fast to be integrated.
     """
     for i, corner in enumerate(car.corners):
-        sunk = corner.static_tyre_deflection_m, corner.static_rattle_m
-        radius_m, share = car.wheel_radius_m, corner.body_load_n / (GRAVITY_M_S2 * corner.unsprung_mass_kg)
-        _limit(
-            "unsprung_mass_kg", f"give wheel {i} a share of the body of", share, 1.0, 1000.0, "times its own"
+        tyre_m, spring_m = corner.static_tyre_deflection_m, corner.static_rattle_m
+        radius_m, body_share = (
+            car.wheel_radius_m,
+            corner.body_load_n / (GRAVITY_M_S2 * corner.unsprung_mass_kg),
         )
-        _limit("tyre_n_m", f"let tyre {i} sink by", sunk[0], 0.005 * radius_m, radius_m, "m")
         _limit(
-            "spring_n_m", f"let spring {i} sink by", sunk[1], SHORTEST_SPRING_M, MAX_SPRING_DEFLECTION_M, "m"
+            "unsprung_mass_kg",
+            f"give wheel {i} a share of the body of",
+            body_share,
+            1.0,
+            1000.0,
+            "times its own",
+        )
+        _limit("tyre_n_m", f"let tyre {i} sink by", tyre_m, 0.005 * radius_m, radius_m, "m")
+        _limit(
+            "spring_n_m", f"let spring {i} sink by", spring_m, SHORTEST_SPRING_M, MAX_SPRING_DEFLECTION_M, "m"
         )
     stiffness, damping, mass = _matrices(car)
     root = np.sqrt(mass)
@@ -50,9 +58,9 @@ def require_plausible(car: Any) -> None:
     _limit(names, "give motions of", fastest, 0.0, MAX_EIGENVALUE_1_S, "1/s")
 
 
-def _limit(name: str, told: str, value: float, low: float, high: float, unit: str) -> None:
+def _limit(name: str, effect: str, value: float, low: float, high: float, unit: str) -> None:
     if not low <= value <= high:
-        raise InputError(f"{name} must {told} {low:g} ... {high:g} {unit}, got {value:.4g} {unit}")
+        raise InputError(f"{name} must {effect} {low:g} ... {high:g} {unit}, got {value:.4g} {unit}")
 
 
 def _matrices(car: Any) -> tuple[Array, Array, Array]:

@@ -6,16 +6,19 @@ and speed and acceleration at the edges; acceleration None stands for none.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from annotated_types import Interval
 from numpy.typing import NDArray
 
 from foreride.files.errors import InputError
+from foreride.files.reading.ranges import Checked
 from foreride.vehicle.clock import STEP_S
 
 Array = NDArray[np.float64]
 MAX_SPEED_M_S = 100.0
+Speed = Annotated[float, Interval(ge=0.0, le=MAX_SPEED_M_S), "m/s"]
 
 
 class MotionSamples(NamedTuple):
@@ -28,13 +31,10 @@ class MotionSamples(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ConstantSpeed:
+class ConstantSpeed(Checked):
     """Motion at constant speed. Raises InputError for a speed outside 0 ... 100 m/s."""
 
-    speed_m_s: float
-
-    def __post_init__(self) -> None:
-        _check_speed(self.speed_m_s)
+    speed_m_s: Speed
 
     def ahead(self, x_m: float, tick: int, ticks: int) -> MotionSamples:
         """Return the motion over the next `ticks` of a car at x_m."""
@@ -44,7 +44,7 @@ class ConstantSpeed:
 
 
 @dataclass(frozen=True)
-class SpeedProfile:
+class SpeedProfile(Checked):
     """Piecewise constant acceleration between points, constant speed after the last one.
 
     times_s: (n,) ascending, from 0. speeds_m_s: (n,). start_m: position at time 0. Positions are functions of
@@ -52,16 +52,15 @@ class SpeedProfile:
     """
 
     times_s: tuple[float, ...]
-    speeds_m_s: tuple[float, ...]
+    speeds_m_s: tuple[Speed, ...]
     start_m: float = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if len(self.times_s) != len(self.speeds_m_s) or not self.times_s or self.times_s[0] != 0.0:
             raise InputError("times_s must start at 0 and have as many values as speeds_m_s")
         if np.any(np.diff(self.times_s) <= 0.0):
             raise InputError(f"times_s must ascend, got {list(self.times_s)}")
-        for speed in self.speeds_m_s:
-            _check_speed(speed)
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array, Array, Array]:
@@ -74,21 +73,21 @@ class SpeedProfile:
     def at(self, time_s: Array | float) -> tuple[Array, Array, Array]:
         """Position (from start_m on), speed and acceleration at the given times, of the same shape."""
         times, speeds, accelerations, covered = self._nodes
-        piece = np.searchsorted(times, time_s, side="right") - 1
-        since = time_s - times[piece]
-        speed = speeds[piece] + accelerations[piece] * since
-        position = self.start_m + covered[piece] + 0.5 * (speeds[piece] + speed) * since
-        return position, speed, accelerations[piece]
+        segment = np.searchsorted(times, time_s, side="right") - 1
+        elapsed_s = time_s - times[segment]
+        speed = speeds[segment] + accelerations[segment] * elapsed_s
+        position = self.start_m + covered[segment] + 0.5 * (speeds[segment] + speed) * elapsed_s
+        return position, speed, accelerations[segment]
 
     def time_at(self, position_m: float) -> float:
         """Time at which the car reaches a position; infinite if it never does."""
         times, speeds, accelerations, covered = self._nodes
-        left = position_m - self.start_m
-        piece = max(int(np.searchsorted(covered, left, side="right")) - 1, 0)
-        left, speed, acceleration = left - covered[piece], speeds[piece], accelerations[piece]
-        final = np.sqrt(max(speed**2 + 2.0 * acceleration * left, 0.0))
+        remaining = position_m - self.start_m
+        segment = max(int(np.searchsorted(covered, remaining, side="right")) - 1, 0)
+        remaining, speed, acceleration = remaining - covered[segment], speeds[segment], accelerations[segment]
+        final = np.sqrt(max(speed**2 + 2.0 * acceleration * remaining, 0.0))
         mean = 0.5 * (speed + final)
-        return float(times[piece] + left / mean) if mean > 0.0 else float("inf")
+        return float(times[segment] + remaining / mean) if mean > 0.0 else float("inf")
 
     def ahead(self, x_m: float, tick: int, ticks: int) -> MotionSamples:
         """Return the motion over the next `ticks` from `tick` on."""
@@ -98,8 +97,3 @@ class SpeedProfile:
 
 
 Motion = ConstantSpeed | SpeedProfile
-
-
-def _check_speed(value: float) -> None:
-    if not 0.0 <= value <= MAX_SPEED_M_S:
-        raise InputError(f"speed_m_s must be >= 0 and <= 100, got {value}")

@@ -82,10 +82,10 @@ def road_under(
 
 def road_forces(parameters: Car, profiles: Sequence[EffectiveProfile], stretch: MotionSamples) -> list[Array]:
     """Tyre force due to the road's motion during each tick of a stretch, N, (ticks,) for each wheel."""
-    edge, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
-    middle, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
+    edge_height, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
+    mid_height, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
     return [
-        corner.tyre_n_m * middle[i] + corner.tyre_damping_ns_m * np.diff(edge[i]) / STEP_S
+        corner.tyre_n_m * mid_height[i] + corner.tyre_damping_ns_m * np.diff(edge_height[i]) / STEP_S
         for i, corner in enumerate(parameters.corners)
     ]
 
@@ -108,8 +108,8 @@ def observe(
     xp = equations.FLOATS if isinstance(x, list) else np
     height, velocity = road
     state = equations.motion(parameters, x)
-    travel, rate, acting = equations.evaluate_forces(parameters, state, height, velocity, xp)
-    body, wheel = equations.accelerations(parameters, acting, forward_acc)
+    travel, rate, wheel_forces = equations.evaluate_forces(parameters, state, height, velocity, xp)
+    body, wheel = equations.accelerations(parameters, wheel_forces, forward_acc)
     zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]
     static = [corner.static_tyre_n + zero for corner in parameters.corners]
@@ -142,10 +142,10 @@ def observe(
         pitch_acc=pitch[2],
         roll_acc=roll[2],
         wheel_acc=np.array(wheel),
-        damper_force=np.array(acting.damper),
-        actuator_force=np.array(acting.actuator),
-        stop_force=np.array(acting.stop),
-        tyre_force=np.array(acting.tyre),
+        damper_force=np.array(wheel_forces.damper),
+        actuator_force=np.array(wheel_forces.actuator),
+        stop_force=np.array(wheel_forces.stop),
+        tyre_force=np.array(wheel_forces.tyre),
         static_tyre_force=np.array(static),
         road_height=np.array(height),
         road_velocity=np.array(velocity),

@@ -27,17 +27,18 @@ MAX_ITERATIONS = 4000
 class Optimum:
     """Best local optimum over all starts.
 
-    plan: (intervals, inputs), kN·s/m and kN. objective: its J. found: J reached from each start, by name.
+    plan: (intervals, inputs), kN·s/m and kN. objective: its J. objectives: J reached from each start, by
+    name.
     """
 
     plan: np.ndarray
     objective: float
-    found: dict[str, float]
+    objectives: dict[str, float]
 
     @property
     def gap(self) -> float:
         """Relative excess of J of the worst start over that of the best."""
-        return max(self.found.values()) / self.objective - 1.0
+        return max(self.objectives.values()) / self.objective - 1.0
 
 
 def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.ndarray]) -> Optimum:
@@ -47,7 +48,7 @@ def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.n
     """
     low, high = (np.tile(limit, drive.intervals) for limit in plan_limits(vehicle))
     best: np.ndarray | None = None
-    found: dict[str, float] = {}
+    objectives: dict[str, float] = {}
     for name, start in starts.items():
         scale, _ = drive.objective(start)
         search = minimize(
@@ -64,11 +65,11 @@ def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.n
                 "maxfun": 10**6,
             },
         )
-        found[name], _ = drive.objective(search.x)
-        if best is None or found[name] <= min(found.values()):
+        objectives[name], _ = drive.objective(search.x)
+        if best is None or objectives[name] <= min(objectives.values()):
             best = search.x
     assert best is not None, "at least one start"
-    return Optimum(best.reshape(drive.intervals, -1), min(found.values()), found)
+    return Optimum(best.reshape(drive.intervals, -1), min(objectives.values()), objectives)
 
 
 class PlanReplay(Stateless):

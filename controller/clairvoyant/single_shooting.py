@@ -24,7 +24,7 @@ class DriveInputs:
     """External inputs of a drive, by tick.
 
     height, velocity: (wheels, ticks + 1) of the road under the wheels at each tick.
-    middle: (wheels, ticks) height midway between two ticks.
+    mid_height: (wheels, ticks) height midway between two ticks.
     forward_acc: (ticks + 1,) longitudinal acceleration of the car at each tick, m/s².
     surge: (ticks,) the same, averaged over each tick.
     interval: (ticks,) index of the command acting during each tick; -1 while the dampers are still passive.
@@ -34,7 +34,7 @@ class DriveInputs:
     rate_hz: float
     height: np.ndarray
     velocity: np.ndarray
-    middle: np.ndarray
+    mid_height: np.ndarray
     forward_acc: np.ndarray
     surge: np.ndarray
     interval: np.ndarray
@@ -66,7 +66,7 @@ class WholeDriveObjective:
         drive, ticks = self._drive, self._ticks
         rows = [
             np.zeros((self._n_x + self.inputs, ticks + 1)),
-            np.pad(drive.middle, ((0, 0), (0, 1))),
+            np.pad(drive.mid_height, ((0, 0), (0, 1))),
             np.pad(np.diff(drive.height, axis=1) * drive.rate_hz, ((0, 0), (0, 1))),
             np.pad(drive.surge, (0, 1))[None],
             drive.height,
@@ -84,13 +84,13 @@ class WholeDriveObjective:
         self._points[self._n_x : self._n_x + self.inputs, : self._ticks] = commands[drive.interval].T
         self._advance()
         self._linearise()
-        places = len(self._vehicle.seat_kinematic_rows)
-        outputs = self._results[: places + self._vehicle.wheels, :n]
-        seats, loads = outputs[:places], outputs[places:]
+        seat_count = len(self._vehicle.seat_kinematic_rows)
+        outputs = self._results[: seat_count + self._vehicle.wheels, :n]
+        seats, loads = outputs[:seat_count], outputs[seat_count:]
         weighted = weight(seats, drive.rate_hz, "Wk")
         j = float(np.mean(weighted**2) + drive.rho * np.mean(loads**2))
-        back = weight(weighted[:, ::-1], drive.rate_hz, "Wk")[:, ::-1]
-        slopes = np.vstack([2.0 / seats.size * back, 2.0 * drive.rho / loads.size * loads])
+        adjoint = weight(weighted[:, ::-1], drive.rate_hz, "Wk")[:, ::-1]
+        slopes = np.vstack([2.0 / seats.size * adjoint, 2.0 * drive.rho / loads.size * loads])
         gradient = np.zeros_like(commands)
         _adjoint_sweep(self._results, self._entries, slopes, drive.interval, self._n_x, gradient)
         return j, gradient[:-1].reshape(plan.shape)
@@ -100,18 +100,23 @@ def _functions(vehicle: Car, tick_s: float) -> tuple[casadi.Function, casadi.Fun
     """CasADi functions of one tick: next state; outputs and sparse Jacobians."""
     x = casadi.SX.sym("x", equations.state_size(vehicle))
     u = casadi.SX.sym("u", equations.input_size(vehicle))
-    middle, rate, height, velocity = (casadi.SX.sym(name, vehicle.wheels) for name in "mrhv")
+    mid_height, rate, height, velocity = (casadi.SX.sym(name, vehicle.wheels) for name in "mrhv")
     surge, forward = casadi.SX.sym("surge"), casadi.SX.sym("forward")
-    after = _tick(vehicle, x, u, middle, rate, surge, tick_s)
-    acting = equations.forces(vehicle, x, height, velocity, casadi)
-    body, _ = equations.accelerations(vehicle, acting, forward)
+    next_state = _tick(vehicle, x, u, mid_height, rate, surge, tick_s)
+    forces = equations.forces(vehicle, x, height, velocity, casadi)
+    body, _ = equations.accelerations(vehicle, forces, forward)
     seats = [equations.point_motion(kinematic_row, body) for kinematic_row in vehicle.seat_kinematic_rows]
     static = casadi.DM([corner.static_tyre_n for corner in vehicle.corners])
-    outputs = casadi.vertcat(*seats, acting.tyre / static - 1)
-    inputs = [x, u, middle, rate, surge, height, velocity, forward]
-    slopes = [outputs, casadi.jacobian(after, x), casadi.jacobian(after, u), casadi.jacobian(outputs, x)]
+    outputs = casadi.vertcat(*seats, forces.tyre / static - 1)
+    inputs = [x, u, mid_height, rate, surge, height, velocity, forward]
+    slopes = [
+        outputs,
+        casadi.jacobian(next_state, x),
+        casadi.jacobian(next_state, u),
+        casadi.jacobian(outputs, x),
+    ]
     return (
-        casadi.Function("tick", inputs, [after], {"cse": True}),
+        casadi.Function("tick", inputs, [next_state], {"cse": True}),
         casadi.Function("slopes", inputs, slopes, {"cse": True}),
     )
 
@@ -120,7 +125,7 @@ def _tick(
     vehicle: Car,
     x: casadi.SX,
     u: casadi.SX,
-    middle: casadi.SX,
+    mid_height: casadi.SX,
     rate: casadi.SX,
     surge: casadi.SX,
     tick_s: float,
@@ -128,7 +133,7 @@ def _tick(
     """Classical Runge–Kutta step with the road of the tick's middle, in the substeps the damper needs."""
 
     def rates(state: casadi.SX) -> casadi.SX:
-        return equations.derivative(vehicle, state, KILO * u, middle, rate, casadi, surge)
+        return equations.derivative(vehicle, state, KILO * u, mid_height, rate, casadi, surge)
 
     substeps = vehicle.corners[0].damper.substeps
     h = tick_s / substeps
@@ -155,18 +160,18 @@ def _adjoint_sweep(
     results: outputs, then the entries of dx⁺/dx, dx⁺/du, d outputs/dx, one column per tick. slopes: dJ/d
     outputs.
     """
-    first, ticks = len(slopes), len(interval)
-    costate, before = np.zeros(states), np.zeros(states)
+    outputs, ticks = len(slopes), len(interval)
+    costate, previous_costate = np.zeros(states), np.zeros(states)
     for tick in range(ticks, -1, -1):
-        before[:] = 0.0
+        previous_costate[:] = 0.0
         for e in range(len(entries)):
             matrix, row, column = entries[e]
-            value = results[first + e, tick]
+            value = results[outputs + e, tick]
             if matrix == 2:
-                before[column] += value * slopes[row, tick]
+                previous_costate[column] += value * slopes[row, tick]
             elif tick < ticks:
                 if matrix == 0:
-                    before[column] += value * costate[row]
+                    previous_costate[column] += value * costate[row]
                 else:
                     gradient[interval[tick], column] += value * costate[row]
-        costate, before = before, costate
+        costate, previous_costate = previous_costate, costate

@@ -22,7 +22,7 @@ class CornerMotion(NamedTuple):
     relative: np.ndarray
 
 
-def corners(vehicle: Car, x: np.ndarray) -> CornerMotion:
+def corner_motion(vehicle: Car, x: np.ndarray) -> CornerMotion:
     """Extract the corner motion from the state x in the order of `vehicle.equations`."""
     state = x.tolist()
     travel, relative = rattle(vehicle, state, FLOATS)

@@ -9,7 +9,7 @@ Semi-Active Suspension Control Design for Vehicles, 2010, ch. 2).
 import numpy as np
 
 from foreride.controller.interface import Controller, Estimate
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
 from foreride.vehicle.dampers.damper import IdealDamper
@@ -37,7 +37,7 @@ def equivalent_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
         return damping_ns_m
     stroke = _REFERENCE_RATE_M_S * np.sin(2.0 * np.pi * np.arange(200) / 200)
     pairs = zip(vehicle.corners, damping_ns_m, strict=True)
-    return np.array([_equivalent_setting(corner, wanted, stroke) for corner, wanted in pairs])
+    return np.array([_equivalent_setting(corner, coefficient, stroke) for corner, coefficient in pairs])
 
 
 class EquivalentDamping:
@@ -52,21 +52,24 @@ class EquivalentDamping:
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the settings (wheels,) whose forces come closest to those of the law's coefficients."""
-        asked = self._law.step(estimate, preview)
-        rates = corners(self._vehicle, estimate.x).relative
+        coefficients = self._law.step(estimate, preview)
+        rates = corner_motion(self._vehicle, estimate.x).relative
         rates = np.where(rates < 0.0, np.minimum(rates, -_MIN_RATE_M_S), np.maximum(rates, _MIN_RATE_M_S))
-        each = zip(self._vehicle.corners, asked, rates, strict=True)
+        per_corner = zip(self._vehicle.corners, coefficients, rates, strict=True)
         return np.array(
-            [_equivalent_setting(corner, wanted, np.array([rate])) for corner, wanted, rate in each]
+            [
+                _equivalent_setting(corner, coefficient, np.array([rate]))
+                for corner, coefficient, rate in per_corner
+            ]
         )
 
 
-def _equivalent_setting(corner: Corner, wanted_ns_m: float, rates: np.ndarray) -> float:
+def _equivalent_setting(corner: Corner, coefficient_ns_m: float, rates: np.ndarray) -> float:
     """Setting whose mean coefficient over `rates` is nearest to the wanted one, by bisection.
 
     The force of a reduced damper grows with the setting and does not depend on travel.
     """
-    low, high, power = corner.damping_min_ns_m, corner.damping_max_ns_m, wanted_ns_m * (rates @ rates)
+    low, high, power = corner.damping_min_ns_m, corner.damping_max_ns_m, coefficient_ns_m * (rates @ rates)
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         force = corner.damper.force(middle, corner.normalised_setting(middle), 0.0, rates, [], np)

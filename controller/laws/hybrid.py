@@ -9,7 +9,7 @@ import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import Estimate, Stateless, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import HybridSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -25,8 +25,10 @@ class Hybrid(Stateless):
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
-        s, at = self._settings, corners(self._vehicle, estimate.x)
-        sky = np.maximum(at.body * at.relative, 0.0)
-        ground = np.maximum(-at.wheel * at.relative, 0.0)
-        asked = s.gain_ns_m * (s.alpha * sky + (1.0 - s.alpha) * ground)
-        return self._limits.clip(np.maximum(asked / (at.relative**2 + s.smoothing_m_s**2), s.floor_ns_m))
+        settings, motion = self._settings, corner_motion(self._vehicle, estimate.x)
+        sky = np.maximum(motion.body * motion.relative, 0.0)
+        ground = np.maximum(-motion.wheel * motion.relative, 0.0)
+        force = settings.gain_ns_m * (settings.alpha * sky + (1.0 - settings.alpha) * ground)
+        return self._limits.clip(
+            np.maximum(force / (motion.relative**2 + settings.smoothing_m_s**2), settings.floor_ns_m)
+        )

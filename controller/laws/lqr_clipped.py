@@ -13,12 +13,14 @@ from scipy.linalg import block_diag
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import Estimate, Stateless, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.settings import LqrSettings
 from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.equations import rest_per_road_height
 from foreride.vehicle.linear_model import linear_twin
 from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
 
 _FORCE_SCALE_N = 1e3
 """Forces in the cost are in kN, so that their weight is of the order of the other terms."""
@@ -33,7 +35,8 @@ class ClippedLqr(Stateless):
         self._limits = DampingLimits.of(vehicle)
         self._filter = ComfortFilter(vehicle, (timing or Timing()).period_s)
         self._gain = regulator(vehicle, self._settings)
-        self._rest = _rest(vehicle)
+        self._motion = state_layout(vehicle).motion
+        self._rest = rest_per_road_height(vehicle)[self._motion]
 
     def reset(self) -> None:
         """Reset the comfort filters to rest."""
@@ -41,11 +44,11 @@ class ClippedLqr(Stateless):
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
-        s = self._settings
-        moving = estimate.x[: -self._vehicle.wheels] - self._rest @ estimate.road_height
-        force = -self._gain @ np.concatenate([moving, self._filter.update(estimate.x)])
-        relative = corners(self._vehicle, estimate.x).relative
-        damping = s.nominal_ns_m - force * relative / (relative**2 + s.smoothing_m_s**2)
+        settings = self._settings
+        deviation = estimate.x[self._motion] - self._rest @ estimate.road_height
+        force = -self._gain @ np.concatenate([deviation, self._filter.update(estimate.x)])
+        relative = corner_motion(self._vehicle, estimate.x).relative
+        damping = settings.nominal_ns_m - force * relative / (relative**2 + settings.smoothing_m_s**2)
         return self._limits.clip(damping)
 
 
@@ -56,30 +59,31 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     under the wheels, then two states of the Wk filter per seat.
     """
     twin = linear_twin(vehicle, [settings.nominal_ns_m] * vehicle.wheels)
-    drive = _force_input(vehicle)
+    force_input = _force_input(vehicle)
     a, b, c = wk_second_order().state_space()
     seats = np.array(vehicle.seat_kinematic_rows)
-    bodies = 2 * np.arange(seats.shape[1]) + 1
+    body_velocity = state_layout(vehicle).body_velocity
     n, filters = len(twin.A), len(seats)
-    response, direct = seats @ twin.A[bodies], seats @ drive[bodies]
-    stacked = np.block(
+    response, direct = seats @ twin.A[body_velocity], seats @ force_input[body_velocity]
+    augmented = np.block(
         [[twin.A, np.zeros((n, 2 * filters))], [np.kron(response, b[:, None]), block_diag(*[a] * filters)]]
     )
-    stacked_drive = np.vstack([drive, np.kron(direct, b[:, None])])
+    augmented_input = np.vstack([force_input, np.kron(direct, b[:, None])])
     output = _cost_output(vehicle, twin, np.kron(np.eye(filters), c), settings.rho)
     weight = settings.force_weight / _FORCE_SCALE_N**2 * np.eye(vehicle.wheels)
-    gain, _, _ = control.lqr(stacked, stacked_drive, output.T @ output, weight)
+    gain, _, _ = control.lqr(augmented, augmented_input, output.T @ output, weight)
     return gain
 
 
 def _force_input(vehicle: Car) -> np.ndarray:
     """Accelerations per unit force of each corner's actuator, in the rows of the linear twin's state."""
     kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
-    bodies = kinematic_rows.shape[1]
-    drive = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))
-    drive[1 : 2 * bodies : 2] = kinematic_rows.T / np.array(vehicle.generalised_mass)[:, None]
-    drive[2 * bodies + 1 :: 2] = -np.diag([1.0 / corner.unsprung_mass_kg for corner in vehicle.corners])
-    return drive
+    layout = state_layout(vehicle)
+    force_input = np.zeros((layout.motion.stop, vehicle.wheels))
+    force_input[layout.body_velocity] = kinematic_rows.T / np.array(vehicle.generalised_mass)[:, None]
+    inverse_mass = np.diag([1.0 / corner.unsprung_mass_kg for corner in vehicle.corners])
+    force_input[layout.wheel_velocity] = -inverse_mass
+    return force_input
 
 
 def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, rho: float) -> np.ndarray:
@@ -87,13 +91,3 @@ def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, r
     static = np.array([corner.static_tyre_n for corner in vehicle.corners])
     load = twin.C[-vehicle.wheels :] / static[:, None] * np.sqrt(rho / vehicle.wheels)
     return block_diag(load, weighted / np.sqrt(len(weighted)))
-
-
-def _rest(vehicle: Car) -> np.ndarray:
-    """Rest state, without the damper settings, on unit road heights, (n, wheels)."""
-    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
-    bodies = kinematic_rows.shape[1]
-    rest = np.zeros((2 * (bodies + vehicle.wheels), vehicle.wheels))
-    rest[0 : 2 * bodies : 2] = np.linalg.pinv(kinematic_rows)
-    rest[2 * bodies :: 2] = np.eye(vehicle.wheels)
-    return rest

@@ -31,10 +31,12 @@ class Constant(Stateless):
 
 def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timing | None = None) -> Constant:
     """Passive baseline: the dampers as built, against which every other controller is compared."""
-    asked = settings.damping_ns_m if settings else None
+    damping_ns_m = settings.damping_ns_m if settings else None
     built = DampingLimits.of(vehicle).passive
     return Constant(
-        vehicle, built if asked is None else np.full(vehicle.wheels, float(asked)), "damping_ns_m"
+        vehicle,
+        built if damping_ns_m is None else np.full(vehicle.wheels, float(damping_ns_m)),
+        "damping_ns_m",
     )
 
 

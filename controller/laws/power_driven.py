@@ -9,7 +9,7 @@ import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import Estimate, Stateless, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import TwoStateSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -24,14 +24,14 @@ class PowerDriven(Stateless):
         settings = settings or TwoStateSettings()
         limits = DampingLimits.of(vehicle)
         self._vehicle = vehicle
-        self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
+        self._high, self._low = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
         self._spring = np.array([corner.spring_n_m for corner in vehicle.corners])
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
-        at = corners(self._vehicle, estimate.x)
-        still = np.abs(at.relative) < _RATE_TOLERANCE_M_S
-        balancing = -self._spring * at.travel / np.where(still, 1.0, at.relative)
-        moving = np.clip(balancing, self._soft, self._hard)
-        resting = np.where(at.travel == 0.0, self._soft, 0.5 * (self._soft + self._hard))
-        return np.where(still, resting, moving)
+        motion = corner_motion(self._vehicle, estimate.x)
+        at_rest = np.abs(motion.relative) < _RATE_TOLERANCE_M_S
+        balancing = -self._spring * motion.travel / np.where(at_rest, 1.0, motion.relative)
+        dissipating = np.clip(balancing, self._low, self._high)
+        resting = np.where(motion.travel == 0.0, self._low, 0.5 * (self._low + self._high))
+        return np.where(at_rest, resting, dissipating)

@@ -9,7 +9,7 @@ import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import Estimate, Stateless, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import SkyhookSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -25,7 +25,7 @@ class Skyhook(Stateless):
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m, that best approximates the force of the virtual dampers."""
-        s, at = self._settings, corners(self._vehicle, estimate.x)
-        force = s.sky_ns_m * at.body - s.ground_ns_m * at.wheel
-        damping = force * at.relative / (at.relative**2 + s.smoothing_m_s**2)
-        return self._limits.clip(np.maximum(damping, s.floor_ns_m))
+        settings, motion = self._settings, corner_motion(self._vehicle, estimate.x)
+        force = settings.sky_ns_m * motion.body - settings.ground_ns_m * motion.wheel
+        damping = force * motion.relative / (motion.relative**2 + settings.smoothing_m_s**2)
+        return self._limits.clip(np.maximum(damping, settings.floor_ns_m))

@@ -15,7 +15,7 @@ import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import Estimate, Stateless, Timing
-from foreride.controller.laws.corner_motion import corners
+from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import ShAddSettings, TwoStateSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.equations import FLOATS, body_acceleration
@@ -27,12 +27,12 @@ OpposedMotion = Callable[[Car, Estimate], np.ndarray]
 
 def skyhook2(vehicle: Car, estimate: Estimate) -> np.ndarray:
     """Body velocity above each wheel, m/s."""
-    return corners(vehicle, estimate.x).body
+    return corner_motion(vehicle, estimate.x).body
 
 
 def groundhook(vehicle: Car, estimate: Estimate) -> np.ndarray:
     """Downward velocity of each wheel, m/s."""
-    return -corners(vehicle, estimate.x).wheel
+    return -corner_motion(vehicle, estimate.x).wheel
 
 
 def add(vehicle: Car, estimate: Estimate) -> np.ndarray:
@@ -55,13 +55,13 @@ class TwoState(Stateless):
         settings = settings or TwoStateSettings()
         limits = DampingLimits.of(vehicle)
         self._vehicle, self._law = vehicle, law
-        self._hard, self._soft = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
+        self._high, self._low = limits.clip(settings.hard_ns_m), limits.clip(settings.soft_ns_m)
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m."""
-        relative = corners(self._vehicle, estimate.x).relative
+        relative = corner_motion(self._vehicle, estimate.x).relative
         hard = self._law(self._vehicle, estimate) * relative > 0.0
-        return np.where(hard, self._hard, self._soft)
+        return np.where(hard, self._high, self._low)
 
 
 def sh_add(vehicle: Car, settings: ShAddSettings | None = None, timing: Timing | None = None) -> TwoState:

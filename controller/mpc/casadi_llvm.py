@@ -83,8 +83,8 @@ class CompiledFunction:
         return partial(self._run, points.ctypes.data, results.ctypes.data, count, *lengths)
 
     def _check(self, name: str, array: np.ndarray, rows: int, count: int) -> None:
-        fits = array.ndim == 2 and array.shape[0] >= rows and array.shape[1] >= count
-        if not (fits and array.dtype == np.float64 and array.strides[1] == 8):
+        sufficient = array.ndim == 2 and array.shape[0] >= rows and array.shape[1] >= count
+        if not (sufficient and array.dtype == np.float64 and array.strides[1] == 8):
             raise ValueError(f"{name} must be float64 of at least ({rows}, {count}), got {array.shape}")
         if count % self.lanes:
             raise ValueError(f"count must be a multiple of {self.lanes}, got {count}")
@@ -118,8 +118,8 @@ done:
 
 
 def _body(function: casadi.Function, lanes: int, number: str, suffix: str) -> Iterator[str]:
-    """LLVM instructions for each of CasADi's; `held` maps the slots of its work vector to LLVM values."""
-    held: dict[int, str] = {}
+    """LLVM instructions for each of CasADi's; `values` maps the slots of its work vector to LLVM values."""
+    values: dict[int, str] = {}
     flag = "i1" if lanes == 1 else f"<{lanes} x i1>"
     symbols = {"t": number, "s": suffix, "zero": _constant(0.0, lanes), "one": _constant(1.0, lanes)}
     first_in = np.cumsum([0, *(function.nnz_in(i) for i in range(function.n_in()))])
@@ -132,15 +132,15 @@ def _body(function: casadi.Function, lanes: int, number: str, suffix: str) -> It
         )
         if op == casadi.OP_OUTPUT:
             yield from _address(k, "results", "out", first_out[target[0]] + target[1])
-            yield f"store {number} {held[source[0]]}, ptr %p{k}, align 8"
+            yield f"store {number} {values[source[0]]}, ptr %p{k}, align 8"
         elif op == casadi.OP_INPUT:
             yield from _address(k, "points", "in", first_in[source[0]] + source[1])
             yield f"%v{k} = load {number}, ptr %p{k}, align 8"
-            held[target[0]] = f"%v{k}"
+            values[target[0]] = f"%v{k}"
         elif op == casadi.OP_CONST:
-            held[target[0]] = _constant(function.instruction_constant(k), lanes)
+            values[target[0]] = _constant(function.instruction_constant(k), lanes)
         else:
-            operands = dict(zip("ab", (held[i] for i in source), strict=False))
+            operands = dict(zip("ab", (values[i] for i in source), strict=False))
             if op in _COMPARISONS:
                 yield f"%c{k} = " + _COMPARISONS[op].format(**symbols, **operands)
                 chosen = operands["b"] if op == casadi.OP_IF_ELSE_ZERO else symbols["one"]
@@ -149,7 +149,7 @@ def _body(function: casadi.Function, lanes: int, number: str, suffix: str) -> It
                 yield f"%v{k} = " + _OPERATIONS[op].format(**symbols, **operands)
             else:
                 raise NotImplementedError(f"CasADi operation {op} of {function.name()} has no translation")
-            held[target[0]] = f"%v{k}"
+            values[target[0]] = f"%v{k}"
 
 
 def _address(k: int, array: str, row_length: str, row: int) -> Iterator[str]:

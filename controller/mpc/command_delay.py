@@ -19,15 +19,15 @@ class DelayedCommand(NamedTuple):
 class CommandDelayLine:
     """Delay line of issued commands, each of which acts `delay_s` after its issue until the next one acts."""
 
-    def __init__(self, timing: Timing, first: np.ndarray):
+    def __init__(self, timing: Timing, initial: np.ndarray):
         self._timing = timing
         self._count = int(np.ceil(timing.delay_s / timing.period_s - 1e-9))
-        self._first = first
+        self._initial = initial
         self.reset()
 
     def reset(self) -> None:
         """Fill the line with the initial command."""
-        self._issued = deque([self._first] * self._count, maxlen=self._count)
+        self._issued = deque([self._initial] * self._count, maxlen=self._count)
 
     def issue(self, command: np.ndarray) -> None:
         """Append the command issued now."""
@@ -40,9 +40,9 @@ class CommandDelayLine:
 
     def pending(self) -> list[DelayedCommand]:
         """Return the commands that act from now until one issued now would act; empty without delay."""
-        period, holds, start = self._timing.period_s, [], 0.0
+        period, pending, start = self._timing.period_s, [], 0.0
         for i, command in enumerate(self._issued):
             end = self._timing.delay_s - (self._count - 1 - i) * period
-            holds.append(DelayedCommand(start, end - start, command))
+            pending.append(DelayedCommand(start, end - start, command))
             start = end
-        return holds
+        return pending

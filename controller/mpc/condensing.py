@@ -80,13 +80,13 @@ class Condenser:
         self._advance()
         self._linearise()
         root = self._terminal.root
-        ending = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
+        terminal_residuals = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
         _condense(
             self._results,
             self._entries,
             self._interval,
             self._weights,
-            ending,
+            terminal_residuals,
             root,
             self._hessian,
             self._gradient,
@@ -138,41 +138,41 @@ def _condense(
     entries: np.ndarray,
     interval: np.ndarray,
     weights: np.ndarray,
-    ending: np.ndarray,
+    terminal_residuals: np.ndarray,
     root: np.ndarray,
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
     """Accumulate H and g, skipping the columns of commands that have not yet acted."""
-    n_x, n_r, size = len(ending), results.shape[0] - len(entries), len(gradient)
+    n_x, n_r, size = len(terminal_residuals), results.shape[0] - len(entries), len(gradient)
     inputs = size // (interval[-1] + 1)
-    now, after = np.zeros((n_x, size)), np.zeros((n_x, size))
-    jacobian, last = np.zeros((n_r, size)), np.zeros((n_x, size))
+    sensitivity, next_sensitivity = np.zeros((n_x, size)), np.zeros((n_x, size))
+    jacobian, terminal_jacobian = np.zeros((n_r, size)), np.zeros((n_x, size))
     hessian[:] = 0.0
     gradient[:] = 0.0
     for step in range(len(interval)):
-        past = interval[step] * inputs
-        acted = past + inputs
-        after[:, :acted] = 0.0
-        jacobian[:, :acted] = 0.0
+        block_start = interval[step] * inputs
+        block_end = block_start + inputs
+        next_sensitivity[:, :block_end] = 0.0
+        jacobian[:, :block_end] = 0.0
         for e in range(len(entries)):
             matrix, row, column = entries[e]
             value = results[n_r + e, step]
             if matrix == 0:
-                for i in range(acted):
-                    after[row, i] += value * now[column, i]
+                for i in range(block_end):
+                    next_sensitivity[row, i] += value * sensitivity[column, i]
             elif matrix == 1:
-                after[row, past + column] += value
+                next_sensitivity[row, block_start + column] += value
             else:
-                for i in range(acted):
-                    jacobian[row, i] += value * after[column, i]
-        _add_squares(jacobian, results[:n_r, step].copy(), weights[step], acted, hessian, gradient)
-        now, after = after, now
+                for i in range(block_end):
+                    jacobian[row, i] += value * next_sensitivity[column, i]
+        _add_squares(jacobian, results[:n_r, step].copy(), weights[step], block_end, hessian, gradient)
+        sensitivity, next_sensitivity = next_sensitivity, sensitivity
     for row in range(n_x):
         for column in range(row, n_x):
             for i in range(size):
-                last[row, i] += root[row, column] * now[column, i]
-    _add_squares(last, ending, 1.0, size, hessian, gradient)
+                terminal_jacobian[row, i] += root[row, column] * sensitivity[column, i]
+    _add_squares(terminal_jacobian, terminal_residuals, 1.0, size, hessian, gradient)
     for i in range(size):
         for j in range(i):
             hessian[j, i] = hessian[i, j]

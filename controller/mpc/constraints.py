@@ -34,14 +34,14 @@ class Constraints:
         n, corners = state_size(vehicle), vehicle.corners
         self._wheels, self._n = vehicle.wheels, n
         low, high = plan_limits(vehicle)
-        self._soft, self._hard = low + _ACTIVE_TOLERANCE, high - _ACTIVE_TOLERANCE
+        self._at_min, self._at_max = low + _ACTIVE_TOLERANCE, high - _ACTIVE_TOLERANCE
         active = input_size(vehicle) > vehicle.wheels
         self._forces = ForceLimits(vehicle, grid, settings) if active else None
 
         def column(name: str) -> np.ndarray:
             return np.array([[getattr(corner, name)] for corner in corners])
 
-        self._gauge = np.vstack([rattle(vehicle, np.eye(n))[0], motion(vehicle, np.eye(n)).wheel])
+        self._motion_rows = np.vstack([rattle(vehicle, np.eye(n))[0], motion(vehicle, np.eye(n)).wheel])
         self._jounce, self._rebound = -column("stop_gap_m"), column("rebound_gap_m")
         self._deflection = column("static_tyre_deflection_m")
 
@@ -65,18 +65,26 @@ class Constraints:
         on `road` heights (wheels, steps + 1), m.
         """
         w = self._wheels
-        soft, hard = plan[0] <= self._soft, plan[0] >= self._hard
-        found = {MIN_DAMPING: soft[:w], MAX_DAMPING: hard[:w]} | self._vehicle_limits(states[: self._n], road)
+        at_min, at_max = plan[0] <= self._at_min, plan[0] >= self._at_max
+        active = {MIN_DAMPING: at_min[:w], MAX_DAMPING: at_max[:w]} | self._vehicle_limits(
+            states[: self._n], road
+        )
         if rows is not None and self._forces is not None:
-            along = rows.matrix @ change.ravel()
-            held = (along <= rows.low + _ACTIVE_TOLERANCE) | (along >= rows.high - _ACTIVE_TOLERANCE)
-            powered = self._forces.rate_rows
-            found |= {FORCE: soft[w:] | hard[w:], RATE: held[:powered][:w], POWER: held[powered:]}
-        return tuple(name for name in NAMES if name in found and np.count_nonzero(found[name]))
+            row_values = rows.matrix @ change.ravel()
+            at_limit = (row_values <= rows.low + _ACTIVE_TOLERANCE) | (
+                row_values >= rows.high - _ACTIVE_TOLERANCE
+            )
+            rate_count = self._forces.rate_rows
+            active |= {
+                FORCE: at_min[w:] | at_max[w:],
+                RATE: at_limit[:rate_count][:w],
+                POWER: at_limit[rate_count:],
+            }
+        return tuple(name for name in NAMES if name in active and np.count_nonzero(active[name]))
 
     def _vehicle_limits(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
         """Bump-stop contact, and wheel lift-off by the static tyre deflection."""
-        place = self._gauge @ states
-        travel, wheel = place[: self._wheels], place[self._wheels :]
-        stopped = (travel < self._jounce) | (travel > self._rebound)
-        return {RATTLE_SPACE: stopped, WHEEL_LIFT: wheel - road >= self._deflection}
+        positions = self._motion_rows @ states
+        travel, wheel = positions[: self._wheels], positions[self._wheels :]
+        on_stop = (travel < self._jounce) | (travel > self._rebound)
+        return {RATTLE_SPACE: on_stop, WHEEL_LIFT: wheel - road >= self._deflection}

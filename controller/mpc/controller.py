@@ -49,11 +49,13 @@ class PredictiveController:
         def program(length_s: float) -> Program:
             return Program(vehicle, self._model, terminal, self._settings, self._timing, length_s)
 
-        self._blind = program(self._settings.blind_horizon_s)
-        self._sighted = program(self._settings.horizon_s) if preview_source == "preview" else self._blind
+        self._reactive_program = program(self._settings.blind_horizon_s)
+        self._preview_program = (
+            program(self._settings.horizon_s) if preview_source == "preview" else self._reactive_program
+        )
         self._passive = passive_command(vehicle)
-        self._least, self._most = command_limits(vehicle)
-        self._low, self._high = plan_limits(vehicle)
+        self._command_min, self._command_max = command_limits(vehicle)
+        self._plan_min, self._plan_max = plan_limits(vehicle)
         self._filter = ComfortFilter(vehicle, period)
         self._delay_line = CommandDelayLine(self._timing, self._passive)
         self._road = RoadReference(vehicle.wheels, self._settings.road)
@@ -61,7 +63,7 @@ class PredictiveController:
 
     def reset(self) -> None:
         """Clear the plan, the past commands and the statistics."""
-        self._program = self._sighted
+        self._program = self._preview_program
         self._plan = np.tile(self._passive / KILO, (len(self._program.shift), 1))
         self._filter.reset()
         self._delay_line.reset()
@@ -77,10 +79,10 @@ class PredictiveController:
         If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
         """
         self._plan = self._program.shift @ self._plan
-        seen = self._select_preview(estimate, preview)
-        self._use(self._blind if seen is None else self._sighted)
-        self.problem = self._correct_plan(estimate, seen)
-        command = np.minimum(np.maximum(KILO * self._plan[0], self._least), self._most)
+        selected = self._select_preview(estimate, preview)
+        self._use(self._reactive_program if selected is None else self._preview_program)
+        self.problem = self._correct_plan(estimate, selected)
+        command = np.minimum(np.maximum(KILO * self._plan[0], self._command_min), self._command_max)
         self._delay_line.issue(command)
         return command.copy()
 
@@ -93,16 +95,16 @@ class PredictiveController:
         self._plan = program.adopted(self._plan, self._program.grid)
         self._program = program
 
-    def _correct_plan(self, estimate: Estimate, seen: RoadPreview | None) -> str | None:
+    def _correct_plan(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
-        road.look(estimate, seen)
+        road.update(estimate, preview)
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
         roads = road.roads(program.node_times_s)
         cost = program.condensed(state, self._plan, roads, road.weights)
         states = program.condense.states
         rows = program.constraints.rows(self._plan, states)
-        solution = program.solve(cost, self._low - self._plan, self._high - self._plan, rows)
+        solution = program.solve(cost, self._plan_min - self._plan, self._plan_max - self._plan, rows)
         if solution.problem is not None:
             self.active = ()
         else:
@@ -114,7 +116,7 @@ class PredictiveController:
 
     def _select_preview(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
         if self._wheelbase is not None:
-            return self._wheelbase.look(estimate)
+            return self._wheelbase.update(estimate)
         return preview if self._preview_source == "preview" else None
 
     def _predict(self, state: np.ndarray) -> np.ndarray:

@@ -53,17 +53,17 @@ def prediction_model(vehicle: Car, rho: float = 3.0) -> PredictionModel:
     x = casadi.SX.sym("state", equations.state_size(vehicle) + 2 * len(vehicle.seat_x_m))
     u = casadi.SX.sym("command", equations.input_size(vehicle))
     start, end = (casadi.SX.sym(name, vehicle.wheels) for name in ("start", "end"))
-    duration = casadi.SX.sym("duration")
-    velocity = (end - start) / duration
-    after = _integrate(vehicle, x, u, start, velocity, duration)
+    duration_s = casadi.SX.sym("duration")
+    velocity = (end - start) / duration_s
+    next_state = _integrate(vehicle, x, u, start, velocity, duration_s)
     residuals = _outputs(vehicle, x, end, velocity, rho)
-    by_state = casadi.substitute(casadi.jacobian(residuals, x), x, after)
-    reached = casadi.substitute(residuals, x, after)
-    inputs, rest = [x, u, start, end, duration], casadi.SX.zeros(vehicle.wheels)
-    slopes = [reached, casadi.jacobian(after, x), casadi.jacobian(after, u), by_state]
-    step = casadi.Function("step", inputs, [after], {"cse": True})
+    by_state = casadi.substitute(casadi.jacobian(residuals, x), x, next_state)
+    end_residuals = casadi.substitute(residuals, x, next_state)
+    inputs, level = [x, u, start, end, duration_s], casadi.SX.zeros(vehicle.wheels)
+    slopes = [end_residuals, casadi.jacobian(next_state, x), casadi.jacobian(next_state, u), by_state]
+    step = casadi.Function("step", inputs, [next_state], {"cse": True})
     linear = casadi.Function("slopes", inputs, slopes, {"cse": True})
-    outputs = casadi.Function("outputs", [x], [_outputs(vehicle, x, rest, rest, rho)])
+    outputs = casadi.Function("outputs", [x], [_outputs(vehicle, x, level, level, rho)])
     return PredictionModel(
         vehicle,
         x.numel(),
@@ -80,21 +80,25 @@ def derivative(vehicle: Car, x: casadi.SX, u: casadi.SX, height: casadi.SX, velo
     """Time derivatives of the vehicle's and the comfort filters' states."""
     n = equations.state_size(vehicle)
     rates = equations.derivative(vehicle, x[:n], KILO * u, height, velocity, casadi)
-    felt = equations.body_acceleration(vehicle, x[:n], height, velocity, vehicle.seat_kinematic_rows, casadi)
+    seat_acceleration = equations.body_acceleration(
+        vehicle, x[:n], height, velocity, vehicle.seat_kinematic_rows, casadi
+    )
     a, b, _ = wk_second_order().state_space()
-    filters = [a @ x[n + 2 * i : n + 2 * i + 2] + b * felt[i] for i in range(felt.numel())]
+    filters = [
+        a @ x[n + 2 * i : n + 2 * i + 2] + b * seat_acceleration[i] for i in range(seat_acceleration.numel())
+    ]
     return casadi.vertcat(rates, *filters)
 
 
 def _integrate(
-    vehicle: Car, x: casadi.SX, u: casadi.SX, start: casadi.SX, velocity: casadi.SX, h: casadi.SX
+    vehicle: Car, x: casadi.SX, u: casadi.SX, start_height: casadi.SX, velocity: casadi.SX, h: casadi.SX
 ) -> casadi.SX:
     """Classical fourth-order Runge–Kutta step with the road height linear over the step."""
-    middle, end = start + 0.5 * h * velocity, start + h * velocity
-    k1 = derivative(vehicle, x, u, start, velocity)
-    k2 = derivative(vehicle, x + 0.5 * h * k1, u, middle, velocity)
-    k3 = derivative(vehicle, x + 0.5 * h * k2, u, middle, velocity)
-    k4 = derivative(vehicle, x + h * k3, u, end, velocity)
+    mid_height, end_height = start_height + 0.5 * h * velocity, start_height + h * velocity
+    k1 = derivative(vehicle, x, u, start_height, velocity)
+    k2 = derivative(vehicle, x + 0.5 * h * k1, u, mid_height, velocity)
+    k3 = derivative(vehicle, x + 0.5 * h * k2, u, mid_height, velocity)
+    k4 = derivative(vehicle, x + h * k3, u, end_height, velocity)
     return x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 

@@ -48,14 +48,14 @@ class Program:
         The most_likely road comes last, so that the states which the condenser keeps are those on it.
         """
         most_likely = int(weights.argmax())
-        others = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]
+        other_roads = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]
         hessian, gradient = 0.0, 0.0
-        for index in others:
+        for index in other_roads:
             problem = self.condense(state, plan, roads[index])
             hessian = hessian + weights[index] * problem.hessian
             gradient = gradient + weights[index] * problem.gradient
         problem, weight = self.condense(state, plan, roads[most_likely]), weights[most_likely]
-        if not others:
+        if not other_roads:
             return problem
         return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 
@@ -73,5 +73,5 @@ class Program:
         if grid == self.grid:
             return plan
         starts = np.cumsum((0.0, *grid.intervals_s[:-1]))
-        wanted = np.cumsum((0.0, *self.grid.intervals_s[:-1]))
-        return plan[np.searchsorted(starts, wanted + 1e-9, side="right") - 1]
+        own_starts = np.cumsum((0.0, *self.grid.intervals_s[:-1]))
+        return plan[np.searchsorted(starts, own_starts + 1e-9, side="right") - 1]

@@ -44,21 +44,21 @@ def solve_box(
     with np.errstate(invalid="ignore"):
         if not np.isfinite(gradient @ hessian @ gradient):
             return Solution(np.zeros(n), "not finite")
-    matrix, below, above = np.zeros((0, n)), low, high
+    matrix, lower, upper = np.zeros((0, n)), low, high
     if rows is not None:
         matrix = rows.matrix
-        below, above = np.concatenate([low, rows.low]), np.concatenate([high, rows.high])
-    working = np.zeros(len(below), dtype=np.intc)
+        lower, upper = np.concatenate([low, rows.low]), np.concatenate([high, rows.high])
+    working = np.zeros(len(lower), dtype=np.intc)
     working[:n][low > -ACTIVE_TOLERANCE] = _AT_LOW
     working[:n][high < ACTIVE_TOLERANCE] = _AT_HIGH
-    x, _, status, _ = daqp.solve(hessian, gradient, matrix, above, below, working)
+    x, _, status, _ = daqp.solve(hessian, gradient, matrix, upper, lower, working)
     if status != 1:
         return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
-    inside = np.minimum(np.maximum(x, low), high)
-    error = np.abs(inside - x).max()
+    clipped = np.minimum(np.maximum(x, low), high)
+    error = np.abs(clipped - x).max()
     if rows is not None:
-        along = matrix @ inside
-        error = max(error, np.maximum(along - rows.high, rows.low - along).max(initial=0.0))
+        row_values = matrix @ clipped
+        error = max(error, np.maximum(row_values - rows.high, rows.low - row_values).max(initial=0.0))
     if not error <= FEASIBILITY_TOLERANCE:
         return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
-    return Solution(inside, None)
+    return Solution(clipped, None)

@@ -10,7 +10,7 @@ from foreride.controller.command_limits import KILO, DampingLimits
 from foreride.controller.mpc.prediction_model import PredictionModel, derivative
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import IdealDamper
-from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,17 @@ def terminal_cost(
     vehicle = model.vehicle
     damping = DampingLimits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
     a, c = _linear(model, damping)
-    settings = equations.damping_rows(vehicle)
-    kept = np.r_[0 : settings.start, settings.stop : model.n_x]
-    p = solve_continuous_lyapunov(a[np.ix_(kept, kept)].T, -c[:, kept].T @ c[:, kept]) / period_s
+    settings = state_layout(vehicle).damping
+    state_rows = np.r_[0 : settings.start, settings.stop : model.n_x]
+    p = (
+        solve_continuous_lyapunov(a[np.ix_(state_rows, state_rows)].T, -c[:, state_rows].T @ c[:, state_rows])
+        / period_s
+    )
     root = np.zeros((model.n_x, model.n_x))
-    root[np.ix_(kept, kept)] = cholesky(p + 1e-9 * np.eye(len(kept)))
-    return TerminalCost(root, _rest(vehicle, model.n_x))
+    root[np.ix_(state_rows, state_rows)] = cholesky(p + 1e-9 * np.eye(len(state_rows)))
+    rest = np.zeros((model.n_x, vehicle.wheels))
+    rest[: equations.state_size(vehicle)] = equations.rest_per_road_height(vehicle)
+    return TerminalCost(root, rest)
 
 
 def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -51,16 +56,6 @@ def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarra
     rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat)
     slopes = casadi.Function("f", [x], [casadi.jacobian(e, x) for e in (rates, model.outputs(x))])
     rest = np.zeros(model.n_x)
-    rest[equations.damping_rows(vehicle)] = damping_ns_m
+    rest[state_layout(vehicle).damping] = damping_ns_m
     a, c = slopes(rest)
     return np.array(a), np.array(c)
-
-
-def _rest(vehicle: Car, n_x: int) -> np.ndarray:
-    """Rest state per unit road height, (n_x, wheels): wheels on the road, the body in equilibrium on them."""
-    kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
-    bodies = kinematic_rows.shape[1]
-    rest = np.zeros((n_x, vehicle.wheels))
-    rest[0 : 2 * bodies : 2] = np.linalg.pinv(kinematic_rows)
-    rest[2 * bodies : 2 * (bodies + vehicle.wheels) : 2] = np.eye(vehicle.wheels)
-    return rest

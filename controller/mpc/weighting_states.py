@@ -6,6 +6,7 @@ from scipy.signal import cont2discrete
 from foreride.comfort.weighting import wk_second_order
 from foreride.vehicle.equations import state_size
 from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
 
 
 class ComfortFilter:
@@ -20,7 +21,7 @@ class ComfortFilter:
         self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
         self._seats = len(vehicle.seat_kinematic_rows)
         self._velocities = np.zeros((self._seats, state_size(vehicle)))  # seats by state
-        self._velocities[:, 1 : 2 * len(vehicle.generalised_mass) : 2] = vehicle.seat_kinematic_rows
+        self._velocities[:, state_layout(vehicle).body_velocity] = vehicle.seat_kinematic_rows
         self._period_s = period_s
         self.reset()
 

@@ -3,12 +3,13 @@
 import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
-from foreride.controller.observer.kinematic_filter import kinematics
+from foreride.controller.observer.kinematic_filter import filter_layout, kinematic_filter
 from foreride.controller.observer.sensor_monitor import ValidatedReading
-from foreride.vehicle.equations import body_acceleration, damping_rows, forces, rest_state, state_size
+from foreride.vehicle.equations import body_acceleration, forces, rest_state
 from foreride.vehicle.load import Car
-from foreride.vehicle.plant.sensors import SensorNoise
+from foreride.vehicle.plant.sensors import SensorNoise, channel_layout
 from foreride.vehicle.state import VehicleState
+from foreride.vehicle.state_layout import state_layout
 
 SPEED_FILTER_S = 0.2
 LIFT_OFF_LOAD_RATIO = 0.02
@@ -40,26 +41,26 @@ class Observer:
     def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
         corners = vehicle.corners
         self._wheels, self._period_s, self._noise = vehicle.wheels, timing.period_s, noise
-        self._filter = kinematics(vehicle, noise, timing.period_s)
+        self._filter = kinematic_filter(vehicle, noise, timing.period_s)
         kinematic_rows = np.array([corner.kinematic_row for corner in corners])
         self._body = np.linalg.pinv(kinematic_rows)
-        spread = np.linalg.pinv(kinematic_rows.T)
+        force_distribution = np.linalg.pinv(kinematic_rows.T)
         self._residual_projection = (
-            np.eye(vehicle.wheels) - spread @ kinematic_rows.T
+            np.eye(vehicle.wheels) - force_distribution @ kinematic_rows.T
             if vehicle.wheels > kinematic_rows.shape[1]
             else None
         )
-        carried = spread @ np.diag(vehicle.generalised_mass) @ self._body
+        corner_mass = force_distribution @ np.diag(vehicle.generalised_mass) @ self._body
         self._vehicle = vehicle
-        self._mass = np.hstack([carried, np.diag([corner.unsprung_mass_kg for corner in corners])])
+        self._mass = np.hstack([corner_mass, np.diag([corner.unsprung_mass_kg for corner in corners])])
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
         lags = np.array([corner.damper_lag_s for corner in corners])
-        self._follow = -np.expm1(-timing.period_s / lags)
-        moving = np.arange(2 * (len(vehicle.generalised_mass) + vehicle.wheels)).reshape(2, -1).T.ravel()
-        self._order = np.append(moving, np.arange(moving.size, state_size(vehicle)))
-        self._passive = rest_state(vehicle)[damping_rows(vehicle)]
+        self._damper_gain = -np.expm1(-timing.period_s / lags)
+        self._state, self._rows = state_layout(vehicle), filter_layout(vehicle.wheels)
+        self._channels = channel_layout(vehicle.wheels)
+        self._passive = rest_state(vehicle)[self._state.damping]
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
         self.reset()
 
@@ -77,44 +78,46 @@ class Observer:
         """Process a reading and the command that acted until then; return the present estimate."""
         w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
-        rattle, motion = measurement.rattle_m, self._filter
+        rattle, kalman_filter = measurement.rattle_m, self._filter
         if checked.faults:
-            motion = kinematics(self._vehicle, self._noise, self._period_s, checked.lost)
-            gone = np.array(checked.lost)
-            acceleration = np.where(gone[: 2 * w], self._substitute_accelerations(), acceleration)
-            rattle = np.where(gone[2 * w : 3 * w], 0.0, rattle)
+            kalman_filter = kinematic_filter(self._vehicle, self._noise, self._period_s, checked.lost)
+            lost_mask = np.array(checked.lost)
+            acceleration = np.where(
+                lost_mask[self._channels.acceleration], self._substitute_accelerations(), acceleration
+            )
+            rattle = np.where(lost_mask[self._channels.rattle], 0.0, rattle)
         if self._acceleration is None:
             self._acceleration = acceleration
-        mean = 0.5 * (acceleration + self._acceleration)
+        mean_acceleration = 0.5 * (acceleration + self._acceleration)
         self._acceleration = acceleration
         reading = np.concatenate([rattle, [measurement.pitch_rate], np.zeros(w)])
-        self._motion = motion.step(self._motion, mean, reading)
-        self._damping = self._damping + self._follow * (command[:w] - self._damping)
+        self._motion = kalman_filter.step(self._motion, mean_acceleration, reading)
+        self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
         if self._actuators:
             self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
-        before = self._road
-        road, contact = self._estimate_road_from_tyre(acceleration - self._motion[4 * w : 6 * w])
-        self._road = np.where(contact, road, np.minimum(road, before))
+        previous_road = self._road
+        road, contact = self._estimate_road_from_tyre(acceleration - self._motion[self._rows.offset])
+        self._road = np.where(contact, road, np.minimum(road, previous_road))
         return Estimate(
             time_s=float(measurement.time_s),
             x=self._vehicle_state(),
             road_height=self._road,
-            road_velocity=(self._road - before) / self._period_s,
+            road_velocity=(self._road - previous_road) / self._period_s,
             speed_m_s=self._smooth_speed(float(measurement.speed_m_s)),
             contact=contact,
             faults=checked.faults,
         )
 
-    def _update_actuator_force(self, asked: np.ndarray) -> None:
+    def _update_actuator_force(self, requested: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])
         follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
-        self._force = self._force + follow * (np.clip(asked, -limit, limit) - self._force)
+        self._force = self._force + follow * (np.clip(requested, -limit, limit) - self._force)
 
     def _substitute_accelerations(self) -> np.ndarray:
         """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""
-        w, level = self._wheels, np.zeros(self._wheels)
+        level = np.zeros(self._wheels)
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
-        return self._motion[4 * w : 6 * w] + np.concatenate([body, level])
+        return self._motion[self._rows.offset] + np.concatenate([body, level])
 
     def _estimate_road_from_tyre(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
@@ -124,23 +127,24 @@ class Observer:
         """
         force = self._mass @ acceleration
         if self._residual_projection is not None:
-            still = np.zeros(self._wheels)
-            struts = forces(self._vehicle, self._vehicle_state(), still, still)
+            level = np.zeros(self._wheels)
+            struts = forces(self._vehicle, self._vehicle_state(), level, level)
             force = force + self._residual_projection @ (
                 struts.spring + struts.damper + struts.stop + struts.actuator
             )
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection
-        road = self._motion[self._wheels : 2 * self._wheels] + deflection
+        road = self._motion[self._rows.wheel] + deflection
         return road, force > -(1.0 - LIFT_OFF_LOAD_RATIO) * self._static
 
     def _vehicle_state(self) -> np.ndarray:
-        w = self._wheels
-        heights, velocities = self._motion[: 2 * w], self._motion[2 * w : 4 * w]
-        body = self._body @ heights[:w], self._body @ velocities[:w]
-        parts = body[0], heights[w:], body[1], velocities[w:], self._damping, self._force
-        return np.concatenate(parts).take(self._order)
+        x, state, rows = np.empty(self._state.internal_states.stop), self._state, self._rows
+        x[state.body] = self._body @ self._motion[rows.body]
+        x[state.body_velocity] = self._body @ self._motion[rows.body_velocity]
+        x[state.wheel], x[state.wheel_velocity] = self._motion[rows.wheel], self._motion[rows.wheel_velocity]
+        x[state.damping], x[state.force] = self._damping, self._force
+        return x
 
     def _smooth_speed(self, measured: float) -> float:
         speed = measured if self._speed is None else self._speed

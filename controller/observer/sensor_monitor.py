@@ -1,11 +1,11 @@
 """Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from foreride.controller.interface import ALL_SILENT
-from foreride.vehicle.plant.sensors import Measurement, SensorNoise
+from foreride.vehicle.plant.sensors import ROLL_RATE, Measurement, SensorNoise
 
 STUCK_READINGS = 4
 """Number of equal consecutive readings after which a noisy sensor counts as stuck."""
@@ -47,65 +47,58 @@ class SensorMonitor:
             f"{name}_{wheel}" for name in ("body_acc", "wheel_acc", "rattle_m") for wheel in range(wheels)
         ]
         self._names += ["pitch_rate", "speed_m_s"]
-        most = np.repeat(
+        magnitudes = np.repeat(
             [MAX_MAGNITUDE["body_acc"], MAX_MAGNITUDE["wheel_acc"], MAX_MAGNITUDE["rattle_m"]], wheels
         )
-        self._most = np.array(
-            [*most, MAX_MAGNITUDE["pitch_rate"], MAX_MAGNITUDE["speed_m_s"], MAX_MAGNITUDE["roll_rate"]]
+        self._max_magnitude = np.array(
+            [*magnitudes, MAX_MAGNITUDE["pitch_rate"], MAX_MAGNITUDE["speed_m_s"], MAX_MAGNITUDE["roll_rate"]]
         )
-        self._sound = (False,) * len(self._most)
-        self._none = np.zeros(len(self._most), dtype=int)
+        self._none_lost = (False,) * len(self._max_magnitude)
+        self._no_repeats = np.zeros(len(self._max_magnitude), dtype=int)
         self.reset()
 
     def reset(self) -> None:
         """Clear the history of readings."""
-        self._held = np.zeros(len(self._most))
-        self._before = np.full(len(self._most), np.nan)
-        self._equal = self._none
+        self._last_valid = np.zeros(len(self._max_magnitude))
+        self._previous = np.full(len(self._max_magnitude), np.nan)
+        self._repeats = self._no_repeats
 
     def check(self, measurement: Measurement) -> ValidatedReading:
         """Return the validated reading."""
-        m = measurement
-        moved = [m.pitch_rate, m.speed_m_s, m.roll_rate]
-        values = np.concatenate([m.body_acc, m.wheel_acc, m.rattle_m, moved])
-        equal = self._noisy & (values == self._before)
-        self._before = values
-        if not equal.any() and (np.abs(values) <= self._most).all():  # false for NaN
-            self._equal, self._held = self._none, values
-            return ValidatedReading(measurement, self._sound)
-        return self._classify(measurement, values, equal)
+        values = measurement.channels()
+        repeated = self._noisy & (values == self._previous)
+        self._previous = values
+        if not repeated.any() and (np.abs(values) <= self._max_magnitude).all():  # false for NaN
+            self._repeats, self._last_valid = self._no_repeats, values
+            return ValidatedReading(measurement, self._none_lost)
+        return self._classify(measurement, values, repeated)
 
-    def _classify(self, measurement: Measurement, values: np.ndarray, equal: np.ndarray) -> ValidatedReading:
-        """Classify the faults of a reading; `equal` marks the channels that repeat their previous value."""
+    def _classify(
+        self, measurement: Measurement, values: np.ndarray, repeated: np.ndarray
+    ) -> ValidatedReading:
+        """Classify the faults of a reading; `repeated` marks the channels with their previous value."""
         silent = ~np.isfinite(values)
-        impossible = np.abs(values) > self._most  # false for NaN
-        self._equal = np.where(equal, self._equal + 1, 0)
-        stuck = self._equal >= STUCK_READINGS - 1
+        impossible = np.abs(values) > self._max_magnitude  # false for NaN
+        self._repeats = np.where(repeated, self._repeats + 1, 0)
+        stuck = self._repeats >= STUCK_READINGS - 1
         lost = silent | impossible | stuck
         if not lost.any():
-            self._held = values
-            return ValidatedReading(measurement, self._sound)
-        self._held = np.where(lost, self._held, values)
-        if lost[-1]:
-            self._held[-1] = 0.0
+            self._last_valid = values
+            return ValidatedReading(measurement, self._none_lost)
+        self._last_valid = np.where(lost, self._last_valid, values)
+        if lost[ROLL_RATE]:
+            self._last_valid[ROLL_RATE] = 0.0
+        held = Measurement.of_channels(measurement.time_s, self._last_valid)
         faults = self._faults(silent, impossible, stuck)
-        return ValidatedReading(self._hold_invalid(measurement), tuple(lost.tolist()), faults)
+        return ValidatedReading(held, tuple(lost.tolist()), faults)
 
     def _faults(self, silent: np.ndarray, impossible: np.ndarray, stuck: np.ndarray) -> tuple[str, ...]:
         """Fault names of the channels that control needs."""
-        why = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")[:-1]
-        if (why != "").all():
+        fault_kinds = np.select([silent, impossible, stuck], ["silent", "out of range", "stuck"], "")[
+            :ROLL_RATE
+        ]
+        if (fault_kinds != "").all():
             return (ALL_SILENT,)
-        return tuple(f"{name} {reason}" for name, reason in zip(self._names, why, strict=True) if reason)
-
-    def _hold_invalid(self, measurement: Measurement) -> Measurement:
-        w, held = self._wheels, self._held
-        return replace(
-            measurement,
-            body_acc=held[:w],
-            wheel_acc=held[w : 2 * w],
-            rattle_m=held[2 * w : 3 * w],
-            pitch_rate=float(held[-3]),
-            speed_m_s=float(held[-2]),
-            roll_rate=float(held[-1]),
+        return tuple(
+            f"{name} {reason}" for name, reason in zip(self._names, fault_kinds, strict=True) if reason
         )

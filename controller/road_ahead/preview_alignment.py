@@ -17,7 +17,7 @@ MEASURED_HEIGHT_SIGMA_M = 0.01
 """Standard deviation of a measured road height about the previewed profile, m."""
 _SHIFTS = np.linspace(-3.0, 3.0, 21)
 _PRIOR = 0.5 * _SHIFTS**2
-_SPREAD = float(np.sqrt(np.exp(-_PRIOR) @ _SHIFTS**2 / np.exp(-_PRIOR).sum()))
+_PRIOR_SIGMA = float(np.sqrt(np.exp(-_PRIOR) @ _SHIFTS**2 / np.exp(-_PRIOR).sum()))
 
 
 class PreviewShift(NamedTuple):
@@ -66,14 +66,14 @@ class PreviewAlignment:
         sigma = float(sigmas[np.abs(preview.distance_m) < MATCH_LENGTH_M].max(initial=0.0))
         if sigma == 0.0:
             return NO_SHIFT
-        travelled, height = np.array(self._measured).T
-        places = (travelled - self._travelled_m) + sigma * _SHIFTS[:, None]
+        travelled_m, height = np.array(self._measured).T
+        positions_m = (travelled_m - self._travelled_m) + sigma * _SHIFTS[:, None]
         heights = preview.existence[self._wheel] * preview.height_m[self._wheel]
-        expected = np.interp(places, preview.distance_m, heights)
-        error = (height - height[0]) - (expected - expected[:, :1])
+        previewed = np.interp(positions_m, preview.distance_m, heights)
+        error = (height - height[0]) - (previewed - previewed[:, :1])
         cost = 0.5 * np.sum((error / MEASURED_HEIGHT_SIGMA_M) ** 2, axis=1) + _PRIOR
-        weight = np.exp(cost.min() - cost)
-        weight /= weight.sum()
-        mean = float(weight @ _SHIFTS)
-        spread = float(np.sqrt(weight @ (_SHIFTS - mean) ** 2))
-        return PreviewShift(sigma * mean, min(1.0, spread / _SPREAD))
+        posterior = np.exp(cost.min() - cost)
+        posterior /= posterior.sum()
+        posterior_mean = float(posterior @ _SHIFTS)
+        posterior_sigma = float(np.sqrt(posterior @ (_SHIFTS - posterior_mean) ** 2))
+        return PreviewShift(sigma * posterior_mean, min(1.0, posterior_sigma / _PRIOR_SIGMA))

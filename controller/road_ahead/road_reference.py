@@ -32,9 +32,9 @@ _POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
 
 
 class RoadReference:
-    """Fusion of preview and measurement: `look` once a period, then query `heights` at future times.
+    """Fusion of preview and measurement: `update` once a period, then query `heights` at future times.
 
-    With `uncertainty` "scenarios" exists are several roads, each with its weight; otherwise a single one that
+    With `uncertainty` "scenarios" there are several roads, each with its weight; otherwise a single one that
     represents the whole uncertainty.
 
     The preview is shifted to where it matches the measured road (`controller.road_ahead.preview_alignment`);
@@ -53,39 +53,39 @@ class RoadReference:
         """Clear all measured and previewed heights."""
         self._height, self._slope = np.zeros((2, self._hypotheses, self._wheels))
         self._alignments = [PreviewAlignment(wheel) for wheel in range(self._wheels)]
-        self._before: Estimate | None = None
+        self._previous: Estimate | None = None
         self._speed = 0.0
-        self._seeing = False
+        self._has_preview = False
         self._set_preview(None)
 
-    def look(self, estimate: Estimate, preview: RoadPreview | None) -> None:
+    def update(self, estimate: Estimate, preview: RoadPreview | None) -> None:
         """Take in the present estimate and preview."""
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STANDSTILL_M_S else 0.0
         for alignment in self._alignments:
             alignment.record_road(estimate)
-        before = self._before
-        since = estimate.time_s - before.time_s if before is not None else 0.0
-        believed = self._previewed(np.array([since]))[..., 0]
+        previous = self._previous
+        elapsed_s = estimate.time_s - previous.time_s if previous is not None else 0.0
+        predicted = self._previewed(np.array([elapsed_s]))[..., 0]
         self._set_preview(preview)
-        seen = self._previewed(np.array([-since, 0.0]))
-        past, now = seen[..., 0], seen[..., 1]
-        if self._seeing != (preview is not None):
-            self._height = self._height + believed - now  # what was believed in the air stays believed
-            self._seeing = preview is not None
-        excess = estimate.road_height - now
+        previewed = self._previewed(np.array([-elapsed_s, 0.0]))
+        previous_heights, heights = previewed[..., 0], previewed[..., 1]
+        if self._has_preview != (preview is not None):
+            self._height = self._height + predicted - heights  # keep what was predicted in the air
+            self._has_preview = preview is not None
+        excess = estimate.road_height - heights
         self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
         slope = estimate.road_velocity
         if preview is not None:
             slope = np.zeros((self._hypotheses, self._wheels))
-            if before is not None and since > 0.0:
+            if previous is not None and elapsed_s > 0.0:
                 # Instantaneous rates would differ by metres per second if an edge lies between two samples.
-                unforeseen = (estimate.road_height - before.road_height) - (now - past)
-                slope = np.where(before.contact, unforeseen / since, 0.0)
+                unexplained = (estimate.road_height - previous.road_height) - (heights - previous_heights)
+                slope = np.where(previous.contact, unexplained / elapsed_s, 0.0)
         self._slope = np.where(estimate.contact, slope, 0.0)
-        self._before = estimate
+        self._previous = estimate
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
-        """Return the road height under each wheel (wheels, n), m, at `times_s` (n,) after the last look.
+        """Return the road height under each wheel (wheels, n), m, at `times_s` (n,) after the last update.
 
         With several hypotheses it is the height of the most probable one.
         """
@@ -99,17 +99,20 @@ class RoadReference:
     def roads(self, times_s: np.ndarray) -> np.ndarray:
         """Return the heights for every road hypothesis, (roads, wheels, n); `weights` (roads,) sum to one."""
         decay = self._settings.slope_decay_s
-        carried = -decay * np.expm1(-times_s / decay)
-        return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * carried
+        slope_travel = -decay * np.expm1(-times_s / decay)
+        return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * slope_travel
 
     def _set_preview(self, preview: RoadPreview | None) -> None:
         self.weights = self._certain
         if preview is None:
-            self._grid, self._expected = np.array([0.0, 1.0]), np.zeros((self._hypotheses, self._wheels, 2))
+            self._grid, self._previewed_heights = (
+                np.array([0.0, 1.0]),
+                np.zeros((self._hypotheses, self._wheels, 2)),
+            )
             return
         self._grid = preview.distance_m
         rows = [self._roads(preview, wheel, alignment) for wheel, alignment in enumerate(self._alignments)]
-        self._expected = np.array(rows).swapaxes(0, 1)
+        self._previewed_heights = np.array(rows).swapaxes(0, 1)
         if self._hypotheses > 1:
             likely = _likelihood(preview)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
@@ -128,11 +131,11 @@ class RoadReference:
         elif settings.uncertainty == "blend":
             roads = [existence * heights / (1.0 + (remaining_sigma_ratio * sigma / settings.blend_m) ** 2)]
         else:
-            known = np.clip((settings.unknown_m - sigma) / (settings.unknown_m - settings.known_m), 0.0, 1.0)
+            usable = np.clip((settings.unknown_m - sigma) / (settings.unknown_m - settings.known_m), 0.0, 1.0)
             roads = [
                 moved(
                     preview,
-                    known * existence * heights,
+                    usable * existence * heights,
                     settings.sigmas_early * remaining_sigma_ratio * sigma,
                 )
             ]
@@ -143,7 +146,10 @@ class RoadReference:
     def _previewed(self, times_s: np.ndarray) -> np.ndarray:
         distance = self._speed * times_s
         return np.array(
-            [[np.interp(distance, self._grid, row) for row in hypothesis] for hypothesis in self._expected]
+            [
+                [np.interp(distance, self._grid, row) for row in hypothesis]
+                for hypothesis in self._previewed_heights
+            ]
         )
 
 
@@ -161,9 +167,9 @@ def moved(preview: RoadPreview, heights: np.ndarray, nearer_m: np.ndarray) -> np
     """
     if not nearer_m.any():
         return heights
-    places = preview.distance_m - nearer_m
+    positions_m = preview.distance_m - nearer_m
     if nearer_m.min() < 0.0:
-        places = np.maximum.accumulate(places)
+        positions_m = np.maximum.accumulate(positions_m)
     else:
-        places = np.minimum.accumulate(places[::-1])[::-1]
-    return np.interp(preview.distance_m, places, heights)
+        positions_m = np.minimum.accumulate(positions_m[::-1])[::-1]
+    return np.interp(preview.distance_m, positions_m, heights)

@@ -20,12 +20,14 @@ class WheelbasePreview:
     """
 
     def __init__(self, vehicle: Car):
-        places, sides = np.array(vehicle.axle_x_m), vehicle.wheel_y_m
-        self._behind_front_m = places.max() - places
+        axles_m, sides = np.array(vehicle.axle_x_m), vehicle.wheel_y_m
+        self._behind_front_m = axles_m.max() - axles_m
         if self._behind_front_m.max() == 0.0:
             raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
         self._leader = [
-            min(range(len(places)), key=lambda front: (self._behind_front_m[front], abs(sides[front] - side)))
+            min(
+                range(len(axles_m)), key=lambda front: (self._behind_front_m[front], abs(sides[front] - side))
+            )
             for side in sides
         ]
         self._grid = distance_grid(BEHIND_M, float(self._behind_front_m.max()), STEP_M)
@@ -35,9 +37,9 @@ class WheelbasePreview:
         """Clear the road behind."""
         self._travelled_m = 0.0
         self._time_s: float | None = None
-        self._felt: deque[tuple[float, np.ndarray, np.ndarray]] = deque()
+        self._measured: deque[tuple[float, np.ndarray, np.ndarray]] = deque()
 
-    def look(self, estimate: Estimate) -> RoadPreview:
+    def update(self, estimate: Estimate) -> RoadPreview:
         """Record the road under the front wheels; return the preview for each wheel.
 
         Between two contacts the road is interpolated linearly, or follows the path of the tyre if that is
@@ -46,18 +48,22 @@ class WheelbasePreview:
         if self._time_s is not None:
             self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)
         self._time_s = estimate.time_s
-        self._felt.append((self._travelled_m, estimate.road_height, estimate.contact))
-        while len(self._felt) > 1 and self._felt[1][0] < self._travelled_m - self._grid[-1] - BEHIND_M:
-            self._felt.popleft()
+        self._measured.append((self._travelled_m, estimate.road_height, estimate.contact))
+        while (
+            len(self._measured) > 1 and self._measured[1][0] < self._travelled_m - self._grid[-1] - BEHIND_M
+        ):
+            self._measured.popleft()
         heights = np.zeros((len(self._behind_front_m), len(self._grid)))
-        known = np.zeros_like(heights)
-        place, felt, contacts = (np.array(column) for column in zip(*self._felt, strict=True))
+        existence = np.zeros_like(heights)
+        positions_m, heights_m, contacts = (np.array(column) for column in zip(*self._measured, strict=True))
         for wheel, behind_m in enumerate(self._behind_front_m):
             if behind_m > 0.0:
-                height, contact = felt[:, self._leader[wheel]], contacts[:, self._leader[wheel]]
-                bridged = np.interp(place, place[contact], height[contact]) if contact.any() else height
-                ahead = place - self._travelled_m + behind_m
-                heights[wheel] = np.interp(self._grid, ahead, np.minimum(bridged, height))
-                known[wheel] = 1.0
-        sure = np.zeros_like(heights)
-        return RoadPreview(estimate.time_s, self._grid, heights, sure, sure, known)
+                height, contact = heights_m[:, self._leader[wheel]], contacts[:, self._leader[wheel]]
+                interpolated = (
+                    np.interp(positions_m, positions_m[contact], height[contact]) if contact.any() else height
+                )
+                ahead = positions_m - self._travelled_m + behind_m
+                heights[wheel] = np.interp(self._grid, ahead, np.minimum(interpolated, height))
+                existence[wheel] = 1.0
+        no_uncertainty = np.zeros_like(heights)
+        return RoadPreview(estimate.time_s, self._grid, heights, no_uncertainty, no_uncertainty, existence)

@@ -53,7 +53,7 @@ def decode(data: bytes, path: Path | str, flags: int) -> NDArray[Any]:
     if not data:
         raise InputError(f"{path}: empty file; must be an image")
     if _is_cut_short(data):
-        raise InputError(f"{path}: the file is cut short; its end is missing")
+        raise InputError(f"{path}: the file is truncated")
     _check_header(data, path)
     try:
         image = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
@@ -69,14 +69,14 @@ def _check_header(data: bytes, path: Path | str) -> None:
         warnings.simplefilter("ignore")
         try:
             with Image.open(io.BytesIO(data), formats=_FORMATS) as image:
-                (width, height), moves = image.size, image.format in _STILLS_ONLY and _frames(image) > 1
+                (width, height), animated = image.size, image.format in _STILLS_ONLY and _frames(image) > 1
         except (UnidentifiedImageError, SyntaxError, OSError, ValueError):
             raise InputError(f"{path}: cannot be decoded as an image") from None
         except Image.DecompressionBombError:
             raise InputError(f"{path}: must have at most {MAX_PIXELS} pixels") from None
     if width * height > MAX_PIXELS:
         raise InputError(f"{path}: must have at most {MAX_PIXELS} pixels, got {width} x {height}")
-    if moves:
+    if animated:
         raise InputError(f"{path}: holds several pictures; must be one image")
 
 
@@ -88,18 +88,18 @@ def _is_cut_short(data: bytes) -> bool:
     """Whether the end of a JPEG or PNG is missing: decoders silently fill the rest with grey."""
     if data[:2] == b"\xff\xd8":
         return b"\xff\xd9" not in data[len(data) // 2 :]
-    return data[:4] == b"\x89PNG" and not _has_whole_chunks(data)
+    return data[:4] == b"\x89PNG" and not _has_complete_chunks(data)
 
 
-def _has_whole_chunks(data: bytes) -> bool:
+def _has_complete_chunks(data: bytes) -> bool:
     """Whether a PNG is made of chunks that lie in the file, to the last (ISO 15948, 5.3).
 
     The decoder allocates what a chunk claims, up to 2 GiB, before it looks for it.
     """
-    place = 8
-    while place + 12 <= len(data):
-        size, kind = int.from_bytes(data[place : place + 4]), data[place + 4 : place + 8]
-        place += size + 12
+    offset = 8
+    while offset + 12 <= len(data):
+        size, kind = int.from_bytes(data[offset : offset + 4]), data[offset + 4 : offset + 8]
+        offset += size + 12
         if kind == b"IEND":
-            return place <= len(data)
+            return offset <= len(data)
     return False

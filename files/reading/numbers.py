@@ -5,15 +5,15 @@ import re
 
 from foreride.files.errors import InputError, shown
 
-_WHOLE = re.compile(r"[0-9]{1,10}")
+_INTEGER = re.compile(r"[0-9]{1,10}")
 
 
 def is_integer(text: str) -> bool:
     """Whether the text is one to ten ASCII digits; `str.isdigit` would also accept superscripts."""
-    return _WHOLE.fullmatch(text) is not None
+    return _INTEGER.fullmatch(text) is not None
 
 
-def whole(text: str, name: str, low: int, high: int) -> int:
+def parse_integer(text: str, name: str, low: int, high: int) -> int:
     """Parse an integer; raise InputError, by `name`, unless it lies in low ... high."""
     if not (is_integer(text) and low <= int(text) <= high):
         raise InputError(f"{name} must be a whole number in {low} ... {high}, got {shown(text)}")

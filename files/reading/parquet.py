@@ -27,10 +27,12 @@ def table_from(data: bytes, path: Path | str, columns: Sequence[str] | None = No
     """Read as `read_table`, from the content of the file at `path`."""
     with reading(path):
         file = pq.ParquetFile(pa.BufferReader(data))
-        told = file.metadata
-        if told.num_columns > MAX_COLUMNS or told.num_rows * told.num_columns > MAX_CELLS:
-            size = f"{told.num_rows} rows of {told.num_columns} columns"
-            raise InputError(f"{path}: may have {MAX_COLUMNS} columns and {MAX_CELLS} cells, got {size}")
+        metadata = file.metadata
+        if metadata.num_columns > MAX_COLUMNS or metadata.num_rows * metadata.num_columns > MAX_CELLS:
+            size = f"{metadata.num_rows} rows of {metadata.num_columns} columns"
+            raise InputError(
+                f"{path}: must have at most {MAX_COLUMNS} columns and {MAX_CELLS} cells, got {size}"
+            )
         missing = [name for name in columns or () if name not in file.schema_arrow.names]
         if missing:
             raise InputError(f"{path}: lacks the column {missing[0]}")

@@ -27,11 +27,11 @@ Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]
 class Number(NamedTuple):
     """Range and unit of a number, read from its annotation."""
 
-    whole: bool
+    is_integer: bool
     interval: Interval
     unit: str
 
-    def told(self) -> str:
+    def text(self) -> str:
         """Text of the range with its unit, for messages and reference pages."""
         low, high = (f"{bound:.10g}" for bound in self.bounds())
         unit = "" if self.unit == "1" else f" {self.unit}"
@@ -46,13 +46,13 @@ class Number(NamedTuple):
         low, high = (i.ge if i.gt is None else i.gt), (i.le if i.lt is None else i.lt)
         return -math.inf if low is None else low, math.inf if high is None else high
 
-    def fits(self, value: Any) -> bool:
+    def has_type(self, value: Any) -> bool:
         """Whether the value has this number's type, in range or not."""
-        return isinstance(value, Integral if self.whole else Real) and not isinstance(value, bool)
+        return isinstance(value, Integral if self.is_integer else Real) and not isinstance(value, bool)
 
-    def holds(self, value: Any) -> bool:
+    def in_range(self, value: Any) -> bool:
         """Whether the value is in range; the comparisons also hold for integers of any size."""
-        if not self.fits(value):
+        if not self.has_type(value):
             return False
         (low, high), i = self.bounds(), self.interval
         if not low <= value <= high or value in (i.gt, i.lt):
@@ -78,9 +78,9 @@ def number_of(hint: Any) -> Number | None:
     """Range and unit of an annotation; None if it stands for no number."""
     if get_origin(hint) is not Annotated:
         return None
-    kind, *told = get_args(hint)
-    interval = next((item for item in told if isinstance(item, Interval)), None)
-    unit = next((item for item in told if isinstance(item, str)), "1")
+    kind, *metadata = get_args(hint)
+    interval = next((item for item in metadata if isinstance(item, Interval)), None)
+    unit = next((item for item in metadata if isinstance(item, str)), "1")
     return Number(kind is int, interval, unit) if interval else None
 
 
@@ -90,8 +90,8 @@ def numbers_in(hint: Any) -> Iterator[Number]:
     if number is not None:
         yield number
         return
-    for inner in get_args(hint):
-        yield from numbers_in(inner)
+    for argument in get_args(hint):
+        yield from numbers_in(argument)
 
 
 @cache
@@ -124,11 +124,11 @@ def _check_tuple(name: str, values: Any, hints: tuple[Any, ...]) -> None:
 
 
 def _check_number(name: str, value: Any, number: Number) -> None:
-    if number.holds(value):
+    if number.in_range(value):
         return
-    allowed = f"lie in {number.told()}" if "..." in number.told() else f"be {number.told()}"
-    if not number.fits(value):
-        allowed = f"be {'a whole number' if number.whole else 'a number'}, and {allowed}"
+    allowed = f"lie in {number.text()}" if "..." in number.text() else f"be {number.text()}"
+    if not number.has_type(value):
+        allowed = f"be {'a whole number' if number.is_integer else 'a number'}, and {allowed}"
     elif 0 < value < MIN_POSITIVE:
         allowed += f", and be 0 or at least {MIN_POSITIVE:g}"
     raise InputError(f"{name} must {allowed}, got {shown(value)}")

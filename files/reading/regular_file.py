@@ -36,7 +36,7 @@ def reading(source: Path | str) -> Iterator[None]:
     except UnicodeError as error:
         raise InputError(f"{printable(source)}: is not UTF-8 text ({_one_line(error)})") from None
     except Exception as error:
-        raise InputError(f"{printable(source)}: cannot be understood ({_one_line(error)})") from None
+        raise InputError(f"{printable(source)}: is invalid ({_one_line(error)})") from None
 
 
 def read_bytes(path: Path | str, limit: int = DATA_LIMIT) -> bytes:

@@ -73,8 +73,8 @@ def _build(cls: Any, value: Any, path: str) -> Any:
 
 
 def _leaf(cls: type, value: Any, path: str) -> Any:
-    fits = type(value) is cls or (cls is float and type(value) is int)
-    if not fits:
+    valid = type(value) is cls or (cls is float and type(value) is int)
+    if not valid:
         raise _refusal(path, f"must be {_LEAVES[cls]}, got {shown(value)}")
     if cls is float and not abs(value) <= sys.float_info.max:  # the comparison also holds for huge integers
         raise _refusal(path, f"must be a finite number, got {shown(value)}")
@@ -86,8 +86,8 @@ def _leaf(cls: type, value: Any, path: str) -> Any:
 def _literal(allowed: tuple, value: Any, path: str) -> Any:
     # 1 == True in Python, so the type is compared as well.
     if not any(value == item and type(value) is type(item) for item in allowed):
-        hint = nearest(value, allowed)
-        raise _refusal(path, f"must be one of {_listed(allowed)}, got {shown(value)}{hint}")
+        suggestion = nearest(value, allowed)
+        raise _refusal(path, f"must be one of {_listed(allowed)}, got {shown(value)}{suggestion}")
     return value
 
 
@@ -126,17 +126,17 @@ def _union(members: tuple, value: Any, path: str) -> Any:
 def _dataclass(cls: Any, value: Any, path: str) -> Any:
     _require_mapping(value, path)
     hints = _hints(cls)
-    rest = dict(value)
-    if (tag := _tag(cls)) and rest.pop("kind", tag) != tag:
+    remaining = dict(value)
+    if (tag := _tag(cls)) and remaining.pop("kind", tag) != tag:
         raise _refusal(_join(path, "kind"), f"must be {tag}, got {shown(value['kind'])}")
-    for key in rest:
+    for key in remaining:
         if key not in hints:
-            hint = nearest(key, hints) or f"; allowed are {_listed(hints)}"
-            raise _refusal(_join(path, shortened(key)), f"is not a known key{hint}")
+            suggestion = nearest(key, hints) or f"; allowed are {_listed(hints)}"
+            raise _refusal(_join(path, shortened(key)), f"is not a known key{suggestion}")
     for field in fields(cls):
-        if field.name in hints and field.name not in rest and not _has_default(field):
+        if field.name in hints and field.name not in remaining and not _has_default(field):
             raise _refusal(_join(path, field.name), "is missing")
-    arguments = {key: _build(hints[key], item, _join(path, key)) for key, item in rest.items()}
+    arguments = {key: _build(hints[key], item, _join(path, key)) for key, item in remaining.items()}
     try:
         return cls(**arguments)
     except InputError as error:

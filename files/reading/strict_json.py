@@ -34,34 +34,34 @@ def parse_json(text: str, source: str) -> Any:
                 text,
                 object_pairs_hook=_object,
                 parse_constant=_constant,
-                parse_int=_whole,
+                parse_int=_integer,
                 parse_float=_number,
             )
             _check(value, DEPTH)
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
         except json.JSONDecodeError as error:
-            place = f"line {error.lineno}, column {error.colno}"
-            raise InputError(f"{source}: is no JSON ({error.msg}, {place})") from None
+            location = f"line {error.lineno}, column {error.colno}"
+            raise InputError(f"{source}: is not valid JSON ({error.msg}, {location})") from None
         except UnicodeEncodeError:
-            raise InputError(f"{source}: holds half a surrogate pair, which is no text") from None
+            raise InputError(f"{source}: holds a lone surrogate, which is not text") from None
     return value
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    mapping = dict(pairs)
+    if len(mapping) < len(pairs):
         names = [name for name, _ in pairs]
-        twice = next(name for name in found if names.count(name) > 1)
-        raise InputError(f"the key {shown(twice)} stands twice")
-    return found
+        duplicate = next(name for name in mapping if names.count(name) > 1)
+        raise InputError(f"the key {shown(duplicate)} appears twice")
+    return mapping
 
 
 def _constant(name: str) -> Any:
     raise InputError(f"numbers must be finite, got {name}")
 
 
-def _whole(text: str) -> int:
+def _integer(text: str) -> int:
     if len(text) > _DIGITS:
         raise InputError(f"whole numbers must have at most {_DIGITS} digits, got {len(text)}")
     return int(text)
@@ -74,17 +74,17 @@ def _number(text: str) -> float:
     return value
 
 
-def _check(value: Any, left: int) -> None:
+def _check(value: Any, levels_left: int) -> None:
     """Check depth and texts of a value; raise UnicodeEncodeError for a text that has no UTF-8 encoding."""
     if isinstance(value, str):
         value.encode()
         if "\0" in value:
             raise InputError(f"texts must not hold NUL characters, got {shown(value)}")
     elif isinstance(value, dict | list):
-        if not left:
+        if not levels_left:
             raise InputError(f"is nested more than {DEPTH} deep")
         if isinstance(value, dict):
             for name in value:
-                _check(name, left)
-        for inner in value.values() if isinstance(value, dict) else value:
-            _check(inner, left - 1)
+                _check(name, levels_left)
+        for child in value.values() if isinstance(value, dict) else value:
+            _check(child, levels_left - 1)

@@ -64,7 +64,9 @@ def parse(text: str, source: str) -> Any:
         except yaml.MarkedYAMLError as error:
             mark = error.problem_mark or error.context_mark
             line = f", line {mark.line + 1}" if mark else ""
-            raise InputError(f"{printable(source)}{line}: {_one_line(error.problem or 'no YAML')}") from None
+            raise InputError(
+                f"{printable(source)}{line}: {_one_line(error.problem or 'not valid YAML')}"
+            ) from None
         except yaml.YAMLError as error:
             raise InputError(f"{printable(source)}: {_one_line(error)}") from None
 
@@ -83,25 +85,25 @@ def _parsed(text: str) -> Any:
 def _copied(value: Any) -> Any:
     """Deep copy of the value's containers, also of aliased ones."""
     if isinstance(value, dict):
-        return {key: _copied(inner) for key, inner in value.items()}
-    return [_copied(inner) for inner in value] if isinstance(value, list) else value
+        return {key: _copied(child) for key, child in value.items()}
+    return [_copied(child) for child in value] if isinstance(value, list) else value
 
 
 def _check(node: yaml.Node, known: dict[yaml.Node, tuple[int, int] | None]) -> tuple[int, int]:
     """Number of values and levels to which the node expands; MarkedYAMLError for anything rejected in it."""
     if node in known:
-        if (found := known[node]) is None:
-            raise _mistake(node, "an alias must not stand for what it is in")
-        return found
+        if (known_size := known[node]) is None:
+            raise _mistake(node, "an alias must not refer to a node that contains it")
+        return known_size
     known[node] = None
     _check_tag(node)
     if isinstance(node, yaml.MappingNode):
         _check_keys(node)
-        inner = [_check(value, known) for _, value in node.value]
+        children = [_check(value, known) for _, value in node.value]
     else:
-        inner = [_check(value, known) for value in node.value] if isinstance(node.value, list) else []
-    count = 1 + sum(size for size, _ in inner)
-    depth = 1 + max((levels for _, levels in inner), default=0)
+        children = [_check(value, known) for value in node.value] if isinstance(node.value, list) else []
+    count = 1 + sum(size for size, _ in children)
+    depth = 1 + max((levels for _, levels in children), default=0)
     if count > MAX_NODES:
         raise _mistake(node, f"its aliases expand to more than {MAX_NODES} values")
     if depth > MAX_DEPTH:
@@ -116,20 +118,20 @@ def _check_tag(node: yaml.Node) -> None:
     if kind is None:
         raise _mistake(node, f"the tag {tag} is not known")
     if not isinstance(node, kind) or (spelling and not spelling.fullmatch(node.value)):
-        raise _mistake(node, f"the tag {tag} does not fit what it stands before")
+        raise _mistake(node, f"the tag {tag} does not match its value")
     if isinstance(node, yaml.ScalarNode) and not is_plain(node.value):
         raise _mistake(node, f"text must hold no control characters, got {shown(node.value)}")
 
 
 def _check_keys(node: yaml.MappingNode) -> None:
-    seen: set[str] = set()
+    keys: set[str] = set()
     for key, _ in node.value:
         if not isinstance(key, yaml.ScalarNode):
             raise _mistake(key, "a key must be plain text")
         _check_tag(key)
-        if key.value in seen:
-            raise _mistake(key, f"the key {shown(key.value)} stands twice")
-        seen.add(key.value)
+        if key.value in keys:
+            raise _mistake(key, f"the key {shown(key.value)} appears twice")
+        keys.add(key.value)
 
 
 def _mistake(node: yaml.Node, problem: str) -> yaml.MarkedYAMLError:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from foreride.files.errors import InputError, printable
-from foreride.files.writing.scratch import hold, parent_lock, scratch_folder, scratch_name, sync
+from foreride.files.writing.scratch import lock_open_file, parent_lock, scratch_folder, scratch_name, sync
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -39,25 +39,25 @@ def writing(path: Path, size: int) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        told = f"{error.strerror or error}; {size:,} bytes to write".replace(",", " ")
-        raise OSError(error.errno, told, str(path)) from None
+        reason = f"{error.strerror or error}; {size:,} bytes to write".replace(",", " ")
+        raise OSError(error.errno, reason, str(path)) from None
 
 
 @contextmanager
 def _replacing(path: Path) -> Iterator[BinaryIO]:
     """Stream whose content replaces `path` if the block ends without error."""
-    before = _mode(path)
+    permissions = _mode(path)
     with parent_lock(path):
         name = scratch_name(path)
         handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
-        hold(handle)
+        lock_open_file(handle)
     try:
         with os.fdopen(handle, "wb") as stream:
             yield stream
             stream.flush()
             os.fsync(handle)
-            if before is not None:
-                os.chmod(name, before)
+            if permissions is not None:
+                os.chmod(name, permissions)
             if os.name != "nt":  # still locked: must not look like that of a dead process
                 os.replace(name, path)
         if os.name == "nt":
@@ -80,20 +80,20 @@ def _mode(path: Path) -> int | None:
 def _stream(path: Path) -> BinaryIO | None:
     """Stream for a target that is not replaced: a device, a pipe, our own output; None for a plain file."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except FileNotFoundError:
         return None
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, AttributeError):
-            if os.path.samestat(found, os.fstat(stream.fileno())):
+            if os.path.samestat(status, os.fstat(stream.fileno())):
                 stream.flush()
                 return os.fdopen(os.dup(stream.fileno()), "wb")
-    if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
+    if stat.S_ISBLK(status.st_mode) or stat.S_ISSOCK(status.st_mode):
         raise InputError(f"{printable(path)}: must be a file, not a block device or a socket")
-    special = stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode)
-    place = os.path.realpath(path.parent)
-    if special or place == "/dev" or place.startswith("/proc/"):  # open files of a process, by number
-        return path.open("ab" if stat.S_ISREG(found.st_mode) else "wb")
+    special = stat.S_ISCHR(status.st_mode) or stat.S_ISFIFO(status.st_mode)
+    folder = os.path.realpath(path.parent)
+    if special or folder == "/dev" or folder.startswith("/proc/"):  # open files of a process, by number
+        return path.open("ab" if stat.S_ISREG(status.st_mode) else "wb")
     return None
 
 
@@ -102,8 +102,8 @@ def replaced(path: Path) -> Iterator[Path]:
     """Yield a path of the same suffix for libraries that write by name; on success it replaces `path`."""
     target = Path(os.path.realpath(path))
     with scratch_folder(target) as folder:
-        whole = folder / f"whole{path.suffix}"
-        yield whole
-        size = whole.stat().st_size
-        with whole.open("rb") as written, writing(path, size), _replacing(target) as stream:
-            shutil.copyfileobj(written, stream)
+        complete = folder / f"whole{path.suffix}"
+        yield complete
+        size = complete.stat().st_size
+        with complete.open("rb") as source, writing(path, size), _replacing(target) as stream:
+            shutil.copyfileobj(source, stream)

@@ -13,7 +13,7 @@ _LACKING = (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP)
 _TRIES = 100
 
 
-def put(scratch: Path, target: Path) -> None:
+def swap_in(scratch: Path, target: Path) -> None:
     """Move the folder `scratch` to `target`; a previous folder there is then at `scratch`."""
     for _ in range(_TRIES):  # without locks, other processes may write here as well
         try:
@@ -25,32 +25,32 @@ def put(scratch: Path, target: Path) -> None:
         except OSError as error:
             if error.errno not in (errno.ENOENT, errno.EEXIST, errno.ENOTEMPTY):
                 raise
-            raised = error
-    raise raised
+            last_error = error
+    raise last_error
 
 
-def exchange(one: Path, other: Path) -> bool:
+def exchange(first: Path, second: Path) -> bool:
     """Swap two names atomically; False if the system or its file system cannot."""
     try:
         rename = ctypes.CDLL(None, use_errno=True).renameat2
     except (AttributeError, OSError, TypeError):  # not Linux, or an old C library
         return False
-    names = os.fsencode(one), os.fsencode(other)
+    names = os.fsencode(first), os.fsencode(second)
     if rename(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0:
         return True
     code = ctypes.get_errno()
     if code in _LACKING:
         return False
-    raise OSError(code, os.strerror(code), str(other))
+    raise OSError(code, os.strerror(code), str(second))
 
 
 def step_aside(scratch: Path, target: Path) -> None:
     """Swap in three steps; `files.writing.scratch` restores the old folder if a kill leaves none."""
-    old = old_name(target)
-    os.rename(target, old)
+    aside = old_name(target)
+    os.rename(target, aside)
     try:
         os.rename(scratch, target)
     except BaseException:
-        os.rename(old, target)
+        os.rename(aside, target)
         raise
-    os.rename(old, scratch)
+    os.rename(aside, scratch)

@@ -10,9 +10,16 @@ from pathlib import Path
 from foreride.files.errors import InputError, printable, shown
 from foreride.files.writing import marker
 from foreride.files.writing.atomic import write_text, writing
-from foreride.files.writing.exchange import put
+from foreride.files.writing.exchange import swap_in
 from foreride.files.writing.marker import Marker
-from foreride.files.writing.scratch import MARKER, hold, is_scratch, parent_lock, scratch_folder, sync
+from foreride.files.writing.scratch import (
+    MARKER,
+    is_scratch,
+    lock_open_file,
+    parent_lock,
+    scratch_folder,
+    sync,
+)
 from foreride.files.writing.targets import check_parent
 
 DERIVED = ("report.html",)
@@ -51,12 +58,12 @@ def atomic_folder(path: Path, kind: str) -> Iterator[Draft]:
         draft = Draft(scratch, path)
         yield draft
         draft.write(MARKER, Marker(kind, dict(sorted(draft.sha256.items()))).to_json())
-        for place, _, _ in os.walk(scratch):
-            sync(Path(place))
+        for folder, _, _ in os.walk(scratch):
+            sync(Path(folder))
         with parent_lock(path):
             check_folder(path, kind)
             _carry(path, scratch)
-            put(scratch, path)
+            swap_in(scratch, path)
             _carry(scratch, path)  # files added during the swap
         sync(path.parent)
 
@@ -68,7 +75,7 @@ def check_folder(path: Path, kind: str) -> Path:
     folder.
     """
     target = Path(os.path.realpath(path))
-    if target in (here := Path.cwd(), *here.parents, Path.home()):
+    if target in (working_folder := Path.cwd(), *working_folder.parents, Path.home()):
         raise InputError(f"{printable(path)}: must not be the working folder, one above it, or your home")
     _refuse_foreign(target, path, kind)
     check_parent(target)
@@ -87,11 +94,11 @@ def claim(path: Path, kind: str) -> Path:
 
 
 @contextmanager
-def alone(folder: Path) -> Iterator[None]:
+def exclusive(folder: Path) -> Iterator[None]:
     """Lock a claimed folder for this process; InputError if another one holds it."""
     with open(folder / MARKER, "rb") as marked:
         try:
-            hold(marked.fileno())
+            lock_open_file(marked.fileno())
         except BlockingIOError:
             raise InputError(f"{printable(folder)}: another process is writing there") from None
         yield
@@ -102,16 +109,16 @@ def _refuse_foreign(target: Path, path: Path, kind: str) -> None:
         return
     if not target.is_dir():
         raise InputError(f"{printable(path)}: must be a folder, a file is there")
-    found = marker.read(target)
-    if found is None and _names(target):
+    present = marker.read(target)
+    if present is None and _names(target):
         raise InputError(
             f"{printable(path)}: is not empty and has no {MARKER}, by which foreride knows its own folders: "
             f"nothing is written; choose a new one (a folder of an earlier version is taken with a file "
             f"{MARKER} in it that reads {Marker(kind, {}).to_json().strip()})"
         )
-    if found is not None and found.kind != kind:
+    if present is not None and present.kind != kind:
         raise InputError(
-            f"{printable(path)}: must be new, empty or of kind {kind}, got kind {shown(found.kind)}"
+            f"{printable(path)}: must be new, empty or of kind {kind}, got kind {shown(present.kind)}"
         )
 
 
@@ -127,10 +134,10 @@ def _carry(source: Path, target: Path) -> None:
     """Copy files that others have put into the folder `source` to `target`."""
     if not source.is_dir():
         return
-    found = marker.read(source)
-    ours = {} if found is None else found.sha256
+    present = marker.read(source)
+    listed = {} if present is None else present.sha256
     for name in marker.files_in(source):
-        if name in ours or name in DERIVED or os.path.lexists(target / name):
+        if name in listed or name in DERIVED or os.path.lexists(target / name):
             continue
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         try:

@@ -37,14 +37,14 @@ def read(folder: Path) -> Marker | None:
     try:
         document = json.loads(read_text(path))
         version, kind, sums = document["version"], document["kind"], document.get("sha256", {})
-        whole = (
+        valid = (
             isinstance(kind, str)
             and all(map(_is_inside, sums))
-            and all(isinstance(one, str) for one in sums.values())
+            and all(isinstance(sha256, str) for sha256 in sums.values())
         )
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        whole = False
-    if not whole:
+        valid = False
+    if not valid:
         raise InputError(f"{printable(path)}: is damaged")
     if version != VERSION:
         raise InputError(f"{printable(path)}: version must be {VERSION}, got {shown(version)}")
@@ -65,13 +65,13 @@ def verified(folder: Path, kind: str) -> dict[str, bytes]:
     if is_scratch(folder.name):
         raise InputError(f"{printable(folder)}: half-finished, its process was killed")
     while True:
-        found = read(folder)
-        if found is None or found.kind != kind:
-            raise InputError(_unmarked(folder, kind, found))
+        present = read(folder)
+        if present is None or present.kind != kind:
+            raise InputError(_unmarked(folder, kind, present))
         try:
-            return {name: _checked(folder / name, sha256) for name, sha256 in found.sha256.items()}
+            return {name: _checked(folder / name, sha256) for name, sha256 in present.sha256.items()}
         except InputError:
-            if read(folder) == found:  # else it has been replaced by a new one meanwhile
+            if read(folder) == present:  # else it has been replaced by a new one meanwhile
                 raise
 
 
@@ -85,9 +85,9 @@ def files_in(folder: Path) -> Iterator[str]:
     for place, folders, files in os.walk(folder):
         links = [name for name in folders if os.path.islink(os.path.join(place, name))]
         for name in files + links:
-            inner = Path(place, name).relative_to(folder).as_posix()
-            if inner != MARKER:
-                yield inner
+            relative = Path(place, name).relative_to(folder).as_posix()
+            if relative != MARKER:
+                yield relative
 
 
 def _is_inside(name: str) -> bool:
@@ -104,8 +104,10 @@ def _checked(path: Path, sha256: str) -> bytes:
     return data
 
 
-def _unmarked(folder: Path, kind: str, found: Marker | None) -> str:
-    if found is not None:
-        return f"{printable(folder)}: must be of kind {kind}, got {shown(found.kind)} ({MARKER})"
-    told = f"{MARKER} with the checksums is missing"
-    return f"{printable(folder)}: half-finished, or of a version without checksums ({told}); make it anew"
+def _unmarked(folder: Path, kind: str, present: Marker | None) -> str:
+    if present is not None:
+        return f"{printable(folder)}: must be of kind {kind}, got {shown(present.kind)} ({MARKER})"
+    reason = f"{MARKER} with the checksums is missing"
+    return (
+        f"{printable(folder)}: half-finished, or of a version without checksums ({reason}); create it again"
+    )

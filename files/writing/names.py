@@ -30,11 +30,11 @@ def joined(shown: Sequence[str], meant: Sequence[str] = ()) -> str:
 
     meant: the text that each stands for, if different. Only the first may contain a `-` without a hash.
     """
-    plain = "-".join(shown)
-    clear = _is_safe(shown[0]) and not any("-" in other for other in shown[1:])
-    if clear and _is_safe(plain) and tuple(meant or shown) == tuple(shown):
-        return plain
-    return _hashed(plain, "\0".join(meant or shown))
+    text = "-".join(shown)
+    unambiguous = _is_safe(shown[0]) and not any("-" in part for part in shown[1:])
+    if unambiguous and _is_safe(text) and tuple(meant or shown) == tuple(shown):
+        return text
+    return _hashed(text, "\0".join(meant or shown))
 
 
 def check_name(field: str, text: str) -> None:
@@ -42,18 +42,18 @@ def check_name(field: str, text: str) -> None:
     allowed = (
         f"1 ... {MAX_LENGTH} characters in one line, without / and \\, and not begin with a dot or space"
     )
-    printed = text.isprintable() and text == text.strip() and not text.startswith(".")
-    if not 0 < len(text) <= MAX_LENGTH or not printed or set(text) & set("/\\"):
+    visible = text.isprintable() and text == text.strip() and not text.startswith(".")
+    if not 0 < len(text) <= MAX_LENGTH or not visible or set(text) & set("/\\"):
         raise InputError(f"{field} must be {allowed}, got {shown(text)}")
 
 
 def _is_safe(text: str) -> bool:
-    fits = len(text) <= MAX_LENGTH and not text.endswith(".")
-    return bool(fits and _SAFE.fullmatch(text) and not _RESERVED.fullmatch(text))
+    valid_length = len(text) <= MAX_LENGTH and not text.endswith(".")
+    return bool(valid_length and _SAFE.fullmatch(text) and not _RESERVED.fullmatch(text))
 
 
-def _hashed(text: str, whole: str) -> str:
-    told = hashlib.sha256(whole.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
-    kept = _UNSAFE.sub("_", text.lower()).lstrip(".-")[: MAX_LENGTH - _DIGITS - 2].rstrip(".")
-    name = f"{kept or '_'}-{told}"
+def _hashed(text: str, meaning: str) -> str:
+    digest = hashlib.sha256(meaning.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
+    stem = _UNSAFE.sub("_", text.lower()).lstrip(".-")[: MAX_LENGTH - _DIGITS - 2].rstrip(".")
+    name = f"{stem or '_'}-{digest}"
     return f"_{name}" if _RESERVED.fullmatch(name) else name

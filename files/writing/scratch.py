@@ -66,7 +66,7 @@ def scratch_folder(target: Path) -> Iterator[Path]:
             folder = scratch_name(target)
             os.mkdir(folder)
             handle = os.open(folder / MARKER, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
-            hold(handle)
+            lock_open_file(handle)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(target)) from None
     try:
@@ -76,7 +76,7 @@ def scratch_folder(target: Path) -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def hold(handle: int) -> None:
+def lock_open_file(handle: int) -> None:
     """Lock an open file for as long as it is open, if the file system supports it."""
     if fcntl is not None:
         try:
@@ -124,16 +124,16 @@ def _clean(folder: Path) -> None:
         aside, path = _OLD.fullmatch(name), folder / name
         if aside and not os.path.lexists(folder / aside[1]):
             os.rename(path, folder / aside[1])
-            _say(f"put back {folder / aside[1]}, which a killed process had moved aside")
+            _notice(f"put back {folder / aside[1]}, which a killed process had moved aside")
         elif is_scratch(name) and _is_dead(path):
             shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
-            _say(f"removed {path}, left by a killed process")
+            _notice(f"removed {path}, left by a killed process")
 
 
 def _is_dead(scratch: Path) -> bool:
-    held = scratch / MARKER if scratch.is_dir() else scratch
+    locked_file = scratch / MARKER if scratch.is_dir() else scratch
     try:
-        handle = _lock(held, wait=False)
+        handle = _lock(locked_file, wait=False)
     except BlockingIOError:
         return False
     except FileNotFoundError:  # folders get their marker while the parent's lock is held
@@ -145,5 +145,5 @@ def _is_dead(scratch: Path) -> bool:
     return handle is not None
 
 
-def _say(text: str) -> None:
+def _notice(text: str) -> None:
     print(f"foreride: {text}", file=sys.stderr)

@@ -9,11 +9,11 @@ _FOLDERS = re.compile(r"(?<![\w.~-])(?:[A-Za-z]:)?[/\\](?:[^/\\\s:'\"]+[/\\])+")
 
 def shared_name(path: str | Path) -> str:
     """Path relative to the working directory; for files outside of it the name alone."""
-    whole = Path(os.path.abspath(path))
+    absolute = Path(os.path.abspath(path))
     try:
-        return whole.relative_to(Path.cwd()).as_posix()
+        return absolute.relative_to(Path.cwd()).as_posix()
     except ValueError:
-        return whole.name
+        return absolute.name
 
 
 def shared_target(target: str) -> str:

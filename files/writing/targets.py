@@ -16,15 +16,15 @@ def check_files(*paths: Path | None, inputs: Iterable[Path | None] = ()) -> None
     that foreride made.
     """
     read = {os.path.realpath(path): path for path in inputs if path is not None and path.is_file()}
-    taken: dict[str, Path] = {}
+    outputs: dict[str, Path] = {}
     for path in (path for path in paths if path is not None):
-        place = os.path.realpath(path)
+        target = os.path.realpath(path)
         _check_file(path)
-        if place in read:
+        if target in read:
             raise InputError(f"{printable(path)}: is read by the same command, it must be another file")
-        if place in taken and Path(place).parent != Path("/dev"):
+        if target in outputs and Path(target).parent != Path("/dev"):
             raise InputError(f"{printable(path)}: is named for two outputs, they must be two files")
-        taken[place] = path
+        outputs[target] = path
 
 
 def check_parent(path: Path) -> None:
@@ -33,7 +33,7 @@ def check_parent(path: Path) -> None:
     while not os.path.lexists(folder):
         folder = folder.parent
     if not folder.is_dir():
-        raise InputError(f"{printable(path)}: cannot be written, {printable(folder)} is no folder")
+        raise InputError(f"{printable(path)}: cannot be written, {printable(folder)} is not a folder")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"{printable(path)}: cannot be written, {printable(folder)} is read-only for you")
 
@@ -50,8 +50,8 @@ def _check_file(path: Path) -> None:
         if not stat.S_ISREG(mode):
             return
     check_parent(target)
-    found = marker.read(target.parent) if (target.parent / marker.MARKER).is_file() else None
-    if found is not None and target.name in (*found.sha256, marker.MARKER):
+    present = marker.read(target.parent) if (target.parent / marker.MARKER).is_file() else None
+    if present is not None and target.name in (*present.sha256, marker.MARKER):
         raise InputError(
-            f"{printable(path)}: belongs to the {found.kind} in this folder; choose another place"
+            f"{printable(path)}: belongs to the {present.kind} in this folder; choose another place"
         )

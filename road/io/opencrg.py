@@ -40,7 +40,7 @@ def read(path: Path) -> tuple[Array, Array, Array]:
     except Exception as error:  # the reader documents no exception types for malformed files
         reason = " ".join(str(error).split("To open it anyway")[0].split()).removeprefix(f"{path}: ")
         detail = shortened(printable(reason or type(error).__name__), 200)
-        raise InputError(f"{path}: is no valid OpenCRG file ({detail})") from None
+        raise InputError(f"{path}: is not a valid OpenCRG file ({detail})") from None
     if not len(v):
         raise InputError(f"{path}: has no data within {HALF_WIDTH_M:g} m of its reference line")
     return np.asarray(u, float), np.asarray(v, float), np.ascontiguousarray(heights, float)
@@ -51,7 +51,7 @@ def _check_header(path: Path, data: bytes) -> None:
     header, end_mark, _ = data[:_HEADER_LIMIT].partition(b"$$$$")
     sections = len(re.findall(rb"^D:", header, re.MULTILINE | re.IGNORECASE))
     if not end_mark or not sections:
-        raise InputError(f"{path}: is no valid OpenCRG file (no header that defines its data)")
+        raise InputError(f"{path}: is not a valid OpenCRG file (no header that defines its data)")
     format_ = re.search(rb"^#: *(\w{4})", header, re.MULTILINE)
     width = _WIDTHS.get(format_[1].upper() if format_ else b"", min(_WIDTHS.values()))
     if sections > _MAX_SECTIONS or len(data) > _HEADER_LIMIT + width * sections * _MAX_STATIONS:

@@ -70,7 +70,7 @@ def drive_inputs(scenario: Scenario) -> DriveInputs:
         rate_hz=TICKS_PER_SECOND,
         height=np.array(height),
         velocity=np.array(velocity),
-        middle=np.array(middle),
+        mid_height=np.array(middle),
         forward_acc=np.zeros(count + 1) if still else np.asarray(stretch.forward_acc),
         surge=np.zeros(count) if still else np.diff(stretch.speed_m_s) * TICKS_PER_SECOND,
         interval=np.cumsum(asked) - 1,
@@ -106,14 +106,14 @@ def _key(scenario: Scenario, drive: DriveInputs) -> str:
     """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
     told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
     told.update(repr((drive.rate_hz, drive.rho)).encode())
-    for array in (drive.height, drive.velocity, drive.middle, drive.surge, drive.interval, drive.start):
+    for array in (drive.height, drive.velocity, drive.mid_height, drive.surge, drive.interval, drive.start):
         told.update(np.ascontiguousarray(array).tobytes())
     return told.hexdigest()
 
 
 def _bytes(optimum: Optimum) -> bytes:
     stream = io.BytesIO()
-    names, values = np.array(list(optimum.found)), np.array(list(optimum.found.values()))
+    names, values = np.array(list(optimum.objectives)), np.array(list(optimum.objectives.values()))
     np.savez_compressed(stream, plan=optimum.plan, names=names, values=values)
     return stream.getvalue()
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.files.own_code import place, say_once, told
+from foreride.files.own_code import error_text, location, say_once
 from foreride.preview.estimator import Estimator
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.road_preview import RoadPreview
@@ -98,8 +98,8 @@ class DetectorPerception(Perception):
         self._failed += 1
         code = getattr(self._eye, "__code__", None)
         file = Path(code.co_filename if code else "")
-        reason = f"{type(error).__name__} at {place(error, file)}"
-        say_once(f"perception: {reason}", f"perception: a look failed and is left out: {told(error, file)}")
+        reason = f"{type(error).__name__} at {location(error, file)}"
+        say_once(f"perception: {reason}", f"perception: a look failed and is left out: {error_text(error, file)}")
         return reason
 
     def sense(self, measurement: Measurement) -> None:

@@ -129,13 +129,13 @@ def read(path: Path) -> Baseline:
     found = document.get("schema") if isinstance(document, dict) else None
     if found != SCHEMA:
         told = f"schema must be {SCHEMA}, got {shown(found)}"
-        raise InputError(f"{path}: a baseline of another version ({told}); write it anew with --accept")
+        raise InputError(f"{path}: a baseline of another version ({told}); replace it with --accept")
     try:
         wrote = str(document["manifest"]["versions"]["foreride"])
         content = {name: document[name] for name in ("tolerances", "cases")}
     except (LookupError, TypeError) as error:
         told = f"{type(error).__name__}: {error}"
-        raise InputError(f"{path}: is no baseline of schema {SCHEMA} ({shortened(told)})") from None
+        raise InputError(f"{path}: is not a baseline of schema {SCHEMA} ({shortened(told)})") from None
     kept = strict.structure(_File, content, str(path))
     held = tuple(
         BaselineEntry(case.scenario, case.set, case.controller, case.perception, case.seed, case.metrics)

@@ -23,7 +23,7 @@ def error_budget_section(path: Path) -> str:
         told = f"{document['vehicle']} car, {f'means over {seeds} seeds' if seeds > 1 else 'one seed'}"
     except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
         problem = shortened(f"{type(error).__name__}: {error}", 100)
-        raise InputError(f"{path}: is no comfort budget ({problem})") from None
+        raise InputError(f"{path}: is not a comfort budget ({problem})") from None
     note = (
         f"{told}. J is relative to passive. A source's cost is the share of the possible gain that would be "
         "kept in addition if it were exact; costs need not add up, because errors hide one another."

@@ -122,5 +122,5 @@ def _planned(document: dict[str, Any], path: Path) -> list[str]:
 def _document(path: Path) -> dict[str, Any]:
     document = read_json(path)
     if not isinstance(document, dict) or document.get("schema") != 1:
-        raise InputError(f"{path}: is no comparison of schema 1")
+        raise InputError(f"{path}: is not a comparison of schema 1")
     return document

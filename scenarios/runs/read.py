@@ -51,7 +51,7 @@ def _read(folder: Path) -> Run:
     files = _Files(folder, verified(folder, KIND))
     manifest = files.json(MANIFEST)
     if not isinstance(manifest, dict) or manifest.get("schema") != SCHEMA:
-        raise InputError(f"{folder / MANIFEST}: is no manifest of schema {SCHEMA}")
+        raise InputError(f"{folder / MANIFEST}: is not a manifest of schema {SCHEMA}")
     told = _with_road(manifest.get("definition"), folder)
     scenario = strict.structure(Scenario, told, f"{folder / MANIFEST}: definition")
     events = files.json_lines("events.jsonl")

@@ -117,9 +117,9 @@ def _row(line: bytes, place: str) -> dict[str, Any]:
     with reading(place):
         row = parse_json(line.decode(), place)
     if not (isinstance(row, dict) and isinstance(row.get("key"), str) and "error" in row):
-        raise InputError(f"{place}: is no row of a study's results, it must hold key and error")
+        raise InputError(f"{place}: is not a row of a study's results, it must hold key and error")
     if not isinstance(row["error"], str | None) or any(isinstance(one, dict | list) for one in row.values()):
-        raise InputError(f"{place}: is no row of a study's results, its values must be plain")
+        raise InputError(f"{place}: is not a row of a study's results, its values must be plain")
     return row
 
 

@@ -204,7 +204,7 @@ def test_a_run_without_checksums_is_refused_with_a_way_on(runs: Path, tmp_path: 
     folder = tmp_path / "old"
     shutil.copytree(runs / "short-quarter-passive-none-seed0", folder)
     (folder / "foreride.json").unlink()
-    with pytest.raises(InputError, match="make it anew"):
+    with pytest.raises(InputError, match="create it again"):
         read(folder)
     run = read(runs / "short-quarter-passive-none-seed0")
     with pytest.raises(InputError, match="choose a new one"):

@@ -91,7 +91,7 @@ def test_each_number_has_a_bounded_range_and_a_unit(cls: type, name: str, hint: 
 @pytest.mark.parametrize(("cls", "name", "hint"), NUMBERS, ids=IDS)
 def test_absurd_numbers_are_refused_by_name(cls: type, name: str, hint: Any) -> None:
     number, given = next(numbers_in(hint)), required(cls)
-    billion = 10**9 if number.whole else 1e9
+    billion = 10**9 if number.is_integer else 1e9
     # A seed may be that large, and a study's axis has the unit of the field that it varies.
     large = () if number.bounds()[1] > billion else (billion,)
     for value in (*FAR, *large, *tiny(number)):
@@ -101,12 +101,12 @@ def test_absurd_numbers_are_refused_by_name(cls: type, name: str, hint: Any) -> 
         assert message.startswith(f"s.yaml: {name}")
         assert "\n" not in message
         assert len(message) < 300
-        assert number.told() in message or "finite number" in message or "whole number" in message
+        assert number.text() in message or "finite number" in message or "whole number" in message
 
 
 def tiny(number: Number) -> tuple[float, ...]:
     """Denormal numbers where the range is not signed."""
-    return () if number.whole or number.bounds()[0] < 0 else (1e-300, 5e-324)
+    return () if number.is_integer or number.bounds()[0] < 0 else (1e-300, 5e-324)
 
 
 def required(cls: Any) -> dict[str, Any]:
@@ -121,7 +121,7 @@ def least(hint: Any) -> Any:
     if hint == Car:
         return strict.to_mapping(load_vehicle("quarter"))
     if (number := number_of(hint)) is not None:
-        return number.bounds()[1 if number.holds(number.bounds()[1]) else 0]
+        return number.bounds()[1 if number.in_range(number.bounds()[1]) else 0]
     members = get_args(hint)
     if get_origin(hint) is Literal:
         return members[0]

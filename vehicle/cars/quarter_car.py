@@ -104,7 +104,7 @@ class QuarterCar(Checked):
     @cached_property
     def corners(self) -> tuple[Corner, ...]:
         """The single corner."""
-        shared = {name: getattr(self, name) for name in CORNER_FIELDS}
+        common = {name: getattr(self, name) for name in CORNER_FIELDS}
         return (
             Corner(
                 x_m=0.0,
@@ -115,6 +115,6 @@ class QuarterCar(Checked):
                 rebound_gap_m=self.stop_gap_m if self.rebound_gap_m is None else self.rebound_gap_m,
                 damper=self.damper,
                 actuator=self.actuator,
-                **shared,
+                **common,
             ),
         )

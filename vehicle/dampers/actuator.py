@@ -48,8 +48,6 @@ def power(force: Array, rattle_velocity: Array) -> Array:
     return force * rattle_velocity
 
 
-def work(delivered: Array, rate_hz: float) -> tuple[float, float]:
+def work(power_w: Array, rate_hz: float) -> tuple[float, float]:
     """Energy delivered and energy absorbed by all actuators, J each, from their power (w, n), W."""
-    return float(np.maximum(delivered, 0.0).sum() / rate_hz), float(
-        -np.minimum(delivered, 0.0).sum() / rate_hz
-    )
+    return float(np.maximum(power_w, 0.0).sum() / rate_hz), float(-np.minimum(power_w, 0.0).sum() / rate_hz)

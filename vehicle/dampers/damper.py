@@ -100,8 +100,8 @@ class ValveDamper(Checked):
         self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
     ) -> Any:
         """Force on the body, up, N."""
-        first, last = self.currents_a[0], self.currents_a[-1]
-        current = first + (last - first) * xp.fmin(xp.fmax(normalised_setting, 0.0), 1.0)
+        current_min, current_max = self.currents_a[0], self.currents_a[-1]
+        current = current_min + (current_max - current_min) * xp.fmin(xp.fmax(normalised_setting, 0.0), 1.0)
         total = 0.0
         for i, weight in enumerate(self._weights(current, xp)):
             rebound = _interpolated(xp.fmax(rate, 0.0), self.speeds_m_s, self.rebound_n[i], xp)
@@ -117,9 +117,9 @@ class ValveDamper(Checked):
 
     def reduced(self, steepest_ns_m: float) -> "Damper":
         """Return the damper with the forces at the lowest speed limited to the slope."""
-        most = steepest_ns_m * self.speeds_m_s[0]
+        force_max = steepest_ns_m * self.speeds_m_s[0]
         maps = (self.rebound_n, self.compression_n)
-        rebound, compression = (tuple((min(row[0], most), *row[1:]) for row in rows) for rows in maps)
+        rebound, compression = (tuple((min(row[0], force_max), *row[1:]) for row in rows) for rows in maps)
         return replace(self, rebound_n=rebound, compression_n=compression)
 
     def _weights(self, current: Any, xp: Any) -> list:
@@ -134,11 +134,11 @@ class ValveDamper(Checked):
 
 def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ...], xp: Any) -> Any:
     """Piecewise-linear interpolation through the origin and the points, as a sum of ramps."""
-    total, before, at, last = 0.0, 0.0, 0.0, 0.0
+    total, slope_before, speed_before, force_before = 0.0, 0.0, 0.0, 0.0
     for point, force in zip(speeds, forces, strict=True):
-        slope = (force - last) / (point - at)
-        total = total + (slope - before) * xp.fmax(speed - at, 0.0)
-        before, at, last = slope, point, force
+        slope = (force - force_before) / (point - speed_before)
+        total = total + (slope - slope_before) * xp.fmax(speed - speed_before, 0.0)
+        slope_before, speed_before, force_before = slope, point, force
     return total
 
 

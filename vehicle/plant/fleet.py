@@ -56,17 +56,17 @@ class Fleet:
         profiles: one for each wheel of a car. command: (cars, inputs), held over the drive.
         """
         cars, wheels = len(self.cars), self.cars[0].wheels
-        asked = np.asarray(command, float)
-        if asked.shape != (cars, input_size(self.cars[0])):
-            wanted = (cars, input_size(self.cars[0]))
-            raise InputError(f"command must have shape {wanted}, got {asked.shape}")
+        commands = np.asarray(command, float)
+        if commands.shape != (cars, input_size(self.cars[0])):
+            expected_shape = (cars, input_size(self.cars[0]))
+            raise InputError(f"command must have shape {expected_shape}, got {commands.shape}")
         row = np.zeros((cars, self._engine.size))
-        stands = (standstill_state(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
-        row[:, self._engine.order] = list(stands)
+        initial_states = (standstill_state(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
+        row[:, self._engine.order] = list(initial_states)
         control = np.zeros((cars, ticks, self._models[0].nu))
-        control[:, :, :wheels] = asked[:, None, :wheels]
+        control[:, :, :wheels] = commands[:, None, :wheels]
         control[:, :, wheels : 2 * wheels] = self._road_force(profiles, x_m, speed_m_s, ticks)
-        control[:, :, 2 * wheels : wheels + asked.shape[1]] = asked[:, None, wheels:]
+        control[:, :, 2 * wheels : wheels + commands.shape[1]] = commands[:, None, wheels:]
         self._batch.reset()
         self._batch.state[:, : row.shape[1]] = row
         rows = self._batch.rollout(ticks, control, record=[_FULL_STATE])[_FULL_STATE]
@@ -85,10 +85,10 @@ class Fleet:
         """Return all signals of one car, computed from the states that `drive` returned."""
         time = np.arange(states.shape[1]) / RATE_HZ
         travel = ConstantSpeed(speed_m_s).ahead(x_m, 0, len(time) - 1).edges_m
-        asked = np.tile(np.asarray(command, float)[car][:, None], len(time))
+        commands = np.tile(np.asarray(command, float)[car][:, None], len(time))
         road = road_under(self.cars[car], profiles, travel, speed_m_s)
         return observe(
-            self.cars[car], time, travel, np.full(len(time), speed_m_s), states[car].T, asked, road
+            self.cars[car], time, travel, np.full(len(time), speed_m_s), states[car].T, commands, road
         )
 
     def _road_force(

@@ -68,25 +68,25 @@ def car_xml(parameters: Car, step_s: float) -> str:
     Joints: the body's motions, then the wheels. Actuators: dampers, tyres, actuators, offsets of dampers that
     are no MuJoCo elements, and the surge moment of a car that pitches; absent elements are omitted.
     """
-    first = parameters.corners[0]
-    native = isinstance(first.damper, IdealDamper)
+    first_corner = parameters.corners[0]
+    native = isinstance(first_corner.damper, IdealDamper)
     parts = [_DAMPER if native else _SLOPE, _TYRE]
-    parts += [_ACTUATOR] if first.actuator else []
+    parts += [_ACTUATOR] if first_corner.actuator else []
     parts += [] if native else [_OFFSET]
-    named = list(zip(_WHEEL_NAMES[parameters.wheels], parameters.corners, strict=True))
-    tendons = [_strut(name, corner) for name, corner in named]
-    tendons += [stop for name, corner in named for stop in _stops(name, corner)]
-    tendons += [_progression(name, corner) for name, corner in named if corner.spring_n_m3]
+    wheels = list(zip(_WHEEL_NAMES[parameters.wheels], parameters.corners, strict=True))
+    tendons = [_strut(name, corner) for name, corner in wheels]
+    tendons += [stop for name, corner in wheels for stop in _stops(name, corner)]
+    tendons += [_progression(name, corner) for name, corner in wheels if corner.spring_n_m3]
     tendons += _anti_roll_bars(parameters)
     return _CAR.format(
         kind=parameters.kind,
         step_s=step_s,
         gravity=GRAVITY_M_S2,
-        bodies="\n".join([_body(parameters), *(_WHEEL.format(name=n, corner=c) for n, c in named)]),
+        bodies="\n".join([_body(parameters), *(_WHEEL.format(name=n, corner=c) for n, c in wheels)]),
         tendons="\n".join(tendons),
         actuators="\n".join(
             [
-                *(part.format(name=n, corner=c) for part in parts for n, c in named),
+                *(part.format(name=n, corner=c) for part in parts for n, c in wheels),
                 *[_SURGE][: len(parameters.generalised_mass) - 1],
             ]
         ),

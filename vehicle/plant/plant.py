@@ -14,6 +14,7 @@ from foreride.vehicle.load import Car
 from foreride.vehicle.plant.mujoco_engine import build_engine, build_model
 from foreride.vehicle.speed_profile import ConstantSpeed, Motion, SpeedProfile
 from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
+from foreride.vehicle.state_layout import state_layout
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
 
@@ -35,7 +36,7 @@ class Plant:
     of change is the mean over the tick.
     """
 
-    _used: int  # ticks driven of the `_prepared` ones
+    _driven_ticks: int  # ticks driven of the `_prepared` ones
 
     def __init__(self, parameters: Car) -> None:
         self.parameters = parameters
@@ -65,14 +66,14 @@ class Plant:
         self._row[self._order] = standstill_state(self.parameters, height)
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
-        self._segments, self._driven = [self._segment_between(slice(0, 1))], [self._row[None]]
-        self._commands, self._counts = [passive], [1]
+        self._segments, self._recorded_rows = [self._segment_between(slice(0, 1))], [self._row[None]]
+        self._commands, self._hold_ticks = [passive], [1]
         self._observed: VehicleState | None = None  # cache of the last observed state
 
     @property
     def speed_m_s(self) -> float:
         """Present speed along the road; setting it ends a profile."""
-        return float(self._stretch.speed_m_s[self._used])
+        return float(self._stretch.speed_m_s[self._driven_ticks])
 
     @speed_m_s.setter
     def speed_m_s(self, value: float) -> None:
@@ -81,7 +82,7 @@ class Plant:
 
     @property
     def _x_m(self) -> float:
-        return float(self._stretch.edges_m[self._used])
+        return float(self._stretch.edges_m[self._driven_ticks])
 
     def step(self, command: ArrayLike, ticks: int = 1) -> None:
         """Advance by `ticks` of 1 ms with the command held (`vehicle.equations` describes its order).
@@ -89,59 +90,63 @@ class Plant:
         One call for all ticks up to the next command is the fast way and gives the same states. Raises
         InputError if the motion diverges.
         """
-        first, last = self._used, self._used + ticks
+        first, last = self._driven_ticks, self._driven_ticks + ticks
         if last > self._prepared:
             self._finish_segment()
             self._prepare(self._motion, self._x_m, ticks)
             first, last = 0, ticks
-        asked = np.array(command, float)
-        if asked.shape != self._shape:
-            asked = self._pad_command(asked)
-        which = first if ticks == 1 else slice(first, last)
-        control, wheels = self._control[which], self._wheels
+        request = np.array(command, float)
+        if request.shape != self._shape:
+            request = self._pad_command(request)
+        tick_slice = first if ticks == 1 else slice(first, last)
+        control, wheels = self._control[tick_slice], self._wheels
         if self._inputs == wheels:
-            control[self._dampers] = asked
+            control[self._dampers] = request
         else:
-            control[self._dampers] = asked[:wheels]
-            control[self._forces] = asked[wheels:]
-        self._row = self._engine.advance(self._row, control, self._rows[which])
-        self._used, self._tick, self._observed = last, self._tick + ticks, None
-        self._commands.append(asked)
-        self._counts.append(ticks)
-        reached = self._row.item(0)
-        if not reached >= (self._tick - 0.5) * STEP_S:  # MuJoCo's clock stops if a step fails
-            raise InputError(f"vehicle diverged at {reached:.3f} s: too stiff or too light for 1 ms ticks")
+            control[self._dampers] = request[:wheels]
+            control[self._forces] = request[wheels:]
+        self._row = self._engine.advance(self._row, control, self._rows[tick_slice])
+        self._driven_ticks, self._tick, self._observed = last, self._tick + ticks, None
+        self._commands.append(request)
+        self._hold_ticks.append(ticks)
+        engine_time_s = self._row.item(0)
+        if not engine_time_s >= (self._tick - 0.5) * STEP_S:  # MuJoCo's clock stops if a step fails
+            raise InputError(
+                f"vehicle diverged at {engine_time_s:.3f} s: too stiff or too light for 1 ms ticks"
+            )
 
     @property
     def state(self) -> VehicleState:
         """Present state of the car."""
         if self._observed is None:
             x_m, speed_m_s, acc = (
-                self._segment_between(slice(self._used, self._used + 1)) if self._used else self._segments[-1]
+                self._segment_between(slice(self._driven_ticks, self._driven_ticks + 1))
+                if self._driven_ticks
+                else self._segments[-1]
             )
             forward = None if acc is None else float(acc[-1])
-            moment = self._tick / RATE_HZ, float(x_m[-1]), float(speed_m_s[-1])
+            instant = self._tick / RATE_HZ, float(x_m[-1]), float(speed_m_s[-1])
             self._observed = self._observe(
-                *moment, self._row[self._order].tolist(), self._commands[-1], forward
+                *instant, self._row[self._order].tolist(), self._commands[-1], forward
             )
         return self._observed
 
     @property
     def signals(self) -> VehicleState:
         """Signals of the car at every tick since `reset`, including the standstill; n = ticks + 1."""
-        here = slice(1, self._used + 1)
-        segments = [*self._segments, self._segment_between(here)]
+        driven = slice(1, self._driven_ticks + 1)
+        segments = [*self._segments, self._segment_between(driven)]
         forward = None
         if any(segment.forward_acc is not None for segment in segments):
             parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in segments]
             forward = np.concatenate(parts)
-        rows = np.concatenate([*self._driven, self._rows[: self._used]])
+        rows = np.concatenate([*self._recorded_rows, self._rows[: self._driven_ticks]])
         return self._observe(
             np.arange(self._tick + 1) / RATE_HZ,
             np.concatenate([segment.x_m for segment in segments]),
             np.concatenate([segment.speed_m_s for segment in segments]),
             rows[:, self._order].T,
-            np.repeat(self._commands, self._counts, axis=0).T,
+            np.repeat(self._commands, self._hold_ticks, axis=0).T,
             forward,
         )
 
@@ -156,23 +161,23 @@ class Plant:
         road = road_under(self.parameters, self._profiles, x_m, speed_m_s)
         return observe(self.parameters, time_s, x_m, speed_m_s, x, command, road, acc)
 
-    def _pad_command(self, given: Array) -> Array:
+    def _pad_command(self, command: Array) -> Array:
         """Extend a command of damper settings alone by zero actuator forces."""
-        if given.shape != (self._wheels,):
-            wanted = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
-            raise InputError(f"command must hold {wanted} values, got shape {given.shape}")
-        return np.concatenate([given, np.zeros(self._inputs - self._wheels)])
+        if command.shape != (self._wheels,):
+            expected = " or ".join(str(n) for n in sorted({self._wheels, self._inputs}))
+            raise InputError(f"command must hold {expected} values, got shape {command.shape}")
+        return np.concatenate([command, np.zeros(self._inputs - self._wheels)])
 
     def _finish_segment(self) -> None:
         """Record the part of the prepared road that has been driven."""
-        if self._used:
-            self._segments.append(self._segment_between(slice(1, self._used + 1)))
-            self._driven.append(self._rows[: self._used])
+        if self._driven_ticks:
+            self._segments.append(self._segment_between(slice(1, self._driven_ticks + 1)))
+            self._recorded_rows.append(self._rows[: self._driven_ticks])
 
     def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
         """Prepare motion, road forces and pitching moment for the next ticks from x_m on."""
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
-        self._prepared, self._used = max(ticks, _CHUNK), 0
+        self._prepared, self._driven_ticks = max(ticks, _CHUNK), 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
         self._control: Array = np.zeros((self._prepared, self._columns))
         roads = road_forces(self.parameters, self._profiles, stretch)
@@ -186,8 +191,8 @@ class Plant:
 def standstill_state(parameters: Car, road_height: list[float]) -> Array:
     """Rest state on wheels at `road_height` (w,), the body level with them (least squares)."""
     x = rest_state(parameters)
-    body = len(parameters.generalised_mass)
+    layout = state_layout(parameters)
     kinematic_rows = np.array([corner.kinematic_row for corner in parameters.corners])
-    x[0 : 2 * body : 2] = np.linalg.lstsq(kinematic_rows, road_height, rcond=None)[0]
-    x[2 * body : 2 * (body + parameters.wheels) : 2] = road_height
+    x[layout.body] = np.linalg.lstsq(kinematic_rows, road_height, rcond=None)[0]
+    x[layout.wheel] = road_height
     return x

@@ -15,7 +15,7 @@ Bosch's SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerome
 
 from collections import deque
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from annotated_types import Interval
@@ -100,6 +100,44 @@ class Measurement:
     speed_m_s: float
     roll_rate: float = 0.0  # rad/s, positive left side up; 0 in a car that cannot roll
 
+    def channels(self) -> Array:
+        """Vector of all channels, (3w + 3,), in the order of `channel_layout`, then the vehicle's own."""
+        vehicle = [self.pitch_rate, self.speed_m_s, self.roll_rate]
+        return np.concatenate([self.body_acc, self.wheel_acc, self.rattle_m, vehicle])
+
+    @classmethod
+    def of_channels(cls, time_s: float, channels: Array) -> "Measurement":
+        """Return the measurement with these channels."""
+        rows = channel_layout(len(channels) // 3 - 1)
+        return cls(
+            time_s=time_s,
+            body_acc=channels[rows.body_acc],
+            wheel_acc=channels[rows.wheel_acc],
+            rattle_m=channels[rows.rattle],
+            pitch_rate=float(channels[PITCH_RATE]),
+            speed_m_s=float(channels[SPEED]),
+            roll_rate=float(channels[ROLL_RATE]),
+        )
+
+
+PITCH_RATE, SPEED, ROLL_RATE = -3, -2, -1
+"""Rows of the vehicle's own channels in the vector of all channels, after those of the wheels."""
+
+
+class ChannelLayout(NamedTuple):
+    """Rows of the wheels' channels in the vector of all channels; acceleration: body and wheel together."""
+
+    body_acc: slice
+    wheel_acc: slice
+    rattle: slice
+    acceleration: slice
+
+
+def channel_layout(wheels: int) -> ChannelLayout:
+    """Return the layout of the channels for this number of wheels."""
+    body_acc, wheel_acc, rattle = (slice(i * wheels, (i + 1) * wheels) for i in range(3))
+    return ChannelLayout(body_acc, wheel_acc, rattle, slice(0, 2 * wheels))
+
 
 class Sensors:
     """Sensors of one car: offsets are drawn once, noise at each reading, both from `rng`."""
@@ -107,40 +145,60 @@ class Sensors:
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
         self._rng, self._wheels = rng, wheels
         self._roll_rng = rng.spawn(1)[0]  # independent of the other channels' draws
-        n = self._noise = noise or SensorNoise()
-        width = np.sqrt(n.bandwidth_hz)
-        noises = np.repeat([n.body_density_m_s2 * width, n.wheel_density_m_s2 * width, n.rattle_m], wheels)
-        offsets = np.repeat([n.body_offset_m_s2, n.wheel_offset_m_s2, n.rattle_offset_m], wheels)
-        rolls = wheels > 2
-        gyros = n.pitch_rate_density_rad_s * width, rolls * n.roll_rate_density_rad_s * width
-        self._sigma = np.array([*noises, gyros[0], n.speed_m_s, gyros[1]])
-        spread = np.array([*offsets, n.pitch_rate_offset_rad_s, 0.0, rolls * n.roll_rate_offset_rad_s])
-        self._offset = spread * self._normal()
-        self._scale = 1.0 + n.speed_scale * rng.standard_normal()
-        i = n.interface
-        sizes = np.repeat([i.body_acc_step_m_s2, i.wheel_acc_step_m_s2, i.rattle_step_m], wheels)
-        self._step = np.array([*sizes, i.pitch_rate_step_rad_s, i.speed_step_m_s, i.roll_rate_step_rad_s])
-        self._on_way: deque[Array] = deque(maxlen=i.delay_readings + 1)
+        noise_levels = self._noise = noise or SensorNoise()
+        width = np.sqrt(noise_levels.bandwidth_hz)
+        noises = np.repeat(
+            [
+                noise_levels.body_density_m_s2 * width,
+                noise_levels.wheel_density_m_s2 * width,
+                noise_levels.rattle_m,
+            ],
+            wheels,
+        )
+        offsets = np.repeat(
+            [noise_levels.body_offset_m_s2, noise_levels.wheel_offset_m_s2, noise_levels.rattle_offset_m],
+            wheels,
+        )
+        has_roll = wheels > 2
+        gyros = (
+            noise_levels.pitch_rate_density_rad_s * width,
+            has_roll * noise_levels.roll_rate_density_rad_s * width,
+        )
+        self._sigma = np.array([*noises, gyros[0], noise_levels.speed_m_s, gyros[1]])
+        offset_sigma = np.array(
+            [
+                *offsets,
+                noise_levels.pitch_rate_offset_rad_s,
+                0.0,
+                has_roll * noise_levels.roll_rate_offset_rad_s,
+            ]
+        )
+        self._offset = offset_sigma * self._normal()
+        self._scale = 1.0 + noise_levels.speed_scale * rng.standard_normal()
+        resolution = noise_levels.interface
+        sizes = np.repeat(
+            [resolution.body_acc_step_m_s2, resolution.wheel_acc_step_m_s2, resolution.rattle_step_m], wheels
+        )
+        self._step = np.array(
+            [
+                *sizes,
+                resolution.pitch_rate_step_rad_s,
+                resolution.speed_step_m_s,
+                resolution.roll_rate_step_rad_s,
+            ]
+        )
+        self._delay_line: deque[Array] = deque(maxlen=resolution.delay_readings + 1)
         self._received: Array | None = None
-        self._plain = i == SensorInterface()
+        self._ideal_interface = resolution == SensorInterface()
 
     def measure(self, state: VehicleState) -> Measurement:
         """Return the reading for the present state."""
-        w = self._wheels
         error = self._offset + self._sigma * self._normal()
         moved = [state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate]
         reading = np.concatenate([state.body_acc, state.wheel_acc, state.rattle_m, moved]) + error
-        if not self._plain:
+        if not self._ideal_interface:
             reading = self._transmit(reading)
-        return Measurement(
-            time_s=state.time_s,
-            body_acc=reading[:w],
-            wheel_acc=reading[w : 2 * w],
-            rattle_m=reading[2 * w : 3 * w],
-            pitch_rate=float(reading[-3]),
-            speed_m_s=float(reading[-2]),
-            roll_rate=float(reading[-1]),
-        )
+        return Measurement.of_channels(state.time_s, reading)
 
     def _normal(self) -> Array:
         """Draw a standard normal number for each channel."""
@@ -152,9 +210,9 @@ class Sensors:
     def _transmit(self, reading: Array) -> Array:
         """Quantise, delay, and hold the last value of channels that drop out."""
         stepped = np.where(self._step > 0.0, self._step, 1.0)
-        self._on_way.append(np.where(self._step > 0.0, np.round(reading / stepped) * stepped, reading))
-        arriving = self._on_way[0]
-        chance = np.append(self._rng.random(len(reading) - 1), self._roll_rng.random())
-        lost = chance < self._noise.interface.dropout
+        self._delay_line.append(np.where(self._step > 0.0, np.round(reading / stepped) * stepped, reading))
+        arriving = self._delay_line[0]
+        draws = np.append(self._rng.random(len(reading) - 1), self._roll_rng.random())
+        lost = draws < self._noise.interface.dropout
         self._received = arriving if self._received is None else np.where(lost, self._received, arriving)
         return self._received

@@ -52,7 +52,7 @@ def execute(arguments: argparse.Namespace) -> int:
             **found,
             "objective": metrics["objective"],
             "wk_rms": metrics["wk_rms"],
-            "starts": optimum.found,
+            "starts": optimum.objectives,
             "metrics": metrics,
             "manifest": environment(),
         }

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
-from foreride.files.writing.folder import alone, claim
+from foreride.files.writing.folder import claim, exclusive
 from foreride.files.writing.names import component
 from foreride.files.writing.sharing import shared_name
 from foreride.scenarios.commands.options import console, jobs_of, progress_bar
@@ -40,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
     samples = {sample.key: sample for sample in read(arguments.study)}
     jobs = jobs_of(arguments)
     out = arguments.out or runs_folder(None) / component(arguments.study.stem)
-    with alone(claim(out, KIND)):
+    with exclusive(claim(out, KIND)):
         return _sweep(arguments, samples, jobs, Results(out))
 
 

@@ -46,7 +46,7 @@ def drive(vehicle: Car) -> DriveInputs:
         rate_hz=1000,
         height=Bump().height(x + axles),
         velocity=SPEED_M_S * Bump().slope(x + axles),
-        middle=Bump().height(x[:-1] + SPEED_M_S * 5e-4 + axles),
+        mid_height=Bump().height(x[:-1] + SPEED_M_S * 5e-4 + axles),
         forward_acc=np.zeros(TICKS + 1),
         surge=np.zeros(TICKS),
         interval=np.arange(TICKS) // HOLD - 1,  # as with a delay: the first command acts late

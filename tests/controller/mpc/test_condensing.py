@@ -13,8 +13,9 @@ from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.terminal_cost import TerminalCost, terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.vehicle.dampers.actuator import SlowActive
-from foreride.vehicle.equations import damping_rows, input_size, rest_state
+from foreride.vehicle.equations import input_size, rest_state
 from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.state_layout import state_layout
 
 PERIOD_S, INPUT_WEIGHT = 0.01, 1e-3
 GRID = TimeGrid((0.01,) * 4 + (0.005, 0.005, 0.02))
@@ -46,7 +47,7 @@ def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.nda
     state = np.concatenate(
         [rest + scale * rng.uniform(-1, 1, len(rest)), rng.normal(0, 1e-3, model.n_x - len(rest))]
     )
-    state[damping_rows(model.vehicle)] = 1200.0
+    state[state_layout(model.vehicle).damping] = 1200.0
     plan = rng.uniform(0.5, 3.0, (INTERVALS, input_size(model.vehicle)))
     steps = rng.normal(0, 0.01, (model.vehicle.wheels, STEPS + 1))
     return state, plan, np.cumsum(steps, axis=1)
@@ -126,7 +127,7 @@ def sparse_correction(
     state, plan, road = situation
     opti = casadi.Opti("conic")
     scale = np.ones(model.n_x)
-    first = damping_rows(model.vehicle).start
+    first = state_layout(model.vehicle).damping.start
     scale[first : len(rest_state(model.vehicle))] = (
         KILO  # conditions the sparse program as well as the condensed one
     )

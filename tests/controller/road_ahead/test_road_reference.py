@@ -19,13 +19,13 @@ def ahead(settings: RoadSettings | None = None) -> RoadReference:
 
 def test_without_preview_the_road_stays_where_it_is() -> None:
     road = ahead()
-    road.look(estimate(CAR, road=0.03), None)
+    road.update(estimate(CAR, road=0.03), None)
     np.testing.assert_allclose(road.heights(TIMES), 0.03)
 
 
 def test_without_preview_a_felt_slope_runs_on_and_fades() -> None:
     road = ahead(RoadSettings(slope_decay_s=0.02))
-    road.look(estimate(CAR, road=0.0, road_velocity=1.0), None)
+    road.update(estimate(CAR, road=0.0, road_velocity=1.0), None)
     heights = road.heights(np.array([0.0, 1e-4, 1.0]))[0]
     assert heights[0] == 0.0
     assert heights[1] == pytest.approx(1e-4, rel=0.01)
@@ -35,13 +35,13 @@ def test_without_preview_a_felt_slope_runs_on_and_fades() -> None:
 def test_a_true_preview_is_passed_on_unchanged() -> None:
     road = ahead()
     preview = step_preview(1.0, 0.08)
-    road.look(estimate(CAR), preview)
+    road.update(estimate(CAR), preview)
     np.testing.assert_allclose(road.heights(TIMES)[0], preview.height(0, 10.0 * TIMES), atol=1e-12)
 
 
 def test_what_is_felt_beyond_the_preview_shifts_it() -> None:
     road = ahead()
-    road.look(estimate(CAR, road=0.02), step_preview(1.0, 0.08))
+    road.update(estimate(CAR, road=0.02), step_preview(1.0, 0.08))
     heights = road.heights(TIMES)[0]
     assert heights[0] == pytest.approx(0.02)
     assert heights[-1] == pytest.approx(0.10)
@@ -50,34 +50,34 @@ def test_what_is_felt_beyond_the_preview_shifts_it() -> None:
 def test_a_foreseen_edge_between_two_looks_is_no_surprise() -> None:
     """10 ms before and at 0.1 m past the edge of a ramp of 8 m/s, fully previewed."""
     road = ahead()
-    road.look(estimate(CAR, road=0.0), step_preview(0.05, 0.08))
+    road.update(estimate(CAR, road=0.0), step_preview(0.05, 0.08))
     later = replace(estimate(CAR, road=0.04, road_velocity=4.0), time_s=0.01)
     preview = step_preview(-0.05, 0.08)
-    road.look(later, preview)
+    road.update(later, preview)
     np.testing.assert_allclose(road.heights(TIMES)[0], preview.height(0, 10.0 * TIMES), atol=1e-9)
 
 
 def test_an_unforeseen_rise_runs_on_and_fades() -> None:
     road = ahead(RoadSettings(slope_decay_s=0.02))
-    road.look(estimate(CAR), step_preview(3.0, 0.0))
-    road.look(replace(estimate(CAR, road=0.01), time_s=0.01), step_preview(2.9, 0.0))
+    road.update(estimate(CAR), step_preview(3.0, 0.0))
+    road.update(replace(estimate(CAR, road=0.01), time_s=0.01), step_preview(2.9, 0.0))
     assert road.heights(np.array([0.0, 1.0]))[0] == pytest.approx([0.01, 0.01 + 1.0 * 0.02])
 
 
 def test_in_the_air_the_last_contact_counts_but_the_road_is_never_above_the_tyre() -> None:
     road = ahead()
-    road.look(estimate(CAR, road=0.05), None)
-    road.look(estimate(CAR, road=0.09, road_velocity=2.0, contact=False), None)
+    road.update(estimate(CAR, road=0.05), None)
+    road.update(estimate(CAR, road=0.09, road_velocity=2.0, contact=False), None)
     np.testing.assert_allclose(road.heights(TIMES), 0.05)
-    road.look(estimate(CAR, road=0.02, contact=False), None)
+    road.update(estimate(CAR, road=0.02, contact=False), None)
     np.testing.assert_allclose(road.heights(TIMES), 0.02)
 
 
 def test_reset_forgets_what_was_felt() -> None:
     road = ahead()
-    road.look(estimate(CAR, road=0.05), None)
+    road.update(estimate(CAR, road=0.05), None)
     road.reset()
-    road.look(estimate(CAR, road=0.09, contact=False), None)
+    road.update(estimate(CAR, road=0.09, contact=False), None)
     np.testing.assert_allclose(road.heights(TIMES), 0.0)
 
 
@@ -93,7 +93,7 @@ def test_doubt_about_position_makes_a_feature_come_earlier_by_its_sigma() -> Non
 def seen(preview: RoadPreview, settings: RoadSettings) -> tuple[np.ndarray, np.ndarray]:
     """Heights of the roads 2.3 m ahead and their weights."""
     road = ahead(settings)
-    road.look(estimate(CAR), preview)
+    road.update(estimate(CAR), preview)
     return road.roads(np.array([0.23]))[:, 0, 0], road.weights
 
 
@@ -113,7 +113,7 @@ def test_scenarios_stand_for_the_distribution_of_position_and_existence() -> Non
     """The weights sum to one; the features' positions have the stated mean and variance."""
     settings, distance = RoadSettings("scenarios"), np.linspace(0.0, 5.0, 2001)
     road = ahead(settings)
-    road.look(estimate(CAR), step_preview(2.0, 0.08, sigma_m=0.2, existence=0.7))
+    road.update(estimate(CAR), step_preview(2.0, 0.08, sigma_m=0.2, existence=0.7))
     heights, weights = road.roads(distance / 10.0)[:, 0], road.weights
     assert weights.sum() == pytest.approx(1.0)
     there = heights.max(axis=1) > 0.04
@@ -132,5 +132,5 @@ def test_certain_scenarios_are_one_road() -> None:
 
 def test_standing_still_the_road_does_not_move() -> None:
     road = ahead()
-    road.look(estimate(CAR, road=0.01, speed_m_s=0.0), step_preview(0.05, 0.08))
+    road.update(estimate(CAR, road=0.01, speed_m_s=0.0), step_preview(0.05, 0.08))
     np.testing.assert_allclose(road.heights(TIMES), 0.01)

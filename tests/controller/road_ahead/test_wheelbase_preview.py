@@ -28,9 +28,9 @@ def at(time_s: float, contact: bool = True) -> Estimate:
 
 
 def test_the_rear_sees_what_the_front_felt() -> None:
-    eyes = WheelbasePreview(HALF)
+    source = WheelbasePreview(HALF)
     for time in TIMES:
-        preview = eyes.look(at(float(time)))
+        preview = source.update(at(float(time)))
     expected = [road(6.0 - WHEELBASE_M + d) for d in preview.distance_m]
     np.testing.assert_allclose(preview.height_m[1], expected, atol=1e-3)
     assert preview.height_m[1].max() > 0.049
@@ -38,33 +38,33 @@ def test_the_rear_sees_what_the_front_felt() -> None:
 
 
 def test_the_front_sees_nothing() -> None:
-    eyes = WheelbasePreview(HALF)
+    source = WheelbasePreview(HALF)
     for time in TIMES:
-        preview = eyes.look(at(float(time)))
+        preview = source.update(at(float(time)))
     assert not preview.height_m[0].any()
     assert not preview.existence[0].any()
 
 
 def test_while_the_front_flies_the_road_is_bridged_and_under_its_tyre() -> None:
     """Off the ground from 5.1 to 5.4 m over the bump: straight line between the contacts, below the tyre."""
-    eyes = WheelbasePreview(HALF)
+    source = WheelbasePreview(HALF)
     for time in TIMES:
         x = SPEED * float(time)
         flying = 5.1 <= x <= 5.4
         now = at(float(time), contact=not flying)
         if flying:
             now = replace(now, road_height=np.array([0.2, 0.0]))
-        preview = eyes.look(now)
+        preview = source.update(now)
     line = np.interp(5.25, [5.05, 5.45], [road(5.05), road(5.45)])
     assert preview.height(1, WHEELBASE_M - 0.75) == pytest.approx(line, abs=5e-3)
 
 
 def test_reset_forgets_the_road_behind() -> None:
-    eyes = WheelbasePreview(HALF)
+    source = WheelbasePreview(HALF)
     for time in TIMES:
-        eyes.look(at(float(time)))
-    eyes.reset()
-    assert not eyes.look(at(0.0)).height_m.any()
+        source.update(at(float(time)))
+    source.reset()
+    assert not source.update(at(0.0)).height_m.any()
 
 
 def test_one_axle_has_no_wheelbase() -> None:

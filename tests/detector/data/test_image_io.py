@@ -96,8 +96,8 @@ def test_a_broken_exif_block_says_nothing(length: int) -> None:
     [
         ("a.jpg", b"", "empty file"),
         ("a.jpg", b"hello", "cannot be decoded"),
-        ("a.jpg", jpeg()[:-400], "cut short"),
-        ("a.png", cv2.imencode(".png", PICTURE)[1].tobytes()[:-300], "cut short"),
+        ("a.jpg", jpeg()[:-400], "truncated"),
+        ("a.png", cv2.imencode(".png", PICTURE)[1].tobytes()[:-300], "truncated"),
         ("a.png", cv2.imencode(".png", PICTURE.astype(np.uint16) * 256)[1].tobytes(), "16 bits"),
         ("a.png", cv2.imencode(".png", PICTURE[..., 0])[1].tobytes(), "grey"),
         ("a.png", written("LA"), "grey"),

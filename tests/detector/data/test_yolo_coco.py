@@ -82,7 +82,7 @@ def test_bad_sources_are_named(coco: Path, tmp_path: Path, capsys: pytest.Captur
     broken = tmp_path / "broken.json"
     for text in ("{", "[]", '{"images": []}'):
         broken.write_text(text)
-        with pytest.raises(InputError, match=r"not a COCO annotation file|is no JSON"):
+        with pytest.raises(InputError, match=r"not a COCO annotation file|is not valid JSON"):
             read_coco(broken, tmp_path, {})
 
 

@@ -17,7 +17,7 @@ def test_a_chunk_that_is_not_in_the_file_is_refused_before_memory_is_taken_for_i
     path, place = tmp_path / "a.png", PNG.index(b"IDAT") - 4
     path.write_bytes(PNG[:place] + (0x7FFFFFFF).to_bytes(4) + PNG[place + 4 :])
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(InputError, match="cut short"):
+    with pytest.raises(InputError, match="truncated"):
         read_pixels(path, cv2.IMREAD_COLOR)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000
 

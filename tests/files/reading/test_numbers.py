@@ -1,20 +1,20 @@
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.files.reading.numbers import is_integer, whole, within
+from foreride.files.reading.numbers import is_integer, parse_integer, within
 
 
 @pytest.mark.parametrize("text", ["", "-1", "+1", "1.0", "1_0", " 1", "²", "٣", "1" * 11, "1" * 5000])
 def test_what_is_no_plain_whole_number(text: str) -> None:
     assert not is_integer(text)
     with pytest.raises(InputError, match=r"^--n must be a whole number in 0 \.\.\. 9, got "):
-        whole(text, "--n", 0, 9)
+        parse_integer(text, "--n", 0, 9)
 
 
 def test_a_whole_number_lies_in_its_range() -> None:
-    assert whole("007", "--n", 0, 9) == 7
+    assert parse_integer("007", "--n", 0, 9) == 7
     with pytest.raises(InputError, match="got '10'"):
-        whole("10", "--n", 0, 9)
+        parse_integer("10", "--n", 0, 9)
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e-300, 2.1, 1e300, 10**400])

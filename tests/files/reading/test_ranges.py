@@ -65,5 +65,5 @@ def test_what_lies_inside_passes() -> None:
 
 def test_ranges_are_told_with_their_units() -> None:
     found = list(numbers_in(tuple[Mass, Share] | None))
-    assert [number.told() for number in found] == ["1 ... 50 kg", "0 ... 1"]
-    assert Number(False, Interval(gt=0.0, le=2.0), "m").told() == "> 0 and <= 2 m"
+    assert [number.text() for number in found] == ["1 ... 50 kg", "0 ... 1"]
+    assert Number(False, Interval(gt=0.0, le=2.0), "m").text() == "> 0 and <= 2 m"

@@ -146,7 +146,7 @@ def test_files(tmp_path: Path) -> None:
     path.write_text("kind: bump\nstart_m: 2e1\n")
     assert read(Bump | Pothole, path) == Bump(20.0)
     path.write_text("kind: bump\nstart_m: 1\nstart_m: 2\n")
-    with pytest.raises(InputError, match=r"bump\.yaml, line 3: the key 'start_m' stands twice"):
+    with pytest.raises(InputError, match=r"bump\.yaml, line 3: the key 'start_m' appears twice"):
         read(Bump | Pothole, path)
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"bump\.yaml: is not UTF-8 text"):

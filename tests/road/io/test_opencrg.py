@@ -104,11 +104,11 @@ def test_what_lies_far_beside_the_road_is_left_out(tmp_path):
 def test_malformed_files_are_told_in_one_line(tmp_path):
     good = hand_written(tmp_path / "good.crg", "LRFI").read_text()
     for text, message in (
-        ("", "is no valid OpenCRG file"),
-        ("x_m,z_m\n0,0\n", "is no valid OpenCRG file"),
-        (good.replace("#:LRFI", "#:LRXX"), "is no valid OpenCRG file"),
-        (good.replace("0.0300000", "0.03000xx"), "is no valid OpenCRG file"),
-        (good.replace("D:long section 2,m\n", ""), "is no valid OpenCRG file"),
+        ("", "is not a valid OpenCRG file"),
+        ("x_m,z_m\n0,0\n", "is not a valid OpenCRG file"),
+        (good.replace("#:LRFI", "#:LRXX"), "is not a valid OpenCRG file"),
+        (good.replace("0.0300000", "0.03000xx"), "is not a valid OpenCRG file"),
+        (good.replace("D:long section 2,m\n", ""), "is not a valid OpenCRG file"),
     ):
         path = tmp_path / "bad.crg"
         path.write_text(text)

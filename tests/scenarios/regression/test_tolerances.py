@@ -125,7 +125,7 @@ def test_the_scenario_is_found_from_wherever_the_check_is_started(
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("{", "is no JSON"),
+        ("{", "is not valid JSON"),
         ("[]", "another version"),
         ('{"schema": 2}', "another version"),
         ('{"schema": 1}', "manifest"),

@@ -168,7 +168,7 @@ def test_a_budget_of_the_wrong_types_raises_nothing_but_an_input_error(
     if place == "event":
         assert "<h3>3</h3>" in error_budget_section(budget)
         return
-    with pytest.raises(InputError, match="is no comfort budget"):
+    with pytest.raises(InputError, match="is not a comfort budget"):
         error_budget_section(budget)
 
 

@@ -117,7 +117,7 @@ def test_a_part_never_takes_the_place_of_another(tmp_path: Path) -> None:
         (b'{"key": "k", "error": null, "a": [1]}', "must be plain"),
         (b'{"key": "k", "error": null, "a": NaN}', "must be finite"),
         (b'{"key": "\xff", "error": null}', "is not UTF-8 text"),
-        (b'{"key": "k", "err', "is no JSON"),
+        (b'{"key": "k", "err', "is not valid JSON"),
     ],
 )
 def test_a_damaged_line_before_the_last_is_named_and_nothing_is_changed(

@@ -13,6 +13,7 @@ from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from foreride.vehicle.load import control_model, load_vehicle
 from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.state_layout import state_layout
 
 PARTS: list[Damper] = [IdealDamper(), ValveDamper(), MrTanhDamper(), MrBoucWenDamper()]
 STATIC: list[Damper] = PARTS[:3]
@@ -86,8 +87,8 @@ def test_laws_agree_in_all_arithmetics(part: Damper) -> None:
     rng = np.random.default_rng(3)
     for _ in range(20):
         x = rng.normal(0.0, 0.05, equations.state_size(car))
-        x[equations.damping_rows(car)] = rng.uniform(300, 4500, 2)
-        x[equations.damping_rows(car).stop :] *= 0.05
+        x[state_layout(car).damping] = rng.uniform(300, 4500, 2)
+        x[state_layout(car).damping.stop :] *= 0.05
         inputs = (rng.uniform(300, 4500, 2), rng.normal(0, 0.02, 2), rng.normal(0, 0.5, 2))
         expected = equations.derivative(car, x, *inputs)
         symbols = [casadi.SX.sym("s", value.size) for value in (x, *inputs)]
@@ -118,7 +119,7 @@ def test_a_prediction_car_knows_the_states_but_the_inner_ones() -> None:
     car = replace(load_vehicle("half"), damper=MrBoucWenDamper())
     known = control_model(car)
     assert equations.state_size(car) - equations.state_size(known) == 2 * 2
-    assert equations.damping_rows(car) == equations.damping_rows(known)
+    assert state_layout(car).damping == state_layout(known).damping
 
 
 class Step:

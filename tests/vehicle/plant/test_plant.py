@@ -16,6 +16,7 @@ from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from foreride.vehicle.plant.plant import Plant, build_model
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
+from foreride.vehicle.state_layout import state_layout
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
     moving = 2 * (bodies + wheels)
     for _ in range(200):
         x = rng.normal(0.0, 0.08, equations.state_size(car))
-        x[equations.damping_rows(car)] = rng.uniform(300, 4500, wheels)
+        x[state_layout(car).damping] = rng.uniform(300, 4500, wheels)
         command = rng.uniform(0, 6000, equations.input_size(car))
         height, velocity, braking = rng.normal(0, 0.05, wheels), rng.normal(0, 1, wheels), rng.normal(0, 5)
         data.qpos[:], data.qvel[:], data.act[:] = x[:moving:2], x[1:moving:2], x[moving:]
@@ -302,7 +303,7 @@ def test_wrong_use_is_told_in_one_line() -> None:
     plant = Plant(HALF)
     with pytest.raises(InputError, match="profiles must be 2, one per wheel, got 1"):
         plant.reset([FLAT], 0.0, 10.0)
-    with pytest.raises(InputError, match="speed_m_s must be >= 0 and <= 100, got -1"):
+    with pytest.raises(InputError, match=r"speed_m_s must lie in 0 \.\.\. 100 m/s, got -1"):
         plant.reset([FLAT, FLAT], 0.0, -1.0)
 
 
