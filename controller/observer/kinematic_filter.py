@@ -57,8 +57,9 @@ class FilterLayout(NamedTuple):
 
 def filter_layout(wheels: int) -> FilterLayout:
     """Return the layout of the filter state for this number of wheels."""
-    motion = (slice(i * wheels, (i + 1) * wheels) for i in range(4))
-    return FilterLayout(*motion, offset=slice(4 * wheels, 6 * wheels), gyro_offset=6 * wheels)
+    body, wheel, body_velocity, wheel_velocity = (slice(i * wheels, (i + 1) * wheels) for i in range(4))
+    offset = slice(4 * wheels, 6 * wheels)
+    return FilterLayout(body, wheel, body_velocity, wheel_velocity, offset, gyro_offset=6 * wheels)
 
 
 @lru_cache(maxsize=64)

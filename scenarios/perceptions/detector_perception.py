@@ -99,7 +99,9 @@ class DetectorPerception(Perception):
         code = getattr(self._eye, "__code__", None)
         file = Path(code.co_filename if code else "")
         reason = f"{type(error).__name__} at {location(error, file)}"
-        say_once(f"perception: {reason}", f"perception: a look failed and is left out: {error_text(error, file)}")
+        say_once(
+            f"perception: {reason}", f"perception: a look failed and is left out: {error_text(error, file)}"
+        )
         return reason
 
     def sense(self, measurement: Measurement) -> None:
