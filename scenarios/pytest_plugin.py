@@ -7,7 +7,7 @@ Every test has its own baseline, `ride_baselines/<module>-<test>.json` beside th
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:  # every pytest run imports this file; only tests with the fixture need the rest
+    from foreride.scenarios.definition.overrides import Overrides
     from foreride.scenarios.simulation.simulate import Run
 
 
@@ -44,19 +45,21 @@ class RideComfort:
         controller: str = "mpc_preview",
         perception: str = "oracle",
         seed: int = 0,
-        overrides: Sequence[str] = (),
+        overrides: Overrides = (),
         tolerances: Mapping[str, float] | None = None,
     ) -> Run:
         """Simulate and check one case.
 
-        `scenario`, `controller`: as on the command line, files relative to the test's folder; `overrides`: as
-        for `--set`; `tolerances`: absolute ones (SI) in place of the default ones.
+        `scenario`, `controller`: as on the command line, files relative to the test's folder; `overrides`: a
+        mapping of fields to values; `tolerances`: absolute ones (SI) in place of the default ones.
         """
+        from foreride.scenarios.definition.overrides import collect_overrides
         from foreride.scenarios.regression.baseline import Baseline, BaselineEntry, read, write
         from foreride.scenarios.regression.tolerances import Tolerance, changes, diff, failed, label, measured
         from foreride.scenarios.simulation.simulate import simulate
 
-        asked = BaselineEntry(scenario, tuple(overrides), controller, perception, seed, {})
+        asked = BaselineEntry(scenario, collect_overrides(overrides), controller, perception, seed, {})
+        texts = asked.override_texts
         case = asked.case(self._file.parent.parent)
         baseline = read(self._file) if self._file.exists() else Baseline()
         run = simulate(case)
@@ -65,10 +68,11 @@ class RideComfort:
             return run
         held = {one.key: one for one in baseline.held}.get(asked.key)
         if held is None:
-            pytest.fail(
-                f"{self._file}: no baseline of {label(case, overrides)}; pytest --ride-accept writes it"
-            )
+            pytest.fail(f"{self._file}: no baseline of {label(case, texts)}; pytest --ride-accept writes it")
         own = {metric: Tolerance(value) for metric, value in (tolerances or {}).items()}
         if failed(found := changes(held.metrics, measured(run), own)):
-            pytest.fail("\n  ".join([f"{label(case, overrides)} rides worse:", *diff(found)]), pytrace=False)
+            pytest.fail(
+                "\n  ".join([f"{label(case, texts)} rides worse:", *diff(found)]),
+                pytrace=False,
+            )
         return run

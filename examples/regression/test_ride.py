@@ -4,7 +4,7 @@ import numpy as np
 
 
 def test_the_hump_stays_comfortable(ride_comfort):
-    run = ride_comfort("hump_flat_30", perception="oracle", overrides=["vehicle.model=quarter"])
+    run = ride_comfort("hump_flat_30", perception="oracle", overrides={"vehicle.model": "quarter"})
     assert run.metrics["lift_time"] < 0.1
 
 

@@ -7,7 +7,7 @@ from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.simulate import simulate
 
 
-def room(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:
+def headroom(scenario: Scenario, known: Optimum | None = None) -> dict[str, float]:
     """`objective` of the clairvoyant bound, `gap_between_starts` of its search, and `passive_objective`.
 
     The bound is computed once, then taken from the cache (`scenarios.bound.optimum_cache`), unless it is

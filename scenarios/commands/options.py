@@ -1,11 +1,9 @@
 """Options and console output shared by the commands that run cases."""
 
 import argparse
-import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.progress import (
@@ -27,6 +25,7 @@ from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.cases import Case, cases, distinct
 from foreride.scenarios.comparison.parallel import simulate_each
 from foreride.scenarios.comparison.table import short_name
+from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
 from foreride.scenarios.definition.sets import load_all
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.runs.write import vehicle_name
@@ -113,28 +112,22 @@ def add_output_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--out", type=Path, metavar="DIR", help="output folder")
 
 
-def overrides_of(arguments: argparse.Namespace) -> list[str]:
+def overrides_of(arguments: argparse.Namespace) -> list[Override]:
     """Overrides of `--set`, `--vehicle`, `--observer` and `--settings`."""
     overrides = [] if arguments.settings is None else settings_overrides(arguments.settings)
-    overrides += arguments.overrides
+    overrides += [parse_override(text) for text in arguments.overrides]
     if arguments.vehicle:
-        overrides.append(f"vehicle.model={arguments.vehicle}")
+        overrides.append(Override(("vehicle", "model"), arguments.vehicle, "--vehicle"))
     if arguments.observer:
-        overrides.append(f"observer={arguments.observer}")
+        overrides.append(Override(("observer",), arguments.observer, "--observer"))
     return overrides
 
 
-def settings_overrides(path: Path) -> list[str]:
+def settings_overrides(path: Path) -> list[Override]:
     """Overrides equivalent to a file of controller settings; fields it omits stay unchanged."""
     strict.read(ControllerSettings, path)
-    return _overrides("control.settings", yaml12.parse(read_text(path), str(path)))
-
-
-def _overrides(place: str, value: Any) -> list[str]:
-    """Overrides for the values of a nested mapping, in a notation that `--set` parses back unchanged."""
-    if isinstance(value, dict):
-        return [one for name, inner in value.items() for one in _overrides(f"{place}.{name}", inner)]
-    return [f"{place}={json.dumps(value)}"]
+    settings = yaml12.parse(read_text(path), str(path))
+    return list(collect_overrides({"control": {"settings": settings}}))
 
 
 def seeds_of(arguments: argparse.Namespace) -> list[int] | None:

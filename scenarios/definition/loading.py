@@ -1,17 +1,16 @@
 """Loading of scenarios by name or file, with single fields overridden."""
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from foreride.controller.tuned_settings import tuned_mapping
-from foreride.files.errors import InputError, nearest, printable, shortened, shown
+from foreride.files.errors import InputError, nearest, printable, shown
 from foreride.files.reading import strict
-from foreride.files.reading.numbers import is_integer
 from foreride.files.reading.regular_file import read_text, reading
 from foreride.files.reading.yaml12 import parse
 from foreride.scenarios.definition import road_block
+from foreride.scenarios.definition.overrides import Overrides, collect_overrides
 from foreride.scenarios.definition.schema import Scenario
 from foreride.vehicle.load import load_vehicle
 
@@ -23,8 +22,8 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.yaml"))
 
 
-def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
-    """Read a scenario of the library or a file, apply `path.to.field=value` overrides, validate.
+def load(name_or_path: str, overrides: Overrides = ()) -> Scenario:
+    """Read a scenario of the library or a file, apply overrides, validate.
 
     A scenario names its car by `vehicle: {model: half}` (a shipped name or a YAML file) and may replace
     single parameters under `vehicle.parameters`. Anything wrong raises one-line `InputError`.
@@ -33,7 +32,7 @@ def load(name_or_path: str, overrides: Sequence[str] = ()) -> Scenario:
     return structure(read(path), path, overrides)
 
 
-def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: str = "") -> Scenario:
+def structure(mapping: Any, path: Path, overrides: Overrides = (), place: str = "") -> Scenario:
     """Convert the mapping at `place` in the file at `path` to a scenario, with overrides, and validate it.
 
     Tuned settings shipped for its kind of car apply where it does not set its own.
@@ -41,14 +40,15 @@ def structure(mapping: Any, path: Path, overrides: Sequence[str] = (), place: st
     source = f"{path}{place}"
     if not isinstance(mapping, dict):
         raise InputError(f"{source}: a scenario must be a mapping of fields, got {type(mapping).__name__}")
-    for override in overrides:
-        _override(mapping, override)
+    collected = collect_overrides(overrides)
+    for override in collected:
+        override.apply(mapping)
     mapping.setdefault("name", path.stem)
     mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
     _fill_in_road(mapping, path)
     _find_map(mapping, path)
     _fill_in_tuned(mapping)
-    scenario = strict.structure(Scenario, mapping, f"{source} (with --set)" if overrides else source)
+    scenario = strict.structure(Scenario, mapping, f"{source} (with overrides)" if collected else source)
     assert isinstance(scenario, Scenario)
     return scenario
 
@@ -69,36 +69,6 @@ def _find(name_or_path: str) -> Path:
         hint = nearest(name_or_path, names()) or f"; known are {', '.join(names())}"
         raise InputError(f"scenario {shown(name_or_path)} is neither a file nor in the library{hint}")
     return FOLDER / f"{name_or_path}.yaml"
-
-
-def _override(mapping: dict[str, Any], override: str) -> None:
-    dotted, separator, text = override.partition("=")
-    keys = dotted.strip().split(".")
-    if not separator or not all(keys):
-        raise InputError(f"--set {shown(override)}: must read path.to.field=value")
-    value = parse(text, f"--set {shown(override)}")
-    place: Any = mapping
-    for key in keys[:-1]:
-        place = _step(place, key, override)
-    if isinstance(place, list):
-        place[_index(place, keys[-1], override)] = value
-    else:
-        place[keys[-1]] = value
-
-
-def _step(place: Any, key: str, override: str) -> Any:
-    if isinstance(place, list):
-        return place[_index(place, key, override)]
-    inner = place.setdefault(key, {})
-    if not isinstance(inner, dict | list):
-        raise InputError(f"--set {shown(override)}: {key} is a single value, it has no fields")
-    return inner
-
-
-def _index(place: list[Any], key: str, override: str) -> int:
-    if not is_integer(key) or int(key) >= len(place):
-        raise InputError(f"--set {shown(override)}: {shortened(key)} must be an index 0 ... {len(place) - 1}")
-    return int(key)
 
 
 def _vehicle(choice: Any, scenario: Path) -> Any:

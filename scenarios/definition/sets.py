@@ -1,11 +1,12 @@
 """Scenario sets: a YAML list of scenarios in one file, shipped or user-defined."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 from foreride.files.errors import InputError
 from foreride.scenarios.definition.loading import FOLDER, load, read, structure
+from foreride.scenarios.definition.overrides import Overrides
 from foreride.scenarios.definition.schema import Scenario
 
 SETS = FOLDER / "sets"
@@ -16,7 +17,7 @@ def set_names() -> list[str]:
     return sorted(path.stem for path in SETS.glob("*.yaml"))
 
 
-def load_all(names: Iterable[str], overrides: Sequence[str] = ()) -> list[Scenario]:
+def load_all(names: Iterable[str], overrides: Overrides = ()) -> list[Scenario]:
     """Load the scenarios that names and files stand for, in order; a set stands for all its members.
 
     Overrides apply to each of them. Raises one-line `InputError` for invalid input.
@@ -24,7 +25,7 @@ def load_all(names: Iterable[str], overrides: Sequence[str] = ()) -> list[Scenar
     return [scenario for name in names for scenario in _one_or_many(name, overrides)]
 
 
-def _one_or_many(name: str, overrides: Sequence[str]) -> list[Scenario]:
+def _one_or_many(name: str, overrides: Overrides) -> list[Scenario]:
     path = SETS / f"{name}.yaml" if name in set_names() else Path(name)
     if not os.path.isfile(path):
         return [load(name, overrides)]

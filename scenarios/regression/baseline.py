@@ -13,6 +13,7 @@ from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.overrides import Override, collect_overrides
 from foreride.scenarios.regression.tolerances import Tolerance
 from foreride.scenarios.runs.write import environment, to_json
 
@@ -25,11 +26,11 @@ REFERENCE = Path(__file__).parents[1] / "baselines" / "reference.json"
 class BaselineEntry:
     """Baseline entry: a case and its reference metrics.
 
-    scenario: a name in the library, or a file relative to the baseline's folder. overrides: as for `--set`.
+    scenario: a name in the library, or a file relative to the baseline's folder.
     """
 
     scenario: str
-    overrides: tuple[str, ...]
+    overrides: tuple[Override, ...]
     controller: str
     perception: str
     seed: int
@@ -47,7 +48,12 @@ class BaselineEntry:
     @property
     def key(self) -> tuple[object, ...]:
         """Identity of the entry within a file."""
-        return self.scenario, self.overrides, self.controller, self.perception, self.seed
+        return self.scenario, self.override_texts, self.controller, self.perception, self.seed
+
+    @property
+    def override_texts(self) -> tuple[str, ...]:
+        """The overrides as for `--set`, as the file holds them."""
+        return tuple(override.text for override in self.overrides)
 
 
 @dataclass(frozen=True)
@@ -78,6 +84,13 @@ class _Case:
     perception: str
     seed: int
     metrics: dict[str, float]
+
+    def entry(self) -> BaselineEntry:
+        """Return the entry of the case."""
+        overrides = collect_overrides(self.set)
+        return BaselineEntry(
+            self.scenario, overrides, self.controller, self.perception, self.seed, self.metrics
+        )
 
     def __post_init__(self) -> None:
         if not self.metrics:
@@ -112,7 +125,7 @@ def write(path: Path, baseline: Baseline) -> None:
         "tolerances": baseline.tolerances or {},
         "cases": [
             {
-                "scenario": one.scenario, "set": one.overrides, "controller": one.controller,
+                "scenario": one.scenario, "set": one.override_texts, "controller": one.controller,
                 "perception": one.perception, "seed": one.seed, "metrics": one.metrics,
             }
             for one in baseline.held
@@ -137,10 +150,7 @@ def read(path: Path) -> Baseline:
         told = f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: is not a baseline of schema {SCHEMA} ({shortened(told)})") from None
     kept = strict.structure(_File, content, str(path))
-    held = tuple(
-        BaselineEntry(case.scenario, case.set, case.controller, case.perception, case.seed, case.metrics)
-        for case in kept.cases
-    )
+    held = tuple(case.entry() for case in kept.cases)
     if _number(wrote) > _number(version("foreride")):
         told = f"written by foreride {wrote}, this is {version('foreride')}"
         raise InputError(f"{path}: a baseline of another version ({told}); update foreride")

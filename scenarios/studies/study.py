@@ -1,6 +1,5 @@
 """Study files: the variation of scenario fields, and the resulting list of drives."""
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -77,8 +76,7 @@ class Sample:
 
     def case(self) -> Case:
         """Return the case to simulate."""
-        overrides = [f"{path}={json.dumps(value)}" for path, value in self.point]
-        return Case(load(self.scenario, overrides), self.controller, self.perception, self.seed)
+        return Case(load(self.scenario, dict(self.point)), self.controller, self.perception, self.seed)
 
 
 def read(path: Path) -> list[Sample]:

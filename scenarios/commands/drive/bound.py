@@ -6,7 +6,7 @@ from pathlib import Path
 
 from foreride.controller.registry import CLAIRVOYANT
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.bound.headroom import room
+from foreride.scenarios.bound.headroom import headroom
 from foreride.scenarios.bound.optimum_cache import bound
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
@@ -37,7 +37,7 @@ def execute(arguments: argparse.Namespace) -> int:
     with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
         optimum = bound(scenario)
         metrics = simulate_case(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
-        found = room(scenario, optimum)
+        found = headroom(scenario, optimum)
     console.print(
         f"{scenario.name}, {scenario.vehicle.model}: J {metrics['objective']:.4f} (m/s²)², "
         f"{metrics['objective'] / found['passive_objective']:.3f} of passive; "

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.bound.headroom import room
+from foreride.scenarios.bound.headroom import headroom
 from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import (
     add_case_options,
@@ -68,6 +68,6 @@ def headroom_by_scenario(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
         bar = progress.add_task("", total=len(scenarios))
         for key, scenario in scenarios.items():
             progress.update(bar, description=f"bound of {scenario.name}, a minute or a few")
-            found[key] = room(scenario)
+            found[key] = headroom(scenario)
             progress.advance(bar)
     return found

@@ -62,7 +62,7 @@ def execute(arguments: argparse.Namespace) -> int:
         return 0
     tolerances = baseline.own_tolerances()
     found = [changes(one.metrics, metrics, tolerances) for one, metrics in zip(held, now, strict=True)]
-    labels = [label(case, one.overrides) for case, one in zip(driven, held, strict=True)]
+    labels = [label(case, one.override_texts) for case, one in zip(driven, held, strict=True)]
     _tell(labels, found, baseline.foreride)
     if arguments.json:
         rows = [

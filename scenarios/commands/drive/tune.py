@@ -99,5 +99,5 @@ def _command(arguments: argparse.Namespace) -> str:
     parts = ["foreride tune", *arguments.events]
     if arguments.controllers != list(TUNED_CONTROLLERS):
         parts.append(f"--controllers {','.join(arguments.controllers)}")
-    parts += [f"--set {override}" for override in overrides_of(arguments)]
+    parts += [f"--set {override.text}" for override in overrides_of(arguments)]
     return " ".join([*parts, f"--evaluations {arguments.evaluations}", f"--seed {arguments.seed}"])
