@@ -16,6 +16,7 @@ from foreride.controller.mpc.controller import PredictiveController
 from foreride.controller.settings import ControllerSettings
 from foreride.controller.supervision.supervisor import FallbackSupervisor
 from foreride.controller.tuned_settings import tuned_settings
+from foreride.controller.user_controller import Factory as UserFactory
 from foreride.controller.user_controller import build_user_controller, is_user_controller
 from foreride.files.errors import InputError
 from foreride.vehicle.load import Car, control_model
@@ -76,8 +77,24 @@ def build(
     settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
     vehicle = control_model(vehicle)
     controller = _make(name, vehicle, settings, timing)
-    if name in UNSUPERVISED:
-        return controller
+    return controller if name in UNSUPERVISED else _supervised(controller, vehicle, settings, timing)
+
+
+def build_object(
+    controller: Controller | UserFactory, vehicle: Car, settings: ControllerSettings, timing: Timing
+) -> Controller:
+    """Supervise a controller given as an object, or as a class or function that is called to build it.
+
+    Its failures are treated like those of a controller from a file. Raises InputError if it cannot be built.
+    """
+    vehicle = control_model(vehicle)
+    built = build_user_controller(controller, vehicle, settings.user, timing)
+    return _supervised(built, vehicle, settings, timing)
+
+
+def _supervised(
+    controller: Controller, vehicle: Car, settings: ControllerSettings, timing: Timing
+) -> Controller:
     reactive = _make(settings.supervisor.reactive, vehicle, settings, timing)
     safe = _make("fixed", vehicle, settings, timing)
     return FallbackSupervisor(controller, reactive, safe, vehicle, settings.supervisor, timing)

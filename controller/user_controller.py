@@ -1,9 +1,10 @@
 """User-defined controllers: loaded from `path/to/file.py:name`, with guarded calls."""
 
+import inspect
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -14,13 +15,16 @@ from foreride.files.own_code import error_text, load, location, say_once, waitin
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
+Factory = Callable[..., Controller]
+"""(vehicle, timing, **settings) → controller."""
+
 
 def is_user_controller(name: str) -> bool:
     """Whether a controller name refers to a file."""
     return ":" in name
 
 
-def load_user_controller(target: str) -> Callable[..., Controller]:
+def load_user_controller(target: str) -> Factory:
     """Load the class or function that `path/to/file.py:name` names.
 
     It is called as name(vehicle, timing, **settings) and returns an object with `reset()` and
@@ -36,22 +40,45 @@ def load_user_controller(target: str) -> Callable[..., Controller]:
 
 
 def build_user_controller(
-    target: str, vehicle: Car, settings: dict[str, float], timing: Timing
+    target: str | Controller | Factory, vehicle: Car, settings: dict[str, float], timing: Timing
 ) -> "UserController":
-    """Build the controller that `path/to/file.py:name` names. Raises InputError if that fails."""
-    factory = load_user_controller(target)
-    path, name = _parts(target)
+    """Build the controller that `path/to/file.py:name` names, or that a class, function or object gives.
+
+    Raises InputError if that fails.
+    """
+    source = target if isinstance(target, str) else f"{_file_of(target)}:{controller_label(target)}"
+    path, name = _parts(source)
+    given = load_user_controller(target) if isinstance(target, str) else target
     try:
-        with waiting_for(f"controller {target}"):
-            controller = factory(vehicle, timing, **settings)
+        with waiting_for(f"controller {source}"):
+            controller: Any = given(vehicle, timing, **settings) if _is_factory(given) else given
             missing = [part for part in ("reset", "step") if not callable(getattr(controller, part, None))]
     except (InputError, KeyboardInterrupt):
         raise
     except BaseException as error:  # user code may raise anything, even SystemExit
-        raise InputError(f"controller {target}: cannot be built ({error_text(error, path)})") from error
+        raise InputError(f"controller {source}: cannot be built ({error_text(error, path)})") from error
     if missing:
-        raise InputError(f"controller {target}: must have reset() and step(), lacks {', '.join(missing)}")
+        raise InputError(f"controller {source}: must have reset() and step(), lacks {', '.join(missing)}")
     return UserController(controller, path, name, vehicle)
+
+
+def controller_label(controller: str | Controller | Factory) -> str:
+    """Name of a controller in results: its own, or that of its class or function."""
+    if isinstance(controller, str):
+        return controller
+    return str(getattr(controller, "__name__", type(controller).__name__))
+
+
+def _is_factory(given: Any) -> TypeGuard[Factory]:
+    return callable(given) and (isinstance(given, type) or not hasattr(given, "step"))
+
+
+def _file_of(given: Any) -> str:
+    """File in which a controller's class or function is defined."""
+    try:
+        return inspect.getfile(given if _is_factory(given) else type(given))
+    except (TypeError, OSError):  # typed in at a prompt
+        return "<input>"
 
 
 def _parts(target: str) -> tuple[Path, str]:

@@ -19,7 +19,7 @@ _warnings_issued: set[str] = set()
 
 
 def load(path: Path, subject: str) -> ModuleType:
-    """Import a file as a module; `subject` names it in messages.
+    """Import a file as a module, which may import modules beside it; `subject` names it in messages.
 
     Raises InputError, in one line with file and line, for any failure: a syntax error, any exception,
     sys.exit. Ctrl-C passes.
@@ -29,6 +29,8 @@ def load(path: Path, subject: str) -> ModuleType:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses and pickle look up classes by their module
+    if (folder := os.path.dirname(os.path.abspath(path))) not in sys.path:
+        sys.path.append(folder)  # last, so that modules beside the file are found but hide no other
     try:
         with waiting_for(f"{subject}: {path} to load"):
             spec.loader.exec_module(module)

@@ -1,15 +1,20 @@
 """Tests of user controllers: run-time failures are faults of the answer, load failures give one line."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from foreride.controller.registry import build
+from foreride.controller.interface import Estimate, Timing
+from foreride.controller.registry import build, build_object
+from foreride.controller.tuned_settings import tuned_settings
 from foreride.controller.user_controller import load_user_controller
 from foreride.files.errors import InputError
-from foreride.vehicle.load import load_vehicle
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car, load_vehicle
 from tests.controller.cars import estimate
 
 CAR = load_vehicle("half")
@@ -137,3 +142,73 @@ def test_slow_code_is_told_to_be_waited_for(
     path = write(tmp_path, "import time\ntime.sleep(0.3)\ndef Own(): ...\n")
     load_user_controller(f"{path}:Own")
     assert "still waiting for" in capsys.readouterr().err
+
+
+class Constant:
+    """Controller of constant damping, that fails where it is told to."""
+
+    def __init__(
+        self, vehicle: Car, timing: Timing, damping_ns_m: float = 900.0, fails: bool = False
+    ) -> None:
+        self.command, self.fails, self.resets = np.full(vehicle.wheels, damping_ns_m), fails, 0
+
+    def reset(self) -> None:
+        self.resets += 1
+
+    def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
+        if self.fails:
+            raise ZeroDivisionError("by own hand")
+        return self.command
+
+
+def stiff(vehicle: Car, timing: Timing) -> Constant:
+    return Constant(vehicle, timing, 1000.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "damping"),
+    [(Constant, 900.0), (stiff, 1000.0), (Constant(CAR, Timing(), 1100.0), 1100.0)],
+    ids=["class", "function", "object"],
+)
+def test_a_class_a_function_and_an_object_are_controllers(
+    given: Constant | Callable[..., Constant], damping: float
+) -> None:
+    built = build_object(given, CAR, tuned_settings(CAR.kind), Timing())
+    assert built.step(MOVING, None) == pytest.approx(damping)
+    if isinstance(given, Constant):
+        assert given.resets == 1
+
+
+def test_the_failure_of_an_object_brings_the_fallback_and_names_its_line(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    built = build_object(Constant(CAR, Timing(), fails=True), CAR, tuned_settings(CAR.kind), Timing())
+    assert built.step(MOVING, None) == pytest.approx(build("skyhook", CAR).step(MOVING, None))
+    assert built.problem is not None  # type: ignore[attr-defined]
+    told = capsys.readouterr().err
+    assert "test_user_controller.py:Constant" in told
+    assert "ZeroDivisionError: by own hand at test_user_controller.py:" in told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (object(), "must have reset() and step(), lacks reset, step"),
+        (lambda vehicle: None, "cannot be built (TypeError"),
+        (lambda vehicle, timing: None, "must have reset() and step()"),
+    ],
+)
+def test_what_is_no_controller_is_refused(given: Any, told: str) -> None:
+    with pytest.raises(InputError) as caught:
+        build_object(given, CAR, tuned_settings(CAR.kind), Timing())
+    assert told in str(caught.value)
+
+
+def test_a_file_imports_modules_beside_it_but_they_hide_no_other(tmp_path: Path) -> None:
+    (tmp_path / "chassis_of_mine.py").write_text("DAMPING = 950.0")
+    (tmp_path / "json.py").write_text("raise AssertionError('hides json')")
+    text = "import json\n" + OWN.format(
+        step="from chassis_of_mine import DAMPING; return np.full(2, DAMPING)"
+    )
+    path = write(tmp_path, text)
+    assert build(f"{path}:Own", CAR).step(MOVING, None) == pytest.approx(950.0)

@@ -22,7 +22,7 @@ vehicle: {model: quarter}
 
 
 @contextmanager
-def headroom(size: int) -> Iterator[None]:
+def room(size: int) -> Iterator[None]:
     """No file may grow over `size` bytes: writes fail where they are, as on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
@@ -46,7 +46,7 @@ def one_line(capsys: pytest.CaptureFixture[str]) -> str:
 
 def test_a_run_leaves_nothing_half_written(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = short.parent / "runs"
-    with headroom(20_000):
+    with room(20_000):
         status = main(["run", str(short), "--controllers", "passive", "--out", str(out)])
     assert status == 2
     told = one_line(capsys)
@@ -62,7 +62,7 @@ def test_a_report_leaves_the_old_one(short: Path, capsys: pytest.CaptureFixture[
     (run,) = out.glob("*passive*")
     report.write_text("old")
     capsys.readouterr()
-    with headroom(20_000):
+    with room(20_000):
         status = main(["report", str(run), "--out", str(report)])
     assert status == 2
     assert "File too large" in one_line(capsys)
@@ -73,7 +73,7 @@ def test_a_report_leaves_the_old_one(short: Path, capsys: pytest.CaptureFixture[
 def test_a_sweep_keeps_each_row_that_found_room(tmp_path: Path) -> None:
     results = Results(tmp_path)
     row = {"error": None, "text": "x" * 200}
-    with headroom(1000):
+    with room(1000):
         for number in range(4):
             results.add(row | {"key": str(number)})
         with pytest.raises(OSError, match="File too large"):
