@@ -53,8 +53,8 @@ def require(name: str) -> Backend:
     if name not in BACKENDS:
         raise InputError(f"backend must be one of {', '.join(BACKENDS)}, got {name!r}")
     if name not in installed():
-        package, there = BACKENDS[name].package, ", ".join(installed())
-        raise InputError(f"backend {name}: not installed, needs {package}; installed: {there}")
+        package, available = BACKENDS[name].package, ", ".join(installed())
+        raise InputError(f"backend {name}: not installed, needs {package}; installed: {available}")
     return BACKENDS[name]
 
 
@@ -115,7 +115,7 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
     import openvino
 
     core = openvino.Core()
-    wanted = {
+    config = {
         "INFERENCE_NUM_THREADS": threads,
         "NUM_STREAMS": 1,
         "INFERENCE_PRECISION_HINT": arithmetic,
@@ -124,7 +124,7 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
     try:
         model = core.read_model(path)
         model.reshape({"image": [1, size[1], size[0], 3]})
-        request = core.compile_model(model, "CPU", wanted).create_infer_request()
+        request = core.compile_model(model, "CPU", config).create_infer_request()
     except RuntimeError as error:
         raise InputError(
             f"{path}: not an ONNX model that OpenVINO can run ({type(error).__name__})"
@@ -132,10 +132,10 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
 
     def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         try:
-            found = request.infer({"image": image[None]})
+            outputs = request.infer({"image": image[None]})
         except RuntimeError as error:
             raise _failed(path, image, "OpenVINO", error) from None
-        return found["boxes"].copy(), found["scores"].copy()
+        return outputs["boxes"].copy(), outputs["scores"].copy()
 
     return run
 

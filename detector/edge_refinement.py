@@ -29,14 +29,14 @@ MIN_REFINED_HEIGHT = 0.45  # least refined height, as a share: below it both edg
 _MARGIN = 0.06  # side margin left out, as a share of the width
 
 
-def refine(image: NDArray[np.uint8], found: Detections) -> Detections:
+def refine(image: NDArray[np.uint8], detections: Detections) -> Detections:
     """Detections with top and bottom of wide bumps moved to lines of the RGB image (H, W, 3)."""
-    boxes = found.boxes.copy()
-    for box, cls in zip(boxes, found.classes, strict=True):
+    boxes = detections.boxes.copy()
+    for box, cls in zip(boxes, detections.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
         if cls in STRAIGHT_EDGE_CLASSES and width >= max(MIN_WIDTH_PX, MIN_ASPECT * height):
             box[1], box[3] = np.clip(_edges(image, box), 0, len(image))
-    return Detections(boxes, found.scores, found.classes)
+    return Detections(boxes, detections.scores, detections.classes)
 
 
 def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, float]:
@@ -46,10 +46,12 @@ def _edges(image: NDArray[np.uint8], box: NDArray[np.float32]) -> tuple[float, f
     spread = SPREAD_PX + SPREAD_PER_HEIGHT * height
     change, first = _row_changes(image, box, 3 * spread)
     lines = _strengths(change, int(MAX_LINE_SLOPE * (right - left) / 2 / RISE_STEP_PX))
-    upper = lines and _line(change, lines, top - first, spread, (3 * spread, INWARD_SEARCH * height))
-    lower = lines and _line(change, lines, bottom - first, spread, (INWARD_SEARCH * height, 3 * spread))
-    new_top = first + upper[0] - abs(upper[1]) if upper and top > 1 else top
-    new_bottom = first + lower[0] + abs(lower[1]) if lower and bottom < len(image) - 1 else bottom
+    top_line = lines and _line(change, lines, top - first, spread, (3 * spread, INWARD_SEARCH * height))
+    bottom_line = lines and _line(change, lines, bottom - first, spread, (INWARD_SEARCH * height, 3 * spread))
+    new_top = first + top_line[0] - abs(top_line[1]) if top_line and top > 1 else top
+    new_bottom = (
+        first + bottom_line[0] + abs(bottom_line[1]) if bottom_line and bottom < len(image) - 1 else bottom
+    )
     return (new_top, new_bottom) if new_bottom - new_top >= MIN_REFINED_HEIGHT * height else (top, bottom)
 
 
@@ -96,18 +98,18 @@ def _line(
     changes gather in the fewest rows. The row of its middle then depends on the image alone.
     """
     rows, rises, strength = lines
-    common = rises[np.argmax((strength**2).sum(axis=0))]
-    parallel = (rises - common) / (RISE_SPREAD_PX + RISE_SPREAD_SHARE * abs(common))
-    near = np.exp(-0.5 * (((rows - row) / spread) ** 2)[:, None] - 0.5 * parallel**2)
-    near[(rows < row - reach[0]) | (rows > row + reach[1])] = 0
-    start, slant = np.unravel_index(np.argmax(strength * near), near.shape)
+    common_rise = rises[np.argmax((strength**2).sum(axis=0))]
+    parallel = (rises - common_rise) / (RISE_SPREAD_PX + RISE_SPREAD_SHARE * abs(common_rise))
+    prior = np.exp(-0.5 * (((rows - row) / spread) ** 2)[:, None] - 0.5 * parallel**2)
+    prior[(rows < row - reach[0]) | (rows > row + reach[1])] = 0
+    start, slant = np.unravel_index(np.argmax(strength * prior), prior.shape)
     profile, rise = strength[:, slant], rises[slant]
     best = _local_maximum(profile, int(start))
     if profile[best] < max(MIN_CONTRAST_RATIO * np.median(change.mean(axis=1)), MIN_CHANGE):
         return None
-    about = rows[best] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
-    weight = np.maximum(_line_means(change, about, rise) - 0.3 * profile[best], 0)
-    return float((weight * about).sum() / weight.sum()), float(rise)
+    rows_nearby = rows[best] + np.arange(-SAME_LINE_PX, SAME_LINE_PX + 0.1, 0.25)
+    weight = np.maximum(_line_means(change, rows_nearby, rise) - 0.3 * profile[best], 0)
+    return float((weight * rows_nearby).sum() / weight.sum()), float(rise)
 
 
 def _local_maximum(profile: NDArray, at: int) -> int:
@@ -123,8 +125,8 @@ def _local_maximum(profile: NDArray, at: int) -> int:
 def _line_means(change: NDArray[np.float32], rows: NDArray, rises: NDArray | float) -> NDArray:
     """Mean change along lines (...) through `rows` at the middle that descend by `rises` to the right end."""
     side = np.linspace(-1, 1, SEGMENTS)
-    at = (rows[..., None] + np.asarray(rises)[..., None] * side).clip(0, len(change) - 1.001)
-    upper = at.astype(int)
-    share = at - upper
+    sampled_rows = (rows[..., None] + np.asarray(rises)[..., None] * side).clip(0, len(change) - 1.001)
+    upper_row = sampled_rows.astype(int)
+    share = sampled_rows - upper_row
     column = np.arange(SEGMENTS)
-    return ((1 - share) * change[upper, column] + share * change[upper + 1, column]).mean(axis=-1)
+    return ((1 - share) * change[upper_row, column] + share * change[upper_row + 1, column]).mean(axis=-1)

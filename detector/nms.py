@@ -18,10 +18,12 @@ MAX_KEPT = 300
 
 def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
     """Intersection over union (n, m) of boxes (n, 4) and (m, 4), x0 y0 x1 y1."""
-    inner = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(a[:, None, :2], b[None, :, :2])
-    common = inner.clip(0).prod(-1)
+    intersection_sides = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(
+        a[:, None, :2], b[None, :, :2]
+    )
+    intersection = intersection_sides.clip(0).prod(-1)
     area_a, area_b = (np.prod(x[:, 2:] - x[:, :2], 1) for x in (a, b))
-    return common / np.maximum(area_a[:, None] + area_b[None] - common, 1e-9)
+    return intersection / np.maximum(area_a[:, None] + area_b[None] - intersection, 1e-9)
 
 
 def suppress(boxes: NDArray, scores: NDArray, iou: float) -> NDArray[np.int64]:
@@ -54,19 +56,19 @@ def select(boxes: NDArray, scores: NDArray, confidence: float, iou: float) -> De
 
     Candidates below the threshold still vote on the edges of the boxes kept.
     """
-    found: list[tuple[float, NDArray, int]] = []
+    selected: list[tuple[float, NDArray, int]] = []
     if len(boxes) > MAX_CANDIDATES:
         best = np.sort(np.argsort(-scores.max(1), kind="stable")[:MAX_CANDIDATES])
         boxes, scores = boxes[best], scores[best]
-    solid = (boxes[:, 2:] > boxes[:, :2]).all(1)
+    non_empty = (boxes[:, 2:] > boxes[:, :2]).all(1)
     for cls in range(scores.shape[1]):
-        likely = np.flatnonzero(solid & (scores[:, cls] >= confidence))
-        kept = likely[suppress(boxes[likely], scores[likely, cls], iou)]
-        edges = fuse(boxes[kept], boxes[solid], scores[solid, cls], iou)
-        found += [(scores[i, cls], edge, cls) for i, edge in zip(kept, edges, strict=True)]
-    found.sort(key=lambda item: -item[0])
+        above_threshold = np.flatnonzero(non_empty & (scores[:, cls] >= confidence))
+        kept = above_threshold[suppress(boxes[above_threshold], scores[above_threshold, cls], iou)]
+        edges = fuse(boxes[kept], boxes[non_empty], scores[non_empty, cls], iou)
+        selected += [(scores[i, cls], edge, cls) for i, edge in zip(kept, edges, strict=True)]
+    selected.sort(key=lambda item: -item[0])
     return Detections(
-        np.array([edge for _, edge, _ in found], np.float32).reshape(-1, 4),
-        np.array([s for s, _, _ in found], np.float32),
-        np.array([c for _, _, c in found], np.int64),
+        np.array([edge for _, edge, _ in selected], np.float32).reshape(-1, 4),
+        np.array([s for s, _, _ in selected], np.float32),
+        np.array([c for _, _, c in selected], np.int64),
     )

@@ -80,11 +80,11 @@ class Detector:
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
-        fit = letterbox_for(image.shape[1], image.shape[0], self.longest)
-        boxes, scores = self.candidates(letterbox(image, fit))
-        found = select(boxes / fit.scale, scores, self.confidence, self.iou)
-        found.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=found.boxes)
-        return refine(image, found)
+        transform = letterbox_for(image.shape[1], image.shape[0], self.longest)
+        boxes, scores = self.candidates(letterbox(image, transform))
+        detections = select(boxes / transform.scale, scores, self.confidence, self.iou)
+        detections.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=detections.boxes)
+        return refine(image, detections)
 
     def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Raw network output: boxes (K, 4) in pixels and scores (K, classes) of an image of a valid size."""
@@ -120,15 +120,15 @@ def letterbox_for(width: int, height: int, longest: int) -> Letterbox:
     return Letterbox(scale, _up(width * scale), _up(height * scale))
 
 
-def letterbox(image: NDArray[np.uint8], fit: Letterbox) -> NDArray[np.uint8]:
+def letterbox(image: NDArray[np.uint8], transform: Letterbox) -> NDArray[np.uint8]:
     """Letterboxed image: the network's input (fit.height, fit.width, 3)."""
-    if fit.scale == 1 and image.shape[:2] == (fit.height, fit.width):
+    if transform.scale == 1 and image.shape[:2] == (transform.height, transform.width):
         return np.ascontiguousarray(image)
-    columns = min(round(image.shape[1] * fit.scale), fit.width)
-    rows = min(round(image.shape[0] * fit.scale), fit.height)
-    way = cv2.INTER_AREA if fit.scale < 1 else cv2.INTER_LINEAR
-    canvas = np.full((fit.height, fit.width, 3), PADDING_GREY, np.uint8)
-    canvas[:rows, :columns] = cv2.resize(image, (columns, rows), interpolation=way)
+    columns = min(round(image.shape[1] * transform.scale), transform.width)
+    rows = min(round(image.shape[0] * transform.scale), transform.height)
+    interpolation = cv2.INTER_AREA if transform.scale < 1 else cv2.INTER_LINEAR
+    canvas = np.full((transform.height, transform.width, 3), PADDING_GREY, np.uint8)
+    canvas[:rows, :columns] = cv2.resize(image, (columns, rows), interpolation=interpolation)
     return canvas
 
 

@@ -13,11 +13,11 @@ from foreride.detector.data.litter import litter
 from foreride.detector.data.mosaic import mosaic_view
 from foreride.detector.data.weather import fog, rain, snow
 from foreride.detector.data.yolo_folder import Sample
-from foreride.files.errors import InputError
+from foreride.files.reading.ranges import Checked, Share
 
 
 @dataclass(frozen=True)
-class Augmentation:
+class Augmentation(Checked):
     """Probabilities of optional augmentations; crops, flips, light, slight blur and noise are always applied.
 
     mosaic: share of the views made of four images, but none in the last `plain_last` of all passes, so that
@@ -26,15 +26,10 @@ class Augmentation:
     litter: share of the views with leaves, paper and stones on the road
     """
 
-    mosaic: float = 0.0
-    weather: float = 0.0
-    litter: float = 0.0
-    plain_last: float = 0.1
-
-    def __post_init__(self) -> None:
-        for name in ("mosaic", "weather", "litter", "plain_last"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise InputError(f"{name} must be in 0..1, got {getattr(self, name)}")
+    mosaic: Share = 0.0
+    weather: Share = 0.0
+    litter: Share = 0.0
+    plain_last: Share = 0.1
 
     def at(self, done: float) -> "Augmentation":
         """Augmentation at a training progress of 0..1."""
@@ -50,11 +45,11 @@ def training_view(
     width: int,
     height: int,
     rng: Generator,
-    how: Augmentation = DEFAULT_AUGMENTATION,
+    augmentation: Augmentation = DEFAULT_AUGMENTATION,
     min_height_px: float = 2.0,
 ) -> TrainingView:
     """Random training view of samples[index], or a mosaic of it with three others."""
-    if how.mosaic and rng.random() < how.mosaic:
+    if augmentation.mosaic and rng.random() < augmentation.mosaic:
         chosen = [samples[i] for i in (index, *rng.integers(len(samples), size=3))]
         shuffled = [chosen[i] for i in rng.permutation(4)]
         image, classes, boxes = mosaic_view(shuffled, width, height, rng, min_height_px)
@@ -63,10 +58,10 @@ def training_view(
     if rng.random() < 0.5:
         image = image[:, ::-1]
         boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
-    if how.litter and rng.random() < how.litter:
+    if augmentation.litter and rng.random() < augmentation.litter:
         image = litter(image, rng.random() ** 2, rng)
     image = _light(image, rng)
-    if how.weather and rng.random() < how.weather:
+    if augmentation.weather and rng.random() < augmentation.weather:
         effect = (rain, snow, fog)[rng.integers(3)]
         image = effect(image, rng.random(), rng)
     return TrainingView(_sensor(image, rng), classes, boxes)

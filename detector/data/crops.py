@@ -53,14 +53,14 @@ def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0
 def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool) -> tuple[int, int, int, int]:
     """Crop window x, y, w, h in source pixels; may reach beyond the image."""
     rows, columns = sample.image.shape[:2]
-    fit = (max if fill else min)(width / columns, height / rows)
+    fit_scale = (max if fill else min)(width / columns, height / rows)
     kind = rng.random()
     if kind < 0.25:
-        scale = fit
+        scale = fit_scale
     elif kind < 0.6:
-        scale = max(fit, 1.0)
+        scale = max(fit_scale, 1.0)
     else:
-        scale = np.exp(rng.uniform(np.log(0.9 * fit), np.log(1.3 * max(fit, 1.0))))
+        scale = np.exp(rng.uniform(np.log(0.9 * fit_scale), np.log(1.3 * max(fit_scale, 1.0))))
     w, h = round(width / scale), round(height / scale)
     centre = rng.random(2) * (columns, rows)
     if len(sample.boxes) and rng.random() < 0.8:
@@ -93,8 +93,8 @@ def cut(image: NDArray, window: tuple[int, int, int, int], width: int, height: i
     if (w, h) == (width, height):
         return part.copy()
     shrinks = w > width
-    way = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-    return cv2.resize(part, (width, height), interpolation=way).astype(np.uint8, copy=False)
+    interpolation = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return cv2.resize(part, (width, height), interpolation=interpolation).astype(np.uint8, copy=False)
 
 
 def _boxes_in(
@@ -103,14 +103,14 @@ def _boxes_in(
     x, y, w, h = window
     rows, columns = sample.image.shape[:2]
     offset, scale = np.array([x, y, x, y]), np.array([width / w, height / h] * 2)
-    full = (sample.boxes * [columns, rows, columns, rows] - offset) * scale
-    boxes = full.clip(0, [width, height, width, height])
+    unclipped = (sample.boxes * [columns, rows, columns, rows] - offset) * scale
+    boxes = unclipped.clip(0, [width, height, width, height])
     size = boxes[:, 2:] - boxes[:, :2]
-    whole = full[:, 3] - full[:, 1]
-    cut_away = (size[:, 1] < MIN_VISIBLE_HEIGHT * whole) | (
-        size[:, 0] < np.minimum(MIN_WIDTH_PX, full[:, 2] - full[:, 0])
+    full_height = unclipped[:, 3] - unclipped[:, 1]
+    cut_away = (size[:, 1] < MIN_VISIBLE_HEIGHT * full_height) | (
+        size[:, 0] < np.minimum(MIN_WIDTH_PX, unclipped[:, 2] - unclipped[:, 0])
     )
     small = size[:, 1] < min_height_px
     classes = np.where(cut_away | small, IGNORED, sample.classes)
-    inside = (size > 0).all(1)
-    return classes[inside], boxes[inside].astype(np.float32)
+    visible = (size > 0).all(1)
+    return classes[visible], boxes[visible].astype(np.float32)

@@ -27,10 +27,10 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         raise InputError(f"{path}: {image.dtype.itemsize * 8} bits per channel; must be 8")
     if image.ndim != 3 or _is_grey_png(data):
         raise InputError(f"{path}: a grey image; must have three colours")
-    turned = exif_orientation(data)
-    if turned != _UPRIGHT:
+    orientation = exif_orientation(data)
+    if orientation != _UPRIGHT:
         raise InputError(
-            f"{path}: EXIF orientation {turned}; save it upright (orientation 1), labels accordingly"
+            f"{path}: EXIF orientation {orientation}; save it upright (orientation 1), labels accordingly"
         )
     code = cv2.COLOR_BGRA2RGB if image.shape[2] == 4 else cv2.COLOR_BGR2RGB
     return cv2.cvtColor(image, code).astype(np.uint8, copy=False)
@@ -40,10 +40,10 @@ def exif_orientation(data: bytes) -> int:
     """EXIF orientation 1..8 of an image file; 1 if absent (EXIF 2.32, 4.6)."""
     try:
         with Image.open(io.BytesIO(data)) as image:
-            asked = int(image.getexif().get(ExifTags.Base.Orientation, _UPRIGHT))
+            orientation = int(image.getexif().get(ExifTags.Base.Orientation, _UPRIGHT))
     except Exception:  # a broken EXIF block counts as absent; the image itself was checked before
         return _UPRIGHT
-    return asked if asked in range(1, 9) else _UPRIGHT
+    return orientation if orientation in range(1, 9) else _UPRIGHT
 
 
 def _is_grey_png(data: bytes) -> bool:

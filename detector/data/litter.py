@@ -30,20 +30,22 @@ def litter(image: NDArray[np.uint8], strength: float, rng: Generator) -> NDArray
     strength: 0..1, scales their number
     """
     rows, columns = image.shape[:2]
-    strewn = image.copy()
+    result = image.copy()
     count = 2 + int(58 * strength)
     kinds = rng.choice(len(COLOURS), size=rng.integers(1, 4))  # few kinds per image
-    light = np.clip(np.quantile(image[rows // 2 :: 4, ::4], 0.8) / 150, 0.1, 1.05)
+    brightness = np.clip(np.quantile(image[rows // 2 :: 4, ::4], 0.8) / 150, 0.1, 1.05)
     for height in np.sort(rng.random(count)):  # farthest first
         row = (TOP_ROW + (1 - TOP_ROW) * height) * rows
         size = columns * (0.002 + 0.011 * height) * np.exp(rng.normal(0, 0.35))
         outline = _piece(rng) * size + (rng.uniform(0, columns), row)
         shadow = outline + size * np.array([rng.normal(0, 0.3), 0.25])
-        colour = COLOURS[rng.choice(kinds)] * light * np.exp(rng.normal(0, 0.15))
-        under = strewn[int(np.clip(row, 0, rows - 1)), int(np.clip(outline[0, 0], 0, columns - 1))]
-        _fill(strewn, shadow, 0.6 * under)
-        _fill(strewn, outline, colour)
-    return strewn
+        colour = COLOURS[rng.choice(kinds)] * brightness * np.exp(rng.normal(0, 0.15))
+        background_colour = result[
+            int(np.clip(row, 0, rows - 1)), int(np.clip(outline[0, 0], 0, columns - 1))
+        ]
+        _fill(result, shadow, 0.6 * background_colour)
+        _fill(result, outline, colour)
+    return result
 
 
 def _piece(rng: Generator) -> NDArray[np.float64]:
@@ -52,9 +54,11 @@ def _piece(rng: Generator) -> NDArray[np.float64]:
     narrow = rng.uniform(0.25, 0.8)
     radius = np.exp(rng.normal(0, 0.15, CORNERS))
     points = np.stack((np.cos(angle), narrow * np.sin(angle)), 1) * radius[:, None]
-    turn = rng.uniform(0, np.pi)
-    turned = points @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    return turned * (1, rng.uniform(0.35, 0.8))
+    angle_rad = rng.uniform(0, np.pi)
+    rotated = points @ np.array(
+        [[np.cos(angle_rad), -np.sin(angle_rad)], [np.sin(angle_rad), np.cos(angle_rad)]]
+    )
+    return rotated * (1, rng.uniform(0.35, 0.8))
 
 
 def _fill(image: NDArray[np.uint8], outline: NDArray, colour: NDArray) -> None:

@@ -23,12 +23,12 @@ def fog(image: Image, strength: float, rng: Generator) -> Image:
     """
     rows = image.shape[0]
     horizon = rng.uniform(-0.1, 0.45)
-    below = (np.arange(rows) + 0.5) / rows - horizon
-    distance = np.minimum((1 - horizon) / np.maximum(below, 1e-3), MAX_FOG_DISTANCE)
+    below_horizon = (np.arange(rows) + 0.5) / rows - horizon
+    distance = np.minimum((1 - horizon) / np.maximum(below_horizon, 1e-3), MAX_FOG_DISTANCE)
     extinction = (0.05 + 0.25 * strength) * rng.uniform(0.7, 1.3)
-    through = np.exp(-extinction * distance)[:, None, None].astype(np.float32)
+    transmission = np.exp(-extinction * distance)[:, None, None].astype(np.float32)
     light = rng.uniform(0.75, 1.1) * _shade(image, 0.8) + rng.uniform(-4, 4, 3)
-    return _bytes(image * through + light.clip(0, 245).astype(np.float32) * (1 - through))
+    return _bytes(image * transmission + light.clip(0, 245).astype(np.float32) * (1 - transmission))
 
 
 def rain(image: Image, strength: float, rng: Generator) -> Image:
@@ -36,39 +36,41 @@ def rain(image: Image, strength: float, rng: Generator) -> Image:
     rows, columns = image.shape[:2]
     slant = rng.normal(0, 12) * DEGREES
     count = int((100 + 500 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
-    near = rng.random(count) ** 3  # most drops are far away: short and faint
-    length = (0.01 + 0.09 * near) * rows
+    proximity = rng.random(count) ** 3  # most drops are far away: short and faint
+    length = (0.01 + 0.09 * proximity) * rows
     angle = slant + rng.normal(0, 2, count) * DEGREES
     start = rng.random((count, 2)) * (columns, rows)
     end = start + length[:, None] * np.stack((np.sin(angle), np.cos(angle)), 1)
     veil: Image = np.zeros((rows, columns), np.uint8)
-    for part in np.array_split(np.argsort(near), 4):  # four brightness levels, the nearest on top
+    for part in np.array_split(np.argsort(proximity), 4):  # four brightness levels, the nearest on top
         if len(part):
-            shade = 60 + 150 * float(near[part].mean())
+            shade = 60 + 150 * float(proximity[part].mean())
             lines = np.stack((start[part], end[part]), 1) * 16
             cv2.polylines(veil, list(lines.astype(np.int32)), False, shade, 1, cv2.LINE_AA, 4)
     veil = cv2.GaussianBlur(veil, (0, 0), 0.6).astype(np.uint8, copy=False)
-    dull = fog((image * (1 - 0.25 * strength)).astype(np.uint8), 0.4 * strength, rng)
-    return _blend_layer(dull, veil, 0.35 + 0.35 * strength, _white_level(image, 215.0))
+    dimmed = fog((image * (1 - 0.25 * strength)).astype(np.uint8), 0.4 * strength, rng)
+    return _blend_layer(dimmed, veil, 0.35 + 0.35 * strength, _white_level(image, 215.0))
 
 
 def snow(image: Image, strength: float, rng: Generator) -> Image:
     """Snow: falling flakes, near ones blurred and elongated, over a road that turns white in light areas."""
     rows, columns = image.shape[:2]
     count = int((150 + 750 * strength) * rng.uniform(0.7, 1.3) * rows * columns / (640 * 384))
-    near = rng.random(count) ** 4
-    radius = (0.6 + 5.0 * near) * rows / 384
+    proximity = rng.random(count) ** 4
+    radius = (0.6 + 5.0 * proximity) * rows / 384
     centre = rng.random((count, 2)) * (columns, rows)
     veil: Image = np.zeros((rows, columns), np.uint8)
-    for (x, y), r, depth in zip((centre * 16).astype(int), radius, near, strict=True):
+    for (x, y), r, depth in zip((centre * 16).astype(int), radius, proximity, strict=True):
         cv2.circle(veil, (int(x), int(y)), int(r * 16), 235 - 110 * float(depth), -1, cv2.LINE_AA, 4)
     length, angle = rng.uniform(1.5, 4.0) * rows / 384, rng.uniform(50, 130)
     veil = cv2.filter2D(veil, -1, _line(length, angle)).astype(np.uint8, copy=False)
     window = rows // 40 + 1, rows // 40 + 1
     level = cv2.blur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), window).astype(np.uint8, copy=False)
-    cover = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # coverage of each grey level
-    lying = _blend_layer(image, cover.astype(np.uint8)[level], 0.5 * strength, _white_level(image, 235.0))
-    return _blend_layer(fog(lying, 0.4 * strength, rng), veil, 0.85, _white_level(image, 245.0))
+    coverage = 255 / (1 + np.exp((_shade(level, 0.7) - np.arange(256)) / 12))  # coverage of each grey level
+    covered = _blend_layer(
+        image, coverage.astype(np.uint8)[level], 0.5 * strength, _white_level(image, 235.0)
+    )
+    return _blend_layer(fog(covered, 0.4 * strength, rng), veil, 0.85, _white_level(image, 245.0))
 
 
 def motion_blur(image: Image, strength: float, rng: Generator) -> Image:

@@ -47,25 +47,25 @@ def read_yolo(folder: Path, names: Names, skip_bad: bool = False) -> list[Labell
     """
 
     try:
-        kept = {int(number): CLASS_NAMES.index(name) for number, name in names.items()}
+        class_map = {int(number): CLASS_NAMES.index(name) for number, name in names.items()}
     except ValueError:
         raise InputError(f"a YOLO set's classes are numbers, got {', '.join(names)}") from None
-    kept = kept or {cls: cls for cls in range(len(CLASS_NAMES))}
-    most = _MAX_CLASSES if names else len(CLASS_NAMES)
+    class_map = class_map or {cls: cls for cls in range(len(CLASS_NAMES))}
+    class_limit = _MAX_CLASSES if names else len(CLASS_NAMES)
 
-    def one(path: Path) -> Labelled:
+    def read_one(path: Path) -> Labelled:
         height, width = read_image(path).shape[:2]
-        classes, boxes = read_labels(folder / "labels" / f"{path.stem}.txt", most)
+        classes, boxes = read_labels(folder / "labels" / f"{path.stem}.txt", class_limit)
         objects = [
-            (kept[cls], _scaled(tuple(box), width, height))
+            (class_map[cls], _scaled(tuple(box), width, height))
             for cls, box in zip(classes.tolist(), boxes.tolist(), strict=True)
-            if cls in kept
+            if cls in class_map
         ]
         return Labelled(path, width, height, tuple(objects))
 
     if not (folder / "labels").is_dir():
         raise InputError(f"{folder}: no folder labels/ in it; a dataset must hold images/ and labels/")
-    return _read_each(image_paths(folder), one, skip_bad)
+    return _read_each(image_paths(folder), read_one, skip_bad)
 
 
 def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) -> list[Labelled]:
@@ -79,15 +79,17 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
     with reading(f"{file}: not a COCO annotation file"):
         categories = {c["id"]: names.get(c["name"], c["name"]) for c in source["categories"]}
         boxes: dict[int, list[tuple[int, Box]]] = {}
-        for note in source["annotations"]:
-            name = categories[note["category_id"]]
-            if name in CLASS_NAMES and not note.get("iscrowd", 0):
-                x, y, w, h = (float(v) for v in note["bbox"])
-                boxes.setdefault(note["image_id"], []).append((CLASS_NAMES.index(name), (x, y, x + w, y + h)))
+        for annotation in source["annotations"]:
+            name = categories[annotation["category_id"]]
+            if name in CLASS_NAMES and not annotation.get("iscrowd", 0):
+                x, y, w, h = (float(v) for v in annotation["bbox"])
+                boxes.setdefault(annotation["image_id"], []).append(
+                    (CLASS_NAMES.index(name), (x, y, x + w, y + h))
+                )
         entries = [(images / entry["file_name"], boxes.get(entry["id"], [])) for entry in source["images"]]
     objects = dict(entries)
 
-    def one(path: Path) -> Labelled:
+    def read_one(path: Path) -> Labelled:
         if not path.is_file():
             raise InputError(f"{path}: missing, but listed in {file.name}")
         height, width = read_image(path).shape[:2]
@@ -96,7 +98,7 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
                 raise InputError(f"{path}: a box of {file.name} must lie inside {width} x {height} px")
         return Labelled(path, width, height, tuple((c, _clipped(b, width, height)) for c, b in objects[path]))
 
-    return _read_each([path for path, _ in entries], one, skip_bad)
+    return _read_each([path for path, _ in entries], read_one, skip_bad)
 
 
 def write_yolo(rows: Iterable[Labelled], out: Path) -> None:
@@ -117,16 +119,18 @@ def write_yolo(rows: Iterable[Labelled], out: Path) -> None:
 def write_coco(rows: Iterable[Labelled], out: Path) -> None:
     """Write a COCO annotation file."""
     images: list[dict] = []
-    notes: list[dict] = []
+    annotations: list[dict] = []
     for number, row in enumerate(rows, 1):
         images.append({"id": number, "file_name": row.path.name, "width": row.width, "height": row.height})
         for cls, (x0, y0, x1, y1) in row.objects:
             box = [round(v, 3) for v in (x0, y0, x1 - x0, y1 - y0)]
             area = round(box[2] * box[3], 3)
-            note = {"id": len(notes) + 1, "image_id": number, "category_id": cls + 1, "bbox": box}
-            notes.append({**note, "area": area, "iscrowd": 0})
+            annotation = {"id": len(annotations) + 1, "image_id": number, "category_id": cls + 1, "bbox": box}
+            annotations.append({**annotation, "area": area, "iscrowd": 0})
     categories = [{"id": k, "name": name} for k, name in enumerate(CLASS_NAMES, 1)]
-    write_text(out, json.dumps({"images": images, "annotations": notes, "categories": categories}) + "\n")
+    write_text(
+        out, json.dumps({"images": images, "annotations": annotations, "categories": categories}) + "\n"
+    )
 
 
 def _read_each(paths: Iterable[Path], read: Callable[[Path], Labelled], skip_bad: bool) -> list[Labelled]:

@@ -62,18 +62,18 @@ def read_labels(path: Path, classes: int = len(CLASS_NAMES)) -> tuple[NDArray[np
     return table[:, 0].astype(np.int64), boxes.astype(np.float32)
 
 
-def _label_row(line: str, where: str, classes: int) -> list[float]:
+def _label_row(line: str, location: str, classes: int) -> list[float]:
     try:
         row = [float(word) for word in line.split()]
     except ValueError:
         row = []
     if len(row) != 5 or not np.isfinite(row).all():
-        raise InputError(f"{where}: expected five numbers `class cx cy w h`, got {shown(line.strip())}")
+        raise InputError(f"{location}: expected five numbers `class cx cy w h`, got {shown(line.strip())}")
     if row[0] not in range(classes):
-        raise InputError(f"{where}: class must be 0..{classes - 1}, got {row[0]:g}")
+        raise InputError(f"{location}: class must be 0..{classes - 1}, got {row[0]:g}")
     if min(row[1:]) < 0 or max(row[1:]) > 1 or min(row[3:]) <= 0:
         raise InputError(
-            f"{where}: cx cy w h must be fractions in 0..1 with w, h > 0, got {shown(line.strip())}"
+            f"{location}: cx cy w h must be fractions in 0..1 with w, h > 0, got {shown(line.strip())}"
         )
     return row
 
@@ -120,8 +120,8 @@ def read_records(folder: Path) -> dict[str, dict] | None:
     for number, record in enumerate(read_json_lines(path), 1):
         try:
             objects, condition = list(record["objects"]), dict(record.get("condition", {}))
-            for one in objects:
-                _check_object(one)
+            for obj in objects:
+                _check_object(obj)
             records[str(record["image"])] = record | {"objects": objects, "condition": condition}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InputError(
@@ -131,8 +131,8 @@ def read_records(folder: Path) -> dict[str, dict] | None:
     return records
 
 
-def _check_object(one: dict) -> None:
-    cls, distance, lane = one["class"], one["distance_m"], one["in_ego_lane"]
+def _check_object(obj: dict) -> None:
+    cls, distance, lane = obj["class"], obj["distance_m"], obj["in_ego_lane"]
     if type(cls) is not int:  # a bool is an int, too
         raise ValueError(f"class must be a whole number, got {shown(cls)}")
     if type(distance) not in (int, float) or not abs(distance) <= MAX_DISTANCE_M:

@@ -29,27 +29,27 @@ def tile(
     """
     scale = width / image.shape[1]
     size = (width, round(image.shape[0] * scale))
-    way = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
-    shown = cv2.resize(image, size, interpolation=way)
-    missed, sure = missed_mask(result, confidence), result.detections.scores >= confidence
-    for box, lost in zip(boxes * scale, missed, strict=True):
-        _rectangle(shown, box, MISSED if lost else TRUE)
-    found, right = result.detections, result.hits[0]
-    for i in np.flatnonzero(sure)[::-1]:
-        colour = RIGHT if right[i] else FALSE
-        _rectangle(shown, found.boxes[i] * scale, colour)
-        label = f"{SHORT_NAMES[found.classes[i]]} {found.scores[i]:.2f}"
-        _text(shown, label, found.boxes[i, :2] * scale - (0, 3), colour)
-    wrong = f"{missed.sum()} missed, {int((sure & ~right).sum())} false of {len(boxes)}"
+    interpolation = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    picture = cv2.resize(image, size, interpolation=interpolation)
+    missed, confident = missed_mask(result, confidence), result.detections.scores >= confidence
+    for box, is_missed in zip(boxes * scale, missed, strict=True):
+        _rectangle(picture, box, MISSED if is_missed else TRUE)
+    detections, is_hit = result.detections, result.hits[0]
+    for i in np.flatnonzero(confident)[::-1]:
+        colour = RIGHT if is_hit[i] else FALSE
+        _rectangle(picture, detections.boxes[i] * scale, colour)
+        label = f"{SHORT_NAMES[detections.classes[i]]} {detections.scores[i]:.2f}"
+        _text(picture, label, detections.boxes[i, :2] * scale - (0, 3), colour)
+    counts = f"{missed.sum()} missed, {int((confident & ~is_hit).sum())} false of {len(boxes)}"
     caption = np.full((CAPTION_PX, width, 3), 24, np.uint8)
-    _text(caption, f"{name}   {wrong}", (4, CAPTION_PX - 6), TRUE)
-    return np.concatenate((shown, caption)).astype(np.uint8, copy=False)
+    _text(caption, f"{name}   {counts}", (4, CAPTION_PX - 6), TRUE)
+    return np.concatenate((picture, caption)).astype(np.uint8, copy=False)
 
 
 def missed_mask(result: ImageResult, confidence: float) -> NDArray[np.bool_]:
     """(m,) bool: true objects without a detection of a score of at least `confidence`."""
     scores = np.append(result.detections.scores, 0.0)
-    return scores[result.found] < confidence
+    return scores[result.matched] < confidence
 
 
 def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArray[np.uint8]:
@@ -60,13 +60,13 @@ def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArr
         row = tiles[start : start + columns]
         height = max(t.shape[0] for t in row) + MARGIN_PX
         canvas = np.full((height, columns * (width + MARGIN_PX), 3), 24, np.uint8)
-        for i, one in enumerate(row):
+        for i, tile_image in enumerate(row):
             x = i * (width + MARGIN_PX)
-            canvas[: one.shape[0], x : x + width] = one
+            canvas[: tile_image.shape[0], x : x + width] = tile_image
         rows.append(canvas)
-    head = np.full((CAPTION_PX + MARGIN_PX, rows[0].shape[1], 3), 24, np.uint8)
-    _text(head, f"{title}   ({KEY})", (4, CAPTION_PX - 4), TRUE)
-    return np.concatenate((head, *rows))
+    header = np.full((CAPTION_PX + MARGIN_PX, rows[0].shape[1], 3), 24, np.uint8)
+    _text(header, f"{title}   ({KEY})", (4, CAPTION_PX - 4), TRUE)
+    return np.concatenate((header, *rows))
 
 
 def png(image: NDArray[np.uint8]) -> bytes:

@@ -18,13 +18,13 @@ class ImageResult:
     """Matched detections of one image.
 
     truth_classes (m,): classes of the true objects; hits (levels, n) bool: whether a detection is right at an
-    IoU level; found (m,): index of the detection matched at IoU 0.5, or -1
+    IoU level; matched (m,): index of the detection matched at IoU 0.5, or -1
     """
 
     detections: Detections
     truth_classes: NDArray[np.int64]
     hits: NDArray[np.bool_]
-    found: NDArray[np.int64]
+    matched: NDArray[np.int64]
 
 
 def match_detections(detections: Detections, boxes: NDArray, classes: NDArray) -> ImageResult:
@@ -32,18 +32,18 @@ def match_detections(detections: Detections, boxes: NDArray, classes: NDArray) -
     overlap = iou_matrix(detections.boxes, boxes)
     overlap[detections.classes[:, None] != classes[None]] = 0
     hits = np.zeros((len(IOU_LEVELS), len(detections)), bool)
-    found = np.full(len(boxes), -1)
+    matched = np.full(len(boxes), -1)
     order = np.argsort(-detections.scores, kind="stable")
     for level, threshold in enumerate(IOU_LEVELS):
-        free = np.ones(len(boxes), bool)
+        unmatched = np.ones(len(boxes), bool)
         for i in order[(overlap[order] >= threshold).any(1)]:
-            candidates = np.where(free, overlap[i], 0)
+            candidates = np.where(unmatched, overlap[i], 0)
             best = int(candidates.argmax())
             if candidates[best] >= threshold:
-                free[best], hits[level, i] = False, True
+                unmatched[best], hits[level, i] = False, True
                 if level == 0:
-                    found[best] = i
-    return ImageResult(detections, classes, hits, found)
+                    matched[best] = i
+    return ImageResult(detections, classes, hits, matched)
 
 
 def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
@@ -59,8 +59,8 @@ def average_precision(scores: NDArray, hits: NDArray, truths: int) -> float:
 def precision_recall(scores: NDArray, hits: NDArray, truths: int) -> tuple[NDArray, NDArray, NDArray]:
     """Scores (n,), best first, and precision and recall (n,) of the detections down to each."""
     order = np.argsort(-scores, kind="stable")
-    right = np.cumsum(hits[order])
-    return scores[order], right / np.arange(1, len(right) + 1), right / truths
+    true_positives = np.cumsum(hits[order])
+    return scores[order], true_positives / np.arange(1, len(true_positives) + 1), true_positives / truths
 
 
 def pooled(results: Sequence[ImageResult], cls: int) -> tuple[NDArray, NDArray, int]:
@@ -84,20 +84,20 @@ def summarise(results: Sequence[ImageResult], confidence: float) -> dict:
 
 def _class_summary(scores: NDArray, hits: NDArray, truths: int, confidence: float) -> dict:
     levels = [average_precision(scores, level, truths) for level in hits]
-    sure = scores >= confidence
-    right = int(hits[0, sure].sum())
+    above_threshold = scores >= confidence
+    true_positives = int(hits[0, above_threshold].sum())
     return {
         "objects": truths,
         "ap50": _number(levels[0]),
         "ap50_95": _number(float(np.mean(levels))),
-        "precision": right / int(sure.sum()) if sure.any() else None,
-        "recall": right / truths if truths else None,
+        "precision": true_positives / int(above_threshold.sum()) if above_threshold.any() else None,
+        "recall": true_positives / truths if truths else None,
     }
 
 
 def _mean(values: list[float | None]) -> float | None:
-    known = [v for v in values if v is not None]
-    return float(np.mean(known)) if known else None
+    present = [v for v in values if v is not None]
+    return float(np.mean(present)) if present else None
 
 
 def _number(value: float) -> float | None:

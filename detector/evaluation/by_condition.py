@@ -44,10 +44,10 @@ def by_condition(judged: Sequence[EvaluatedImage], records: dict[str, dict], con
     groups: dict[str, list[ImageResult]] = {}
     for image in judged:
         condition = _of(image, records)
-        told = condition | (
+        grouped_condition = condition | (
             {"motion_blur_px": _blur_group(condition)} if "motion_blur_px" in condition else {}
         )
-        for key, value in told.items():
+        for key, value in grouped_condition.items():
             groups.setdefault(f"{key}: {value}", []).append(image.result)
     summaries = {name: summarise(group, confidence) for name, group in sorted(groups.items())}
     return {name: {key: summary[key] for key in REPORTED_METRICS} for name, summary in summaries.items()}
@@ -56,8 +56,8 @@ def by_condition(judged: Sequence[EvaluatedImage], records: dict[str, dict], con
 def figure_9(judged: Sequence[EvaluatedImage], records: dict[str, dict], confidence: float) -> dict:
     """Metrics of the images in each condition of `FIGURE_9` that occurs, with AP50 by class."""
     rows = {}
-    for name, holds in FIGURE_9.items():
-        group = [image.result for image in judged if holds(_of(image, records))]
+    for name, predicate in FIGURE_9.items():
+        group = [image.result for image in judged if predicate(_of(image, records))]
         if group:
             summary = summarise(group, confidence)
             ap50 = {cls: row["ap50"] for cls, row in summary["per_class"].items()}

@@ -55,27 +55,27 @@ def evaluated_objects(
     judged: Sequence[EvaluatedImage], records: dict[str, dict], confidence: float, folder: Path
 ) -> list[EvaluatedObject]:
     """Evaluated objects of a data set. Raises InputError if the records differ from the labels."""
-    seen = []
+    evaluated = []
     for image in judged:
         objects = records.get(image.name, {}).get("objects", [])
         if [o.get("class") for o in objects] != image.result.truth_classes.tolist():
             raise InputError(
                 f"{folder / 'objects.jsonl'}: objects of {image.name} differ from its label file"
             )
-        found = image.result.detections
-        for record, box, match in zip(objects, image.boxes, image.result.found, strict=True):
-            sure = bool(match >= 0 and found.scores[match] >= confidence)
-            errors = found.boxes[match] - box if sure else box
-            top = float(errors[1]) if sure and box[1] > 1 else None
-            bottom = float(errors[3]) if sure and box[3] < image.height_px - 1 else None
-            where = record["class"], record["distance_m"], bool(record["in_ego_lane"])
-            seen.append(EvaluatedObject(*where, float(box[3] - box[1]), sure, top, bottom))
-    return seen
+        detections = image.result.detections
+        for record, box, match in zip(objects, image.boxes, image.result.matched, strict=True):
+            detected = bool(match >= 0 and detections.scores[match] >= confidence)
+            errors = detections.boxes[match] - box if detected else box
+            top = float(errors[1]) if detected and box[1] > 1 else None
+            bottom = float(errors[3]) if detected and box[3] < image.height_px - 1 else None
+            attributes = record["class"], record["distance_m"], bool(record["in_ego_lane"])
+            evaluated.append(EvaluatedObject(*attributes, float(box[3] - box[1]), detected, top, bottom))
+    return evaluated
 
 
-def by_object(seen: Sequence[EvaluatedObject]) -> dict:
+def by_object(evaluated: Sequence[EvaluatedObject]) -> dict:
     """Recall in the ego lane near and far, by distance and box height; errors of top and bottom edge."""
-    ego = [o for o in seen if o.in_ego_lane]
+    ego = [o for o in evaluated if o.in_ego_lane]
     near = _within(ego, EDGE_RANGE_M)
     far = [o for o in _within(ego, FAR_RANGE_M) if o.height_px >= FAR_MIN_HEIGHT_PX]
     return {
@@ -84,9 +84,9 @@ def by_object(seen: Sequence[EvaluatedObject]) -> dict:
         "ego_far_range_m": list(FAR_RANGE_M),
         "ego_far_recall": _recall(far),
         "ego_recall_by_distance": _by_distance(ego),
-        "recall_by_distance": _by_distance(seen),
+        "recall_by_distance": _by_distance(evaluated),
         "recall_by_height": [
-            {"from_px": low, "to_px": high} | _recall([o for o in seen if low <= o.height_px < high])
+            {"from_px": low, "to_px": high} | _recall([o for o in evaluated if low <= o.height_px < high])
             for low, high in pairwise(HEIGHT_EDGES_PX)
         ],
         "top_edge_4_10_m": _per_class(near, lambda part: _edge(part, "top_error_px")),
@@ -96,23 +96,28 @@ def by_object(seen: Sequence[EvaluatedObject]) -> dict:
 
 def false_alarms(judged: Sequence[EvaluatedImage], confidence: float) -> dict:
     """False alarms: detections on images without any object."""
-    plain = [image.result.detections.scores for image in judged if not len(image.boxes)]
-    false = sum(int((scores >= confidence).sum()) for scores in plain)
-    return {"images": len(plain), "per_100_images": 100 * false / len(plain) if plain else None}
+    scores_without_object = [image.result.detections.scores for image in judged if not len(image.boxes)]
+    false = sum(int((scores >= confidence).sum()) for scores in scores_without_object)
+    return {
+        "images": len(scores_without_object),
+        "per_100_images": 100 * false / len(scores_without_object) if scores_without_object else None,
+    }
 
 
-def _within(seen: Sequence[EvaluatedObject], range_m: tuple[float, float]) -> list[EvaluatedObject]:
-    return [o for o in seen if range_m[0] <= o.distance_m <= range_m[1]]
+def _within(evaluated: Sequence[EvaluatedObject], range_m: tuple[float, float]) -> list[EvaluatedObject]:
+    return [o for o in evaluated if range_m[0] <= o.distance_m <= range_m[1]]
 
 
-def _per_class(seen: Sequence[EvaluatedObject], what: Callable[[Sequence[EvaluatedObject]], dict]) -> dict:
-    classes = {name: what([o for o in seen if o.cls == i]) for i, name in enumerate(CLASS_NAMES)}
-    return {"all": what(seen)} | classes
+def _per_class(
+    evaluated: Sequence[EvaluatedObject], metric: Callable[[Sequence[EvaluatedObject]], dict]
+) -> dict:
+    classes = {name: metric([o for o in evaluated if o.cls == i]) for i, name in enumerate(CLASS_NAMES)}
+    return {"all": metric(evaluated)} | classes
 
 
-def _recall(seen: Sequence[EvaluatedObject]) -> dict:
+def _recall(evaluated: Sequence[EvaluatedObject]) -> dict:
     return _per_class(
-        seen,
+        evaluated,
         lambda part: {
             "objects": len(part),
             "recall": sum(o.found for o in part) / len(part) if part else None,
@@ -120,25 +125,25 @@ def _recall(seen: Sequence[EvaluatedObject]) -> dict:
     )
 
 
-def _by_distance(seen: Sequence[EvaluatedObject]) -> list[dict]:
-    bins = sorted({int(o.distance_m // BIN_M) for o in seen})
+def _by_distance(evaluated: Sequence[EvaluatedObject]) -> list[dict]:
+    bins = sorted({int(o.distance_m // BIN_M) for o in evaluated})
     return [
         {"from_m": b * BIN_M, "to_m": (b + 1) * BIN_M}
-        | _recall([o for o in seen if int(o.distance_m // BIN_M) == b])
+        | _recall([o for o in evaluated if int(o.distance_m // BIN_M) == b])
         for b in bins
     ]
 
 
-def _edge(seen: Sequence[EvaluatedObject], which: str) -> dict:
+def _edge(evaluated: Sequence[EvaluatedObject], field: str) -> dict:
     """Bias, median and sigma of an edge error in px; bias and sigma also in percent of the box's height."""
-    known = [(getattr(o, which), o.height_px) for o in seen if getattr(o, which) is not None]
-    if not known:
+    pairs = [(getattr(o, field), o.height_px) for o in evaluated if getattr(o, field) is not None]
+    if not pairs:
         names = ("bias_px", "median_px", "sigma_px", "bias_percent", "sigma_percent")
         return {"objects": 0} | dict.fromkeys(names)
-    errors, heights = np.array(known).T
+    errors, heights = np.array(pairs).T
     share = 100 * errors / heights
     return {
-        "objects": len(known),
+        "objects": len(pairs),
         "bias_px": float(errors.mean()),
         "median_px": float(np.median(errors)),
         "sigma_px": float(errors.std()),

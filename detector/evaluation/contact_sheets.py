@@ -25,13 +25,13 @@ def write_sheets(
     spread = np.linspace(0, len(with_objects) - 1, min(TILES, len(with_objects))).round().astype(int)
     typical = [with_objects[i] for i in spread]
     for name, chosen in (("hardest", ranked[:TILES]), ("typical", typical)):
-        tiles = [tile(read(one.name), one.boxes, one.result, confidence, one.name) for one in chosen]
+        tiles = [tile(read(i.name), i.boxes, i.result, confidence, i.name) for i in chosen]
         title = f"{name} images at confidence {confidence:g}"
         write_bytes(out / f"{name}.png", png(sheet(tiles, COLUMNS, title)))
 
 
 def error_score(image: EvaluatedImage, confidence: float) -> float:
     """Error score of an image: number of missed objects plus the scores of false detections."""
-    found, right = image.result.detections, image.result.hits[0]
-    false = found.scores[(found.scores >= confidence) & ~right]
+    detections, is_hit = image.result.detections, image.result.hits[0]
+    false = detections.scores[(detections.scores >= confidence) & ~is_hit]
     return float(missed_mask(image.result, confidence).sum() + false.sum())

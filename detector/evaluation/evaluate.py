@@ -80,37 +80,37 @@ def match_folder(
     detect: Callable[[NDArray[np.uint8]], Detections],
     skip_bad: bool = False,
     masks: bool = True,
-    change: Change = unchanged,
+    degradation: Change = unchanged,
 ) -> list[EvaluatedImage]:
     """Detections in every image of a folder, matched to its labels. Raises InputError.
 
-    change: degradation applied to an image, given with its name, before detection
+    degradation: applied to an image, given with its name, before detection
     """
     judged = []
     with Progress(len(image_paths(folder))) as progress:
         for sample in read_samples(folder, skip_bad=skip_bad):
             rows, columns = sample.image.shape[:2]
-            found = detect(change(sample.name, sample.image))
+            detections = detect(degradation(sample.name, sample.image))
             if masks:
-                found = _in_lane(found, sample, folder / "lane")
+                detections = _in_lane(detections, sample, folder / "lane")
             boxes = sample.boxes * np.array([columns, rows, columns, rows], np.float32)
             judged.append(
-                EvaluatedImage(sample.name, rows, boxes, match_detections(found, boxes, sample.classes))
+                EvaluatedImage(sample.name, rows, boxes, match_detections(detections, boxes, sample.classes))
             )
             progress.show(len(judged), "evaluating")
     return judged
 
 
-def _in_lane(found: Detections, sample: Sample, masks: Path) -> Detections:
+def _in_lane(detections: Detections, sample: Sample, masks: Path) -> Detections:
     path = masks / f"{Path(sample.name).stem}.png"
     if not path.exists():
-        return found
+        return detections
     mask = read_pixels(path, cv2.IMREAD_GRAYSCALE)
     size = np.array(sample.image.shape[1::-1])
-    centre = (found.boxes[:, :2] + found.boxes[:, 2:]) / 2 / size * mask.shape[1::-1]
+    centre = (detections.boxes[:, :2] + detections.boxes[:, 2:]) / 2 / size * mask.shape[1::-1]
     x, y = centre.astype(int).clip(0, np.array(mask.shape[1::-1]) - 1).T
-    inside = mask[y, x] > 127
-    return Detections(found.boxes[inside], found.scores[inside], found.classes[inside])
+    in_lane = mask[y, x] > 127
+    return Detections(detections.boxes[in_lane], detections.scores[in_lane], detections.classes[in_lane])
 
 
 def parser() -> argparse.ArgumentParser:
@@ -141,11 +141,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         check_files(args.json, inputs=[args.weights])
         if args.out:
             claim(args.out, "evaluation")
-        change = unchanged
+        degradation = unchanged
         if args.degrade:
-            change = partial(degraded, effect=args.degrade, strength=args.strength)
+            degradation = partial(degraded, effect=args.degrade, strength=args.strength)
         detect = Detector(args.weights, args.threads, MIN_CONFIDENCE)
-        judged = match_folder(args.data, detect, args.skip_bad, not args.ignore_masks, change)
+        judged = match_folder(args.data, detect, args.skip_bad, not args.ignore_masks, degradation)
         summary = summary_of(args.data, judged, args.confidence)
         summary |= {
             "weights": shared_name(detect.path),
@@ -156,7 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if args.json:
             write_text(args.json, json.dumps(summary, indent=1) + "\n")
         if args.out:
-            write_folder(args.data, judged, summary, args.out, change)
+            write_folder(args.data, judged, summary, args.out, degradation)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -165,18 +165,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def write_folder(
-    data: Path, judged: Sequence[EvaluatedImage], summary: dict, out: Path, change: Change = unchanged
+    data: Path, judged: Sequence[EvaluatedImage], summary: dict, out: Path, degradation: Change = unchanged
 ) -> None:
     """Write the files of `--out`."""
 
-    def seen(name: str) -> NDArray[np.uint8]:
-        return change(name, read_image(data / "images" / name))
+    def degraded_image(name: str) -> NDArray[np.uint8]:
+        return degradation(name, read_image(data / "images" / name))
 
     confidence = summary["confidence"]
     write_text(out / "metrics.json", json.dumps(summary, indent=1) + "\n")
     write_text(out / "report.txt", report(summary) + "\n")
     write_precision_recall([image.result for image in judged], confidence, out / "precision_recall.png")
-    write_sheets(judged, seen, confidence, out)
+    write_sheets(judged, degraded_image, confidence, out)
 
 
 if __name__ == "__main__":

@@ -33,8 +33,8 @@ def read_history(path: Path) -> list[dict]:
     rows = read_json_lines(path)
     for number, row in enumerate(rows, 1):
         with reading(f"{path}:{number}"):
-            told = [row["passes"], *(row[key] for key in SCORES), *row.get("loss", {}).values()]
-            if type(told[0]) is not int or not all(_shape_matches(value) for value in told):
+            numbers = [row["passes"], *(row[key] for key in SCORES), *row.get("loss", {}).values()]
+            if type(numbers[0]) is not int or not all(_shape_matches(value) for value in numbers):
                 raise InputError(f"{path}:{number}: passes, scores and loss must be numbers")
     return rows
 
@@ -78,12 +78,12 @@ def write_precision_recall(results: Sequence[ImageResult], confidence: float, pa
             continue
         for level, style in ((0, "-"), (5, ":")):
             sorted_scores, precision, recall = precision_recall(scores, hits[level], truths)
-            found = average_precision(scores, hits[level], truths)
-            label = f"{name}, IoU {IOU_LEVELS[level]:.2f}: AP {found:.3f}"
+            ap = average_precision(scores, hits[level], truths)
+            label = f"{name}, IoU {IOU_LEVELS[level]:.2f}: AP {ap:.3f}"
             curve.plot(recall, precision, style, color=f"C{cls}", label=label)
             if level == 0:
-                sure = int((sorted_scores >= confidence).sum())
-                curve.plot(recall[:sure][-1:], precision[:sure][-1:], "o", color=f"C{cls}")
+                count_above = int((sorted_scores >= confidence).sum())
+                curve.plot(recall[:count_above][-1:], precision[:count_above][-1:], "o", color=f"C{cls}")
                 threshold.plot(sorted_scores, precision, "-", color=f"C{cls}", label=f"precision, {name}")
                 threshold.plot(sorted_scores, recall, "--", color=f"C{cls}", label=f"recall, {name}")
     threshold.axvline(confidence, color="0.5", linewidth=0.8, label=f"threshold {confidence:g}")

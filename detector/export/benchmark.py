@@ -48,9 +48,9 @@ class Case:
 
 def cases(args: argparse.Namespace) -> list[Case]:
     """All cases of the command line. The plain graph is timed in single precision only."""
-    kinds = itertools.product(args.graphs, args.precisions)
-    kept = [(g, p) for g, p in kinds if g == "optimised" or p == "fp32"]
-    grid = itertools.product(args.models, kept, args.backends, args.sizes, args.threads)
+    combinations = itertools.product(args.graphs, args.precisions)
+    graph_precisions = [(g, p) for g, p in combinations if g == "optimised" or p == "fp32"]
+    grid = itertools.product(args.models, graph_precisions, args.backends, args.sizes, args.threads)
     return [Case(m, g, p, b, s, int(t)) for m, (g, p), b, s, t in grid]
 
 
@@ -63,16 +63,16 @@ def prepare(rows: Sequence[Case], folder: Path, weights: Path | None, data: Path
     from foreride.detector.export.to_onnx import CALIBRATION_IMAGES, check_images, export
     from foreride.detector.network.checkpoint import DEFAULT_MODEL
 
-    whole = any(row.precision == "int8" for row in rows)
-    images = check_images(data, CALIBRATION_IMAGES if whole and data else 4)
+    needs_calibration = any(row.precision == "int8" for row in rows)
+    images = check_images(data, CALIBRATION_IMAGES if needs_calibration and data else 4)
     files: dict[tuple[str, str, str], Path] = {}
     for row in rows:
-        kind = (row.model, row.graph, file_precision(row))
-        if kind not in files:
-            given = weights if row.model == DEFAULT_MODEL else None
-            source = given or random_weights(row.model, folder)
-            files[kind] = folder / f"{'_'.join(kind)}.onnx"
-            export(source, files[kind], "bench", images, row.graph == "plain", kind[2])
+        file_key = (row.model, row.graph, file_precision(row))
+        if file_key not in files:
+            weights_for_model = weights if row.model == DEFAULT_MODEL else None
+            source = weights_for_model or random_weights(row.model, folder)
+            files[file_key] = folder / f"{'_'.join(file_key)}.onnx"
+            export(source, files[file_key], "bench", images, row.graph == "plain", file_key[2])
     return {row: files[row.model, row.graph, file_precision(row)] for row in rows}
 
 
@@ -110,10 +110,11 @@ def measure(files: dict[Case, Path], runs: int) -> list[dict]:
                 run(image)
                 row[i] = 1e3 * (perf_counter() - start[0]), 1e3 * (process_time() - start[1])
             progress.show(done + 1, "timing")
-    medians, least = np.median(times[WARM_UP:], 0), times[WARM_UP:].min(0)
+    medians, shortest = np.median(times[WARM_UP:], 0), times[WARM_UP:].min(0)
     return [
-        asdict(case) | {"median_ms": median[0], "least_ms": low[0], "median_cpu_ms": median[1], "runs": runs}
-        for case, median, low in zip(files, medians.tolist(), least.tolist(), strict=True)
+        asdict(case)
+        | {"median_ms": median[0], "least_ms": shortest_row[0], "median_cpu_ms": median[1], "runs": runs}
+        for case, median, shortest_row in zip(files, medians.tolist(), shortest.tolist(), strict=True)
     ]
 
 
@@ -131,15 +132,15 @@ def _peak_kib() -> float:
     """Peak resident memory (KiB) of this program; `getrusage` would include that of its parent."""
     status = Path("/proc/self/status")
     lines = status.read_text().splitlines() if status.exists() else []
-    found = [float(line.split()[1]) for line in lines if line.startswith("VmHWM:")]
-    return found[0] if found else float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    peaks = [float(line.split()[1]) for line in lines if line.startswith("VmHWM:")]
+    return peaks[0] if peaks else float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 
 def fresh_peak_memory_mib() -> float:
     """Peak resident memory (MiB) of the detector alone, in a new process."""
     code = "from foreride.detector.export.benchmark import peak_memory_mib; print(peak_memory_mib())"
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    return float(done.stdout)
+    completed = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return float(completed.stdout)
 
 
 def _pixels(size: str) -> tuple[int, int]:
@@ -214,17 +215,15 @@ def compare(args: argparse.Namespace) -> list[dict]:
         if name not in installed():
             print(f"backend {name}: left out, it needs {BACKENDS[name].package}", file=sys.stderr)
             args.backends = [b for b in args.backends if b != name]
-    rows_wanted = cases(args)
-    if not rows_wanted:
+    requested = cases(args)
+    if not requested:
         raise InputError("no case to time: the plain graph is timed in fp32 only")
     with tempfile.TemporaryDirectory() as folder:
-        rows = measure(prepare(rows_wanted, Path(folder), args.weights, args.data), args.runs)
+        rows = measure(prepare(requested, Path(folder), args.weights, args.data), args.runs)
     for row in rows:
         names = f"{row['model']:12}{row['graph']:11}{row['precision']:6}{row['backend']:14}{row['size']:9}"
-        least, cpu = row["least_ms"], row["median_cpu_ms"]
-        print(
-            f"{names}{row['threads']} threads: {row['median_ms']:7.2f} ms (least {least:.2f}, cpu {cpu:.2f})"
-        )
+        times = f"{row['median_ms']:7.2f} ms (least {row['least_ms']:.2f}, cpu {row['median_cpu_ms']:.2f})"
+        print(f"{names}{row['threads']} threads: {times}")
     return rows
 
 

@@ -74,14 +74,14 @@ class Graph:
 
     def line(self, name: str, kinds: Sequence[str]) -> list[NodeProto | None]:
         """Chain of nodes of these kinds ending in `name`, linked by first inputs; Nones if there is none."""
-        found: list[NodeProto | None] = []
+        chain: list[NodeProto | None] = []
         for kind in kinds:
             node = self.maker.get(name)
             if node is None or node.op_type != kind:
                 return [None] * len(kinds)
-            found.append(node)
+            chain.append(node)
             name = node.input[0]
-        return found
+        return chain
 
     def shuffled(self, name: str) -> str | None:
         """x if `name` is shuffle(x) (reshape to pairs, transposition, reshape back), else None."""
@@ -92,21 +92,21 @@ class Graph:
 
     def replace(self, old: NodeProto, new: list[NodeProto]) -> None:
         """Replace an old node by new ones."""
-        place = list(self.graph.node).index(old)
-        del self.graph.node[place]
+        position = list(self.graph.node).index(old)
+        del self.graph.node[position]
         for offset, node in enumerate(new):
-            self.graph.node.insert(place + offset, node)
+            self.graph.node.insert(position + offset, node)
         self._index()
 
     def remove_unused(self) -> None:
         """Remove nodes and constants without readers."""
-        wanted = {output.name for output in self.graph.output}
+        needed = {output.name for output in self.graph.output}
         for node in reversed(self.nodes):
-            if wanted.isdisjoint(node.output):
+            if needed.isdisjoint(node.output):
                 self.graph.node.remove(node)
             else:
-                wanted.update(node.input)
+                needed.update(node.input)
         for tensor in list(self.graph.initializer):
-            if tensor.name not in wanted:
+            if tensor.name not in needed:
                 self.graph.initializer.remove(tensor)
         self._index()

@@ -168,14 +168,16 @@ def _sum(graph: Graph, old: NodeProto, terms: LinearTerms) -> list[NodeProto]:
         subtotal = "" if chain else total
         for i, (name, weight) in enumerate(terms.weights[chain].items()):
             last = chain == min(terms.weights, key=len) and i == len(terms.weights[chain]) - 1
-            part = f"{out}_{len(chain)}_{i}"
+            term_name = f"{out}_{len(chain)}_{i}"
             bias = terms.bias if last else np.zeros_like(terms.bias)
             weight = weight[:, :, None, None]
             nodes.append(
-                _convolution(graph, old, name, weight.astype(np.float32), part, bias.astype(np.float32))
+                _convolution(graph, old, name, weight.astype(np.float32), term_name, bias.astype(np.float32))
             )
             if subtotal:
-                nodes.append(helper.make_node("Add", [part, subtotal], [f"{part}_sum"], f"{part}_sum"))
+                nodes.append(
+                    helper.make_node("Add", [term_name, subtotal], [f"{term_name}_sum"], f"{term_name}_sum")
+                )
             subtotal = nodes[-1].output[0]
         for name in reversed(chain):
             resize = NodeProto()

@@ -76,17 +76,17 @@ def quantized(
     kinds = ["Conv"] if convolutions_only else QUANTIZED
     if in_float is None:
         in_float = CLASS_BRANCH if convolutions_only else FLOAT_PARTS
-    kept_float = {"OpTypesToExcludeOutputQuantization": ["Conv"], "QuantizeBias": False}
+    conv_only_options = {"OpTypesToExcludeOutputQuantization": ["Conv"], "QuantizeBias": False}
     props = {p.key: p.value for p in model.metadata_props}
     with tempfile.TemporaryDirectory() as folder:
-        source, ready, out = (Path(folder) / name for name in ("a.onnx", "b.onnx", "c.onnx"))
+        source, prepared, out = (Path(folder) / name for name in ("a.onnx", "b.onnx", "c.onnx"))
         onnx.save(model, source)
-        quant_pre_process(source, ready, skip_symbolic_shape=True, skip_optimization=True)
-        nodes = onnx.load(ready).graph.node
-        kept = [n.name for n in nodes if n.op_type in kinds and _stays_float(n, in_float)]
+        quant_pre_process(source, prepared, skip_symbolic_shape=True, skip_optimization=True)
+        nodes = onnx.load(prepared).graph.node
+        float_nodes = [n.name for n in nodes if n.op_type in kinds and _stays_float(n, in_float)]
         logging.getLogger().setLevel(logging.ERROR)
         quantize_static(
-            ready,
+            prepared,
             out,
             Images(images),
             QuantFormat.QDQ,
@@ -94,9 +94,9 @@ def quantized(
             per_channel=True,
             activation_type=QuantType.QUInt8,
             weight_type=QuantType.QInt8,
-            nodes_to_exclude=kept,
+            nodes_to_exclude=float_nodes,
             calibrate_method=CalibrationMethod.MinMax,
-            extra_options=kept_float if convolutions_only else {},
+            extra_options=conv_only_options if convolutions_only else {},
         )
         result = onnx.load(out)
     helper.set_model_props(result, props)

@@ -86,17 +86,17 @@ def export(
 
     8-bit graphs are calibrated on the images, and are less precise: judge them by an evaluation.
     """
-    model, made = load_network(weights)
+    model, training_metadata = load_network(weights)
     metadata = {
         "names": ",".join(CLASS_NAMES),
-        "model": str(made.get("model", DEFAULT_MODEL)),
+        "model": str(training_metadata.get("model", DEFAULT_MODEL)),
         "graph": "plain" if plain else "optimised",
         "precision": precision,
         "stride": "32",
         "preprocessing": "uint8 RGB, height x width x 3; scaling to 0..1 is inside the graph",
-        "width": str(made.get("width", 640)),
-        "dataset": str(made.get("dataset", "")),
-        "passes": str(made.get("passes", 0)),
+        "width": str(training_metadata.get("width", 640)),
+        "dataset": str(training_metadata.get("dataset", "")),
+        "passes": str(training_metadata.get("passes", 0)),
         "version": version,
     }
     graph = to_onnx(model, metadata, published=plain)
@@ -106,9 +106,9 @@ def export(
         graph = quantized(graph, images, convolutions_only=precision == "int8-conv")
     elif precision == "fp16":
         graph = to_half_precision(graph)
-    gap, allowed = parity(model, graph, images[:4]), TOLERANCE.get(precision, 1.0)
-    if not gap <= allowed:
-        raise InputError(f"{weights}: ONNX and torch differ by {gap:.2g}, allowed is {allowed:g}")
+    difference, allowed = parity(model, graph, images[:4]), TOLERANCE.get(precision, 1.0)
+    if not difference <= allowed:
+        raise InputError(f"{weights}: ONNX and torch differ by {difference:.2g}, allowed is {allowed:g}")
     write_bytes(out, graph.SerializeToString())
     return metadata
 
@@ -136,12 +136,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
         check_files(args.out, inputs=[args.weights])
-        whole = args.precision.startswith("int8")
-        if whole and args.data is None:
+        needs_calibration = args.precision.startswith("int8")
+        if needs_calibration and args.data is None:
             raise InputError(
                 f"--precision {args.precision}: needs --data, a folder with images/ to calibrate on"
             )
-        images = check_images(args.data, CALIBRATION_IMAGES if whole else 4)
+        images = check_images(args.data, CALIBRATION_IMAGES if needs_calibration else 4)
         metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -38,14 +38,16 @@ def runner(graph: onnx.ModelProto) -> Callable[[np.ndarray], tuple[np.ndarray, n
     return run
 
 
-def difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray], width: int) -> float:
+def difference(
+    result: tuple[np.ndarray, np.ndarray], reference: tuple[np.ndarray, np.ndarray], width: int
+) -> float:
     """Largest difference of a score or of a box side over the image width.
 
     Each of the first result's 100 best candidates is compared with the nearest candidate of the other,
     since rounding may swap candidates of nearly equal score.
     """
-    ours, theirs = _candidates(*one, width)[:100], _candidates(*other, width)
-    return float(np.abs(ours[:, None] - theirs[None]).max(2).min(1).max())
+    result_rows, reference_rows = _candidates(*result, width)[:100], _candidates(*reference, width)
+    return float(np.abs(result_rows[:, None] - reference_rows[None]).max(2).min(1).max())
 
 
 def _candidates(boxes: np.ndarray, scores: np.ndarray, width: int) -> np.ndarray:

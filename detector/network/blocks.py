@@ -153,8 +153,8 @@ class Attention(nn.Module):
         qkv = self.qkv(x).reshape(batch, self.heads, 128, height * width)
         query, key, value = qkv.split((32, 32, 64), 2)
         weight = (query.transpose(2, 3) @ key * 32**-0.5).softmax(-1)
-        mixed = (value @ weight.transpose(2, 3)).reshape(batch, channels, height, width)
-        return self.project(mixed + self.position(value.reshape(batch, channels, height, width)))
+        attended = (value @ weight.transpose(2, 3)).reshape(batch, channels, height, width)
+        return self.project(attended + self.position(value.reshape(batch, channels, height, width)))
 
 
 class C2PSA(nn.Module):

@@ -84,8 +84,10 @@ def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
     try:
         model.load_state_dict(weights)
     except (RuntimeError, TypeError, ValueError, AttributeError):
-        made = metadata.get("model", DEFAULT_MODEL)
-        raise InputError(f"{path}: weights of model {made} do not fit a model of another kind") from None
+        model_name = metadata.get("model", DEFAULT_MODEL)
+        raise InputError(
+            f"{path}: weights of model {model_name} do not fit a model of another kind"
+        ) from None
     return metadata
 
 
@@ -99,8 +101,11 @@ def load_network(path: Path) -> tuple[Network, dict[str, Any]]:
 def _weights_of(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
     content = load(path, ())
     if "average" in content:
-        made = {"passes": content.get("passes", 0), "model": content.get("model_name", DEFAULT_MODEL)}
-        content = {"weights": content["average"], "metadata": made}
+        checkpoint_metadata = {
+            "passes": content.get("passes", 0),
+            "model": content.get("model_name", DEFAULT_MODEL),
+        }
+        content = {"weights": content["average"], "metadata": checkpoint_metadata}
     if "weights" not in content or "metadata" not in content:
         raise InputError(f"{path}: must have the entries weights, metadata")
     weights, metadata = content["weights"], content["metadata"]

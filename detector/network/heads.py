@@ -46,10 +46,10 @@ class Predictions:
         start = 0
         for feature, branch in zip(self.features, self.branches, strict=True):
             end = start + feature.shape[1]
-            here = ((point >= start) & (point < end)).nonzero().squeeze(1)
-            rows = feature[image[here], point[here] - start].float()
-            found = linear(rows, branch.weight.flatten(1), branch.bias)
-            logits = logits.index_copy(0, here, found.float())
+            on_level = ((point >= start) & (point < end)).nonzero().squeeze(1)
+            rows = feature[image[on_level], point[on_level] - start].float()
+            level_logits = linear(rows, branch.weight.flatten(1), branch.bias)
+            logits = logits.index_copy(0, on_level, level_logits.float())
             start = end
         return logits
 
@@ -62,11 +62,11 @@ class Predictions:
         logits, end = point.new_zeros(1, 1, dtype=torch.float32), 0
         for feature, branch in zip(self.features, self.branches, strict=True):
             start, end = end, end + feature.shape[1]
-            inside = (point - start).clamp(0, feature.shape[1] - 1)
+            point_on_level = (point - start).clamp(0, feature.shape[1] - 1)
             # Reshaped, because indexing image 0 would copy the level.
-            rows = feature.reshape(-1, branch.in_channels).index_select(0, inside)
-            found = linear(rows, branch.weight.flatten(1), branch.bias)
-            logits = torch.where((point >= start)[:, None], found, logits)
+            rows = feature.reshape(-1, branch.in_channels).index_select(0, point_on_level)
+            level_logits = linear(rows, branch.weight.flatten(1), branch.bias)
+            logits = torch.where((point >= start)[:, None], level_logits, logits)
         return logits
 
     def all_box_logits(self) -> Tensor:
@@ -170,8 +170,8 @@ def anchor_points(height: int, width: int, strides: tuple[int, ...]) -> tuple[Te
 
 def decode(box_logits: Tensor, points: Tensor, stride: Tensor) -> Tensor:
     """Boxes (..., 4) x0 y0 x1 y1 in pixels from logits (..., 4 · BINS), points (..., 2), strides (...)."""
-    shares = box_logits.unflatten(-1, (4, BINS)).softmax(-1)
-    sides = (shares * box_logits.new_tensor(SIDE_BINS)).sum(-1) * stride[..., None]
+    probabilities = box_logits.unflatten(-1, (4, BINS)).softmax(-1)
+    sides = (probabilities * box_logits.new_tensor(SIDE_BINS)).sum(-1) * stride[..., None]
     return torch.cat((points - sides[..., :2], points + sides[..., 2:]), -1)
 
 

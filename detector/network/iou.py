@@ -10,9 +10,11 @@ TINY = 1e-9
 
 def iou(a: Tensor, b: Tensor) -> Tensor:
     """Intersection over union, 0..1."""
-    inner = (torch.minimum(a[..., 2:], b[..., 2:]) - torch.maximum(a[..., :2], b[..., :2])).clamp(min=0)
-    common = inner.prod(-1)
-    return common / (_size(a).prod(-1) + _size(b).prod(-1) - common + TINY)
+    intersection_sides = (
+        torch.minimum(a[..., 2:], b[..., 2:]) - torch.maximum(a[..., :2], b[..., :2])
+    ).clamp(min=0)
+    intersection = intersection_sides.prod(-1)
+    return intersection / (_size(a).prod(-1) + _size(b).prod(-1) - intersection + TINY)
 
 
 def ciou(a: Tensor, b: Tensor) -> Tensor:
@@ -24,11 +26,11 @@ def ciou(a: Tensor, b: Tensor) -> Tensor:
     overlap = iou(a, b)
     hull = torch.maximum(a[..., 2:], b[..., 2:]) - torch.minimum(a[..., :2], b[..., :2])
     diagonal = hull.square().sum(-1) + TINY
-    apart = (_centre(a) - _centre(b)).square().sum(-1)
+    centre_distance_sq = (_centre(a) - _centre(b)).square().sum(-1)
     v = 4 / math.pi**2 * (_aspect(a) - _aspect(b)).square()
     with torch.no_grad():
         alpha = v / (1 - overlap + v + TINY)
-    return overlap - apart / diagonal - alpha * v
+    return overlap - centre_distance_sq / diagonal - alpha * v
 
 
 def nwd(a: Tensor, b: Tensor, scale: float) -> Tensor:

@@ -83,23 +83,23 @@ def assign(
     estimate of a thin bump negative, so that all points would be ranked alike.
     """
     with torch.no_grad():
-        allowed = candidates(truths.boxes, points, stride) & level_mask(truths.boxes, stride)
-        truth, anchor = allowed.nonzero(as_tuple=True)
+        candidate_mask = candidates(truths.boxes, points, stride) & level_mask(truths.boxes, stride)
+        truth, anchor = candidate_mask.nonzero(as_tuple=True)
         distance = (points[anchor] - _centres(truths.boxes)[truth]).norm(dim=1) / stride[anchor]
-        near = distance.argsort(stable=True)  # ties: nearer points (in strides) first
-        truth, anchor = truth[near], anchor[near]
+        order = distance.argsort(stable=True)  # ties: nearer points (in strides) first
+        truth, anchor = truth[order], anchor[order]
         image = truths.image[truth]
-        guess = decode(predictions.box_logits(image, anchor), points[anchor], stride[anchor])
-        overlap = iou(guess, truths.boxes[truth])
+        predicted = decode(predictions.box_logits(image, anchor), points[anchor], stride[anchor])
+        overlap = iou(predicted, truths.boxes[truth])
         score = predictions.class_logits[image, anchor, truths.classes[truth]].float().sigmoid()
         alignment = score**alpha * overlap**beta
 
-        chosen = rank_in_group(truth, alignment) < top_k
-        image, anchor, truth = image[chosen], anchor[chosen], truth[chosen]
-        overlap, alignment = overlap[chosen], alignment[chosen]
-        alone = rank_in_group(image * len(points) + anchor, overlap) == 0
-        image, anchor, truth = image[alone], anchor[alone], truth[alone]
-        overlap, alignment = overlap[alone], alignment[alone]
+        in_top_k = rank_in_group(truth, alignment) < top_k
+        image, anchor, truth = image[in_top_k], anchor[in_top_k], truth[in_top_k]
+        overlap, alignment = overlap[in_top_k], alignment[in_top_k]
+        unique = rank_in_group(image * len(points) + anchor, overlap) == 0
+        image, anchor, truth = image[unique], anchor[unique], truth[unique]
+        overlap, alignment = overlap[unique], alignment[unique]
 
         best_overlap = _group_maximum(truth, overlap, len(truths.boxes))
         best_alignment = _group_maximum(truth, alignment, len(truths.boxes)).clamp(min=1e-30)

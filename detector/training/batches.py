@@ -44,9 +44,9 @@ def make_batch(
     images = np.empty((size, stage.height, stage.width, 3), np.uint8)
     views = []
     for i in range(size):
-        epoch, place = divmod(passes + i, len(samples))
-        index = np.random.default_rng((seed, epoch)).permutation(len(samples))[place]
-        rng = np.random.default_rng((seed, epoch, place))
+        epoch, position = divmod(passes + i, len(samples))
+        index = np.random.default_rng((seed, epoch)).permutation(len(samples))[position]
+        rng = np.random.default_rng((seed, epoch, position))
         images[i], classes, boxes = training_view(
             samples, index, stage.width, stage.height, rng, augmentation
         )
@@ -74,8 +74,10 @@ def batches(
             passes = next(positions, None)
             if passes is not None:
                 stage = stage_at(stages, passes)
-                how = augmentation.at(passes / total_passes(stages))
-                waiting.append(pool.submit(make_batch, samples, stage, size, passes, seed, how))
+                current_augmentation = augmentation.at(passes / total_passes(stages))
+                waiting.append(
+                    pool.submit(make_batch, samples, stage, size, passes, seed, current_augmentation)
+                )
 
         for _ in range(2 * workers + 1):
             submit()

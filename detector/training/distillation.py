@@ -41,7 +41,9 @@ class FeatureAdapter(nn.Module):
     def forward(self, student: list[Tensor], teacher: list[Tensor], temperature: float = 1.0) -> Tensor:
         """Mean CWD distance over the maps."""
         pairs = zip(self.fits, self.norms, self.teacher_norms, student, teacher, strict=True)
-        losses = [cwd(norm(fit(s)), other(t), temperature) for fit, norm, other, s, t in pairs]
+        losses = [
+            cwd(norm(project(s)), teacher_norm(t), temperature) for project, norm, teacher_norm, s, t in pairs
+        ]
         return torch.stack(losses).mean()
 
 
@@ -50,8 +52,10 @@ def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
 
     student, teacher: (B, C, H, W).
     """
-    ours, theirs = (x.float().flatten(2) / temperature for x in (student, teacher))
-    total = kl_div(ours.log_softmax(2), theirs.log_softmax(2), reduction="sum", log_target=True)
+    student_logits, teacher_logits = (x.float().flatten(2) / temperature for x in (student, teacher))
+    total = kl_div(
+        student_logits.log_softmax(2), teacher_logits.log_softmax(2), reduction="sum", log_target=True
+    )
     return total * temperature**2 / (student.shape[0] * student.shape[1])
 
 
@@ -66,15 +70,19 @@ def bckd(
     truths = truths.where(truths.classes >= 0)
     matched = assign(student, points, stride, truths)
     total = matched.score.sum().clamp(min=1)
-    logits, sure = student.class_logits.float(), teacher.class_logits.float().sigmoid()
-    gap = (sure - logits.sigmoid()).abs().detach()
-    label = (binary_cross_entropy_with_logits(logits, sure, reduction="none") * gap).sum()
-    at, scale = points[matched.anchor], stride[matched.anchor]
-    ours, theirs = (
-        decode(p.box_logits(matched.image, matched.anchor), at, scale) for p in (student, teacher)
+    logits, teacher_scores = student.class_logits.float(), teacher.class_logits.float().sigmoid()
+    score_difference = (teacher_scores - logits.sigmoid()).abs().detach()
+    class_term = (
+        binary_cross_entropy_with_logits(logits, teacher_scores, reduction="none") * score_difference
+    ).sum()
+    anchors, strides = points[matched.anchor], stride[matched.anchor]
+    student_boxes, teacher_boxes = (
+        decode(p.box_logits(matched.image, matched.anchor), anchors, strides) for p in (student, teacher)
     )
-    box = ((1 - ciou(ours, theirs)) * gap[matched.image, matched.anchor].amax(1)).sum()
-    return torch.stack((box, label)) / total
+    box_term = (
+        (1 - ciou(student_boxes, teacher_boxes)) * score_difference[matched.image, matched.anchor].amax(1)
+    ).sum()
+    return torch.stack((box_term, class_term)) / total
 
 
 class Distillation:
@@ -85,14 +93,14 @@ class Distillation:
 
     def __init__(self, student: Network, teacher: Network, weights: DistillationWeights):
         self.teacher, self.weights = teacher.eval().requires_grad_(False), weights
-        blocks, others = _neck(student), _neck(teacher)
-        self.aligned = FeatureAdapter(tuple(map(_width, blocks)), tuple(map(_width, others)))
+        student_blocks, teacher_blocks = _neck(student), _neck(teacher)
+        self.aligned = FeatureAdapter(tuple(map(_width, student_blocks)), tuple(map(_width, teacher_blocks)))
         self.maps: dict[nn.Module, Tensor] = {}
-        self.pairs = list(zip(blocks, others, strict=True))
-        for block in (*blocks, *others):
-            block.register_forward_pre_hook(self._keep)
+        self.pairs = list(zip(student_blocks, teacher_blocks, strict=True))
+        for block in (*student_blocks, *teacher_blocks):
+            block.register_forward_pre_hook(self._record_input)
 
-    def _keep(self, block: nn.Module, inputs: tuple[Tensor, ...]) -> None:
+    def _record_input(self, block: nn.Module, inputs: tuple[Tensor, ...]) -> None:
         self.maps[block] = inputs[0]
 
     def __call__(
@@ -102,9 +110,9 @@ class Distillation:
         with torch.no_grad():
             teacher = self.teacher(images)
         box, label = bckd(predictions, teacher, truths, points, stride)
-        ours, theirs = ([self.maps[b] for b in side] for side in zip(*self.pairs, strict=True))
+        student_maps, teacher_maps = ([self.maps[b] for b in side] for side in zip(*self.pairs, strict=True))
         logits = self.weights.logits * (self.weights.box * box + label)
-        features = self.weights.features * self.aligned(ours, theirs, self.weights.temperature)
+        features = self.weights.features * self.aligned(student_maps, teacher_maps, self.weights.temperature)
         return torch.stack((logits, features))
 
 

@@ -72,8 +72,8 @@ class TrainingLog:
                 name: value if math.isfinite(value) else None
                 for name, value in zip(TERMS, loss.tolist(), strict=False)
             }
-        told = read_text(self.history, JSON_LIMIT) if self.history.exists() else ""
-        write_text(self.history, f"{told}{json.dumps(row | summary)}\n")
+        previous_text = read_text(self.history, JSON_LIMIT) if self.history.exists() else ""
+        write_text(self.history, f"{previous_text}{json.dumps(row | summary)}\n")
         picture = predictions(trainer, samples, stage)
         write_bytes(self.out / "predictions" / f"{passes:08}.png", png(picture))
         if self.events:
@@ -92,8 +92,8 @@ class TrainingLog:
 
     def stalled(self, patience: int) -> bool:
         """True if the best mAP50-95 of the history is older than its last `patience` lines."""
-        found = [row["map50_95"] or 0.0 for row in read_history(self.history)]
-        return len(found) > patience and max(found[:-patience]) >= max(found[-patience:])
+        scores = [row["map50_95"] or 0.0 for row in read_history(self.history)]
+        return len(scores) > patience and max(scores[:-patience]) >= max(scores[-patience:])
 
 
 def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np.ndarray:
@@ -103,22 +103,22 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
     tiles = []
     for sample in (samples[i] for i in chosen):
         view, result = match_whole_image(trainer, deployed, sample, stage)
-        asked = view.classes >= 0
-        tiles.append(tile(view.image, view.boxes[asked], result, SHOWN_CONFIDENCE, sample.name, 360))
+        evaluated = view.classes >= 0
+        tiles.append(tile(view.image, view.boxes[evaluated], result, SHOWN_CONFIDENCE, sample.name, 360))
     return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SHOWN_CONFIDENCE:g}")
 
 
 def _truncate_history(history: Path, passes: int) -> None:
     """Drop incomplete history lines, and lines of more than so many passes."""
-    kept = []
+    kept_lines = []
     for line in read_text(history, JSON_LIMIT).split("\n"):
         try:
             with reading(history):
                 if parse_json(line, str(history))["passes"] <= passes:
-                    kept.append(line + "\n")
+                    kept_lines.append(line + "\n")
         except InputError:
             continue  # incomplete line, after a full disk or a killed program
-    write_text(history, "".join(kept))
+    write_text(history, "".join(kept_lines))
 
 
 def _events(folder: Path, passes: int) -> Any:

@@ -42,14 +42,14 @@ def train(
     with TrainingLog(out, trainer.passes) as journal, Progress(total, trainer.passes) as progress:
         with _interrupts() as stopped:
             for batch in feed:
-                before = trainer.passes // how.validate_every
+                validations_before = trainer.passes // how.validate_every
                 terms = trainer.step(batch).cpu()
                 mean = mean.lerp(terms, 0.02) if mean.any() else terms
                 journal.step(trainer, terms)
                 progress.show(
                     trainer.passes, f"{batch.stage.width}x{batch.stage.height} loss {mean.sum():.3f}"
                 )
-                if validation and before < trainer.passes // how.validate_every:
+                if validation and validations_before < trainer.passes // how.validate_every:
                     journal.validation(trainer, validation[: how.validate_images], mean)
                     stalled = how.patience > 0 and journal.stalled(how.patience)
                 if stopped or time.monotonic() - written > how.checkpoint_s:
@@ -70,9 +70,11 @@ def _interrupts() -> Iterator[list[int]]:
     """Collect SIGINT and SIGTERM in a list instead of ending the program."""
     stopped: list[int] = []
     signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(which, lambda number, _: stopped.append(number)) for which in signals]
+    previous_handlers = [
+        signal.signal(signal_number, lambda number, _: stopped.append(number)) for signal_number in signals
+    ]
     try:
         yield stopped
     finally:
-        for which, handler in zip(signals, before, strict=True):
-            signal.signal(which, handler)
+        for signal_number, handler in zip(signals, previous_handlers, strict=True):
+            signal.signal(signal_number, handler)

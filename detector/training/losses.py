@@ -10,18 +10,21 @@ box.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import torch
+from annotated_types import Interval
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
 from foreride.detector.network.heads import BINS, Predictions, decode, encode
 from foreride.detector.network.iou import ciou, nwd
 from foreride.detector.training.assigner import Assignment, GroundTruth, assign, candidates
+from foreride.files.reading.ranges import Checked, Share
 
 
 @dataclass(frozen=True)
-class LossWeights:
+class LossWeights(Checked):
     """Weights of the loss terms, and the two constants of the NWD mix (alpha = 1 leaves NWD out).
 
     edge: weight of the error of top and bottom edge in strides; 5 about matches CIoU on a box 2.5 strides
@@ -31,17 +34,9 @@ class LossWeights:
     box: float = 7.5
     label: float = 0.5
     distribution: float = 1.5
-    edge: float = 0.0
-    nwd_scale: float = 12.8
-    nwd_alpha: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.nwd_alpha <= 1:
-            raise ValueError(f"nwd_alpha must be in 0..1, got {self.nwd_alpha}")
-        if not self.nwd_scale > 0:
-            raise ValueError(f"nwd_scale must be > 0, got {self.nwd_scale}")
-        if not self.edge >= 0:
-            raise ValueError(f"edge must be >= 0, got {self.edge}")
+    edge: Annotated[float, Interval(ge=0.0, le=1e6), "1"] = 0.0
+    nwd_scale: Annotated[float, Interval(gt=0.0, le=1e6), "strides"] = 12.8
+    nwd_alpha: Share = 1.0
 
 
 def detection_loss(
@@ -55,15 +50,15 @@ def detection_loss(
 
     points, stride: those of `anchor_points` for the size of the images.
     """
-    wanted = truths.where(truths.classes >= 0)
-    matched = assign(predictions, points, stride, wanted)
-    total = matched.score.sum().clamp(min=1)
+    targets = truths.where(truths.classes >= 0)
+    assignment = assign(predictions, points, stride, targets)
+    total = assignment.score.sum().clamp(min=1)
     logits = predictions.class_logits.float()
-    label = _label_loss(logits, matched, wanted, _ignored(truths, points, stride, logits))
-    box, distribution, edge = _box_losses(predictions, matched, wanted, points, stride, weights)
+    class_loss = _label_loss(logits, assignment, targets, _ignored(truths, points, stride, logits))
+    box, distribution, edge = _box_losses(predictions, assignment, targets, points, stride, weights)
     terms = (
         weights.box * box,
-        weights.label * label,
+        weights.label * class_loss,
         weights.distribution * distribution,
         weights.edge * edge,
     )
@@ -96,21 +91,21 @@ def _box_losses(
     weights: LossWeights,
 ) -> tuple[Tensor, Tensor, Tensor]:
     logits = predictions.box_logits(matched.image, matched.anchor)
-    at, scale = points[matched.anchor], stride[matched.anchor]
+    anchors, strides = points[matched.anchor], stride[matched.anchor]
     target = truths.boxes[matched.truth]
-    guess = decode(logits, at, scale)
-    loss = weights.nwd_alpha * (1 - ciou(guess, target))
+    predicted = decode(logits, anchors, strides)
+    loss = weights.nwd_alpha * (1 - ciou(predicted, target))
     if weights.nwd_alpha < 1:
-        near = nwd(guess / scale[:, None], target / scale[:, None], weights.nwd_scale)
-        loss = loss + (1 - weights.nwd_alpha) * (1 - near)
-    spread = distribution_focal_loss(logits, encode(target, at, scale))
-    edge = edge_loss(guess, target, scale)
-    return (loss * matched.score).sum(), (spread * matched.score).sum(), (edge * matched.score).sum()
+        similarity = nwd(predicted / strides[:, None], target / strides[:, None], weights.nwd_scale)
+        loss = loss + (1 - weights.nwd_alpha) * (1 - similarity)
+    dfl = distribution_focal_loss(logits, encode(target, anchors, strides))
+    edge = edge_loss(predicted, target, strides)
+    return (loss * matched.score).sum(), (dfl * matched.score).sum(), (edge * matched.score).sum()
 
 
-def edge_loss(guess: Tensor, target: Tensor, stride: Tensor) -> Tensor:
+def edge_loss(predicted: Tensor, target: Tensor, stride: Tensor) -> Tensor:
     """(P,) absolute error of top plus bottom edge, in strides (P,), of boxes (P, 4)."""
-    return (guess[:, 1::2] - target[:, 1::2]).abs().sum(1) / stride
+    return (predicted[:, 1::2] - target[:, 1::2]).abs().sum(1) / stride
 
 
 def distribution_focal_loss(logits: Tensor, target: Tensor) -> Tensor:

@@ -51,13 +51,13 @@ def total_passes(stages: tuple[Stage, ...]) -> int:
 
 def work_done(stages: tuple[Stage, ...], passes: int) -> float:
     """Share 0..1 of all pixels processed after so many passes."""
-    seen = total = 0
+    processed = total = 0
     for stage in stages:
         pixels = stage.width * stage.height
         total += pixels * stage.passes
-        seen += pixels * min(max(passes, 0), stage.passes)
+        processed += pixels * min(max(passes, 0), stage.passes)
         passes -= stage.passes
-    return seen / total
+    return processed / total
 
 
 DECAYS = {"linear": lambda done: 1 - done, "cosine": lambda done: (1 + math.cos(math.pi * done)) / 2}

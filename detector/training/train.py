@@ -97,10 +97,6 @@ def _settings(args: argparse.Namespace) -> Settings:
             )
     if not 0 < args.rate < math.inf:
         raise InputError(f"--rate must be finite and > 0, got {args.rate:g}")
-    try:
-        loss = LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight)
-    except ValueError as error:
-        raise InputError(str(error)) from None
     return Settings(
         parse_stages(args.stages),
         args.model,
@@ -109,25 +105,25 @@ def _settings(args: argparse.Namespace) -> Settings:
         decay=args.decay,
         seed=args.seed,
         precision=args.precision,
-        loss=loss,
+        loss=LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight),
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
         augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last),
     )
 
 
-def _device(asked: str) -> str:
+def _device(requested: str) -> str:
     cuda = torch.cuda.is_available()
-    if asked not in ("auto", "cpu", "cuda"):
-        raise InputError(f"--device must be auto, cpu or cuda, got {asked!r}")
-    if asked == "cuda" and not cuda:
+    if requested not in ("auto", "cpu", "cuda"):
+        raise InputError(f"--device must be auto, cpu or cuda, got {requested!r}")
+    if requested == "cuda" and not cuda:
         raise InputError("--device cuda: no CUDA device available to torch")
-    return asked if asked != "auto" else "cuda" if cuda else "cpu"
+    return requested if requested != "auto" else "cuda" if cuda else "cpu"
 
 
 def run(args: argparse.Namespace) -> None:
     """Train as specified by the command line. Raises InputError."""
     settings = _settings(args)
-    chosen = _device(args.device)
+    device = _device(args.device)
     checkpoint = args.out / "checkpoint.pt"
     if checkpoint.exists() and not args.resume:
         raise InputError(f"{checkpoint}: already exists; add --resume to continue or choose another --out")
@@ -137,7 +133,7 @@ def run(args: argparse.Namespace) -> None:
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
     training = load_cached_dataset(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
     validation = load_cached_dataset(args.data / "val", max(longest, 640), 0, args.skip_bad)
-    trainer = Trainer(settings, torch.device(chosen), args.init, args.teacher)
+    trainer = Trainer(settings, torch.device(device), args.init, args.teacher)
     if args.resume:
         trainer.restore(checkpoint)
     claim(args.out, KIND)
@@ -147,7 +143,7 @@ def run(args: argparse.Namespace) -> None:
     }
     write_text(args.out / "config.json", json.dumps(config, indent=1) + "\n")
     print(
-        f"{len(training)} training, {len(validation)} validation images; {args.stages} on {chosen}",
+        f"{len(training)} training, {len(validation)} validation images; {args.stages} on {device}",
         flush=True,
     )
     how = LoopSettings(workers=args.workers, validate_every=args.validate_every, patience=args.patience)

@@ -65,13 +65,13 @@ class Trainer:
             load_weights(init, model)
         self.model = model.to(device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
         self.average = Average(self.model)
-        learned = nn.ModuleList([self.model])
+        trainable = nn.ModuleList([self.model])
         self.distillation = None
         if teacher:
-            master = load_network(teacher)[0].to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-            self.distillation = Distillation(self.model, master, settings.distillation)
-            learned.append(self.distillation.aligned.to(device))
-        self.optimiser = torch.optim.AdamW(_groups(learned, settings.weight_decay), lr=0.0, fused=True)
+            teacher_network = load_network(teacher)[0].to(device).to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+            self.distillation = Distillation(self.model, teacher_network, settings.distillation)
+            trainable.append(self.distillation.aligned.to(device))
+        self.optimiser = torch.optim.AdamW(_groups(trainable, settings.weight_decay), lr=0.0, fused=True)
         self._grid: dict[Stage, tuple[torch.Tensor, torch.Tensor]] = {}
 
     def step(self, batch: Batch) -> torch.Tensor:
@@ -88,8 +88,8 @@ class Trainer:
         terms = detection_loss(predictions, truths, points, stride, settings.loss)
         if self.distillation:
             with self.autocast():
-                learned = self.distillation(images, predictions, truths, points, stride)
-            terms = torch.cat((terms, learned))
+                distillation_terms = self.distillation(images, predictions, truths, points, stride)
+            terms = torch.cat((terms, distillation_terms))
         self.optimiser.zero_grad()
         terms.sum().backward()
         nn.utils.clip_grad_norm_(self.model.parameters(), settings.clip)
@@ -137,9 +137,9 @@ class Trainer:
                 self.distillation.aligned.load_state_dict(content["aligned"])
             self.optimiser.load_state_dict(content["optimiser"])
         except (RuntimeError, ValueError, TypeError, KeyError, AttributeError):
-            made = content.get("model_name", DEFAULT_MODEL)
+            name = content.get("model_name", DEFAULT_MODEL)
             raise InputError(
-                f"{path}: the model must be {made}, with or without a teacher as in the run that wrote it"
+                f"{path}: the model must be {name}, with or without a teacher as in the run that wrote it"
             ) from None
         self.passes = content["passes"]
 
@@ -166,6 +166,6 @@ def match_whole_image(
     view = whole_view(sample, stage.width, stage.height)
     with torch.inference_mode(), trainer.autocast():
         boxes, scores = deployed(torch.from_numpy(view.image).to(trainer.device)[None])
-    asked = view.classes >= 0
-    found = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), MIN_CONFIDENCE, NMS_IOU)
-    return view, match_detections(found, view.boxes[asked], view.classes[asked])
+    evaluated = view.classes >= 0
+    detections = select(boxes[0].float().cpu().numpy(), scores[0].cpu().numpy(), MIN_CONFIDENCE, NMS_IOU)
+    return view, match_detections(detections, view.boxes[evaluated], view.classes[evaluated])

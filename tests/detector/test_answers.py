@@ -19,15 +19,15 @@ SCORES = np.array([[[0.9, 0.0], [0.0, 0.6]]], np.float32)
 
 
 def changed(values: np.ndarray, value: float) -> np.ndarray:
-    other = values.copy()
-    other.flat[0] = value
-    return other
+    altered = values.copy()
+    altered.flat[0] = value
+    return altered
 
 
 def test_a_tiny_network_is_understood(tmp_path: Path) -> None:
-    found = Detector(networks.write(tmp_path / "n.onnx", BOXES, SCORES))(IMAGE)
-    np.testing.assert_allclose(found.scores, [0.9, 0.6])
-    assert found.classes.tolist() == [0, 1]
+    detections = Detector(networks.write(tmp_path / "n.onnx", BOXES, SCORES))(IMAGE)
+    np.testing.assert_allclose(detections.scores, [0.9, 0.6])
+    assert detections.classes.tolist() == [0, 1]
 
 
 def test_no_candidates_are_an_empty_road(tmp_path: Path) -> None:
@@ -44,7 +44,7 @@ def test_a_dynamic_batch_runs_as_one_image(tmp_path: Path, shape: tuple) -> None
 
 
 @pytest.mark.parametrize(
-    ("boxes", "scores", "told"),
+    ("boxes", "scores", "message"),
     [
         (BOXES, changed(SCORES, np.nan), "scores must be numbers within"),
         (BOXES, changed(SCORES, np.inf), "scores must be numbers within"),
@@ -59,10 +59,10 @@ def test_a_dynamic_batch_runs_as_one_image(tmp_path: Path, shape: tuple) -> None
     ],
 )
 def test_what_is_no_answer_is_refused(
-    tmp_path: Path, boxes: np.ndarray, scores: np.ndarray, told: str
+    tmp_path: Path, boxes: np.ndarray, scores: np.ndarray, message: str
 ) -> None:
     detect = Detector(networks.write(tmp_path / "n.onnx", np.asarray(boxes), scores))
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         detect(IMAGE)
 
 
@@ -79,7 +79,7 @@ def test_a_network_that_fails_while_it_runs_is_told_with_the_image(tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("metadata", "told"),
+    ("metadata", "message"),
     [
         (
             {"names": "pothole,speed_bump"},
@@ -92,9 +92,9 @@ def test_a_network_that_fails_while_it_runs_is_told_with_the_image(tmp_path: Pat
         ({"width": "-640"}, "whole number in 32 ... 4096"),
     ],
 )
-def test_absurd_metadata_are_refused_in_a_short_line(tmp_path: Path, metadata: dict, told: str) -> None:
+def test_absurd_metadata_are_refused_in_a_short_line(tmp_path: Path, metadata: dict, message: str) -> None:
     path = networks.write(tmp_path / "n.onnx", BOXES, SCORES, networks.METADATA | metadata)
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         Detector(path)
     assert len(str(caught.value)) < 500
 
@@ -104,8 +104,8 @@ def test_candidates_without_number_give_the_best_of_them() -> None:
     corner = rng.uniform(0, 5000, (200_000, 2))
     boxes = np.concatenate((corner, corner + 4), 1).astype(np.float32)
     scores = rng.random((200_000, 2)).astype(np.float32)
-    found = select(boxes, scores, 0.001, 0.45)
-    assert len(found) == 2 * MAX_KEPT
-    assert found.scores[0] == scores.max()
+    detections = select(boxes, scores, 0.001, 0.45)
+    assert len(detections) == 2 * MAX_KEPT
+    assert detections.scores[0] == scores.max()
     best = np.sort(scores.max(1))[-MAX_CANDIDATES]
-    assert found.scores.min() >= min(best, 0.9)
+    assert detections.scores.min() >= min(best, 0.9)

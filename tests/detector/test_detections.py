@@ -8,9 +8,13 @@ BOX = [[10.0, 20.0, 30.0, 40.0]]
 
 
 def test_converts_lists_to_the_documented_types():
-    found = Detections(BOX, [0.5], [1])
-    assert len(found) == 1
-    assert (found.boxes.dtype, found.scores.dtype, found.classes.dtype) == (np.float32, np.float32, np.int64)
+    detections = Detections(BOX, [0.5], [1])
+    assert len(detections) == 1
+    assert (detections.boxes.dtype, detections.scores.dtype, detections.classes.dtype) == (
+        np.float32,
+        np.float32,
+        np.int64,
+    )
 
 
 def test_nothing_found_has_no_rows():

@@ -64,11 +64,11 @@ def test_refuses_what_is_no_rgb_image(image: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [({"confidence": 0}, "confidence"), ({"iou": 1.5}, "iou"), ({"threads": 0}, "threads")],
 )
-def test_refuses_options_out_of_range(options: dict, said: str) -> None:
-    with pytest.raises(InputError, match=f"{said} must be"):
+def test_refuses_options_out_of_range(options: dict, message: str) -> None:
+    with pytest.raises(InputError, match=f"{message} must be"):
         Detector(**options)
 
 
@@ -116,7 +116,7 @@ def altered(tmp_path: Path, change: str) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ("input", "expected one input image"),
         ("shape", "shape 1 x height x width x 3|not an ONNX model"),
@@ -130,8 +130,8 @@ def altered(tmp_path: Path, change: str) -> Path:
         ("width", r"metadata width \(px\) must be"),
     ],
 )
-def test_names_a_model_of_another_kind(tmp_path: Path, change: str, said: str) -> None:
-    with pytest.raises(InputError, match=said):
+def test_names_a_model_of_another_kind(tmp_path: Path, change: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         Detector(altered(tmp_path, change))(np.zeros((96, 96, 3), np.uint8))
 
 

@@ -92,7 +92,7 @@ def test_a_broken_exif_block_says_nothing(length: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "data", "said"),
+    ("name", "data", "message"),
     [
         ("a.jpg", b"", "empty file"),
         ("a.jpg", b"hello", "cannot be decoded"),
@@ -108,9 +108,9 @@ def test_a_broken_exif_block_says_nothing(length: int) -> None:
         ("a.webp", cv2.imencode(".webp", PICTURE)[1].tobytes()[:-30], "cannot be decoded"),
     ],
 )
-def test_bad_files_are_named_with_their_fault(tmp_path: Path, name: str, data: bytes, said: str) -> None:
+def test_bad_files_are_named_with_their_fault(tmp_path: Path, name: str, data: bytes, message: str) -> None:
     (tmp_path / name).write_bytes(data)
-    with pytest.raises(InputError, match=said) as error:
+    with pytest.raises(InputError, match=message) as error:
         read_image(tmp_path / name)
     assert str(tmp_path / name) in str(error.value)
     assert "\n" not in str(error.value)

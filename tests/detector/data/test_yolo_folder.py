@@ -33,7 +33,7 @@ def test_an_image_without_label_file_is_an_empty_road(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("0 0.5 0.5 0.1", "expected five numbers"),
         ("0 0.5 0.5 0.1 wide", "expected five numbers"),
@@ -44,10 +44,10 @@ def test_an_image_without_label_file_is_an_empty_road(tmp_path: Path) -> None:
         ("0 0.5 0.5 0 0.1", "must be fractions"),
     ],
 )
-def test_names_file_and_line_of_a_bad_label(tmp_path: Path, line: str, said: str) -> None:
+def test_names_file_and_line_of_a_bad_label(tmp_path: Path, line: str, message: str) -> None:
     path = tmp_path / "a.txt"
     path.write_text(f"0 0.5 0.5 0.1 0.1\n{line}\n")
-    with pytest.raises(InputError, match=said) as error:
+    with pytest.raises(InputError, match=message) as error:
         read_labels(path)
     assert f"{path}:2" in str(error.value)
     assert "\n" not in str(error.value)
@@ -60,9 +60,9 @@ def test_names_what_is_missing_or_broken(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no image in it"):
         next(read_samples(tmp_path))
     (tmp_path / "labels").mkdir()
-    for content, said in ((b"", "empty file"), (b"not a picture", "cannot be decoded")):
+    for content, message in ((b"", "empty file"), (b"not a picture", "cannot be decoded")):
         (tmp_path / "images" / "x.jpg").write_bytes(content)
-        with pytest.raises(InputError, match=rf"x\.jpg: {said}"):
+        with pytest.raises(InputError, match=rf"x\.jpg: {message}"):
             next(read_samples(tmp_path))
 
 

@@ -11,7 +11,7 @@ from foreride.detector.evaluation.average_precision import average_precision, ma
 TRUTH = np.array([[0.0, 0, 10, 10], [20, 0, 30, 10], [40, 0, 50, 10]])
 
 
-def found(boxes: list, scores: list[float], classes: list[int]) -> Detections:
+def detections_of(boxes: list, scores: list[float], classes: list[int]) -> Detections:
     return Detections(np.array(boxes, np.float32), np.array(scores, np.float32), np.array(classes))
 
 
@@ -29,23 +29,25 @@ def test_average_precision_of_the_perfect_the_blind_and_the_empty() -> None:
 
 
 def test_an_object_is_found_once() -> None:
-    result = match_detections(found([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0]))
+    result = match_detections(
+        detections_of([TRUTH[0], TRUTH[0] + 1], [0.6, 0.9], [0, 0]), TRUTH[:1], np.array([0])
+    )
     # the higher score counts (IoU 81/119 = 0.68), the other is wrong although it fits better
     assert result.hits[0].tolist() == [False, True]
     assert result.hits[4].tolist() == [True, False]  # IoU 0.7
-    assert result.found.tolist() == [1]
+    assert result.matched.tolist() == [1]
 
 
 def test_the_class_must_be_right() -> None:
-    result = match_detections(found([TRUTH[0]], [0.9], [1]), TRUTH[:1], np.array([0]))
+    result = match_detections(detections_of([TRUTH[0]], [0.9], [1]), TRUTH[:1], np.array([0]))
     assert not result.hits.any()
-    assert result.found.tolist() == [-1]
+    assert result.matched.tolist() == [-1]
 
 
 def test_summary_over_images_and_classes() -> None:
     results = [
-        match_detections(found(TRUTH[:2].tolist(), [0.9, 0.2], [0, 0]), TRUTH, np.array([0, 0, 1])),
-        match_detections(found([[0, 0, 5, 5]], [0.5], [1]), TRUTH[:0], np.zeros(0, int)),
+        match_detections(detections_of(TRUTH[:2].tolist(), [0.9, 0.2], [0, 0]), TRUTH, np.array([0, 0, 1])),
+        match_detections(detections_of([[0, 0, 5, 5]], [0.5], [1]), TRUTH[:0], np.zeros(0, int)),
         match_detections(no_detections(), TRUTH[:0], np.zeros(0, int)),
     ]
     summary = summarise(results, 0.25)
@@ -57,7 +59,9 @@ def test_summary_over_images_and_classes() -> None:
 
 
 def test_a_class_that_does_not_occur_is_left_out_of_the_means() -> None:
-    summary = summarise([match_detections(found([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25)
+    summary = summarise(
+        [match_detections(detections_of([TRUTH[0]], [0.9], [0]), TRUTH[:1], np.array([0]))], 0.25
+    )
     assert summary["map50"] == 1
     assert summary["per_class"]["pothole"]["ap50"] is None
 

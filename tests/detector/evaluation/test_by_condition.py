@@ -12,10 +12,10 @@ BOX = np.array([[10, 10, 110, 30]], np.float32)
 NOON = {"light": "noon", "weather": "dry", "low_sun": False, "motion_blur_px": 0.0}
 
 
-def judged(name: str, found: bool) -> EvaluatedImage:
+def judged(name: str, detected: bool) -> EvaluatedImage:
     """Evaluated image with one bump, detected or not."""
-    answer = Detections(BOX, np.array([0.9]), np.array([0])) if found else no_detections()
-    return EvaluatedImage(name, 100, BOX, match_detections(answer, BOX, np.array([0])))
+    detections = Detections(BOX, np.array([0.9]), np.array([0])) if detected else no_detections()
+    return EvaluatedImage(name, 100, BOX, match_detections(detections, BOX, np.array([0])))
 
 
 @pytest.mark.parametrize(

@@ -15,11 +15,11 @@ TRUTH = np.array([[10, 10, 110, 30], [10, 60, 60, 100]], np.float32)
 def scene() -> tuple[list[EvaluatedImage], dict[str, dict]]:
     """A bump at 5 m, its box 1 px too high and 2 px too low; a pothole at 20 m, cut; no object."""
     boxes = TRUTH + np.array([[0, -1, 0, 2], [0, 0, 0, 0]])
-    found = Detections(boxes, np.array([0.9, 0.8]), np.array([0, 1]))
+    detections = Detections(boxes, np.array([0.9, 0.8]), np.array([0, 1]))
     plain = Detections(TRUTH[:1], np.array([0.6]), np.array([0]))
     nothing, none = np.zeros((0, 4), np.float32), np.zeros(0, int)
     judged = [
-        EvaluatedImage("a.jpg", 100, TRUTH, match_detections(found, TRUTH, np.array([0, 1]))),
+        EvaluatedImage("a.jpg", 100, TRUTH, match_detections(detections, TRUTH, np.array([0, 1]))),
         EvaluatedImage("b.jpg", 100, nothing, match_detections(plain, nothing, none)),
     ]
     objects = [{"class": c, "distance_m": d, "in_ego_lane": True} for c, d in ((0, 5.0), (1, 20.0))]
@@ -32,10 +32,10 @@ def scene() -> tuple[list[EvaluatedImage], dict[str, dict]]:
 
 def test_recall_and_edges_by_hand() -> None:
     judged, records = scene()
-    found = by_object(evaluated_objects(judged, records, 0.25, Path()))
-    assert found["ego_recall"]["all"] == {"objects": 1, "recall": 1.0}
-    assert found["ego_far_recall"]["pothole"] == {"objects": 1, "recall": 1.0}
-    edge = found["bottom_edge_4_10_m"]["all"]
+    summary = by_object(evaluated_objects(judged, records, 0.25, Path()))
+    assert summary["ego_recall"]["all"] == {"objects": 1, "recall": 1.0}
+    assert summary["ego_far_recall"]["pothole"] == {"objects": 1, "recall": 1.0}
+    edge = summary["bottom_edge_4_10_m"]["all"]
     assert edge == {
         "objects": 1,
         "bias_px": 2,
@@ -44,18 +44,18 @@ def test_recall_and_edges_by_hand() -> None:
         "bias_percent": pytest.approx(10),
         "sigma_percent": 0,
     }
-    assert found["top_edge_4_10_m"]["speed_bump"]["bias_px"] == -1
-    assert found["top_edge_4_10_m"]["pothole"] == {"objects": 0} | dict.fromkeys(edge.keys() - {"objects"})
-    heights = {row["from_px"]: row["all"]["objects"] for row in found["recall_by_height"]}
+    assert summary["top_edge_4_10_m"]["speed_bump"]["bias_px"] == -1
+    assert summary["top_edge_4_10_m"]["pothole"] == {"objects": 0} | dict.fromkeys(edge.keys() - {"objects"})
+    heights = {row["from_px"]: row["all"]["objects"] for row in summary["recall_by_height"]}
     assert heights == {0: 0, 3: 0, 5: 0, 8: 0, 12: 0, 20: 1, 40: 1}
 
 
 def test_an_edge_that_the_image_cuts_or_an_unsure_box_gives_no_error() -> None:
     judged, records = scene()
-    sure = evaluated_objects(judged, records, 0.25, Path())
+    confident = evaluated_objects(judged, records, 0.25, Path())
     unsure = evaluated_objects(judged, records, 0.85, Path())
-    assert [o.bottom_error_px for o in sure] == [2, None]
-    assert [o.top_error_px for o in sure] == [-1, 0]
+    assert [o.bottom_error_px for o in confident] == [2, None]
+    assert [o.top_error_px for o in confident] == [-1, 0]
     assert [o.top_error_px for o in unsure] == [-1, None]
     assert [o.found for o in unsure] == [True, False]
 

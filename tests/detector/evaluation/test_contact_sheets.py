@@ -18,8 +18,8 @@ CLASSES = np.array([0, 1])
 def judged(
     boxes: list[list[float]], scores: list[float], classes: list[int], name: str = "a.jpg"
 ) -> EvaluatedImage:
-    found = Detections(np.array(boxes, np.float32).reshape(-1, 4), np.array(scores), np.array(classes))
-    return EvaluatedImage(name, 200, TRUTH, match_detections(found, TRUTH, CLASSES))
+    detections = Detections(np.array(boxes, np.float32).reshape(-1, 4), np.array(scores), np.array(classes))
+    return EvaluatedImage(name, 200, TRUTH, match_detections(detections, TRUTH, CLASSES))
 
 
 def shades(image: np.ndarray) -> set[tuple[int, ...]]:

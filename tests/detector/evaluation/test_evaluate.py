@@ -62,9 +62,9 @@ def test_recall_is_binned_by_distance(tmp_path: Path) -> None:
     detect = oracle(folder)
 
     def bumps_only(image: np.ndarray) -> Detections:
-        found = detect(image)
-        mine = found.classes == 0
-        return Detections(found.boxes[mine], found.scores[mine], found.classes[mine])
+        detections = detect(image)
+        is_bump = detections.classes == 0
+        return Detections(detections.boxes[is_bump], detections.scores[is_bump], detections.classes[is_bump])
 
     rows = evaluate(folder, bumps_only, 0.25)["recall_by_distance"]
     assert [(r["from_m"], r["all"]["objects"], r["all"]["recall"]) for r in rows] == [
@@ -87,10 +87,12 @@ def test_detections_beside_the_lane_are_not_counted(tmp_path: Path) -> None:
     detect = oracle(folder)
 
     def noisy(image: np.ndarray) -> Detections:
-        found = detect(image)
+        detections = detect(image)
         extra = np.array([[120, 90, 126, 94]], np.float32)
         return Detections(
-            np.concatenate((found.boxes, extra)), np.append(found.scores, 0.95), np.append(found.classes, 1)
+            np.concatenate((detections.boxes, extra)),
+            np.append(detections.scores, 0.95),
+            np.append(detections.classes, 1),
         )
 
     mask = np.full((48, 64), 255, np.uint8)
@@ -146,16 +148,18 @@ def test_plain_road_alone_is_reported_too(tmp_path: Path) -> None:
 
 
 def test_bad_weather_is_what_the_detector_sees(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    folder, seen = write(tmp_path / "data", 2), []
+    folder, images = write(tmp_path / "data", 2), []
     for _ in range(2):
         match_folder(
             folder,
-            lambda image: (seen.append(image), no_detections())[1],
-            change=partial(degraded, effect="snow", strength=0.7),
+            lambda image: (images.append(image), no_detections())[1],
+            degradation=partial(degraded, effect="snow", strength=0.7),
         )
     originals = [s.image for s in read_samples(folder)]
-    assert not np.array_equal(seen[0], originals[0])
-    assert all(np.array_equal(a, b) for a, b in zip(seen[:2], seen[2:], strict=True))  # the same every time
+    assert not np.array_equal(images[0], originals[0])
+    assert all(
+        np.array_equal(a, b) for a, b in zip(images[:2], images[2:], strict=True)
+    )  # the same every time
     words = ["--data", str(folder), "--degrade", "fog", "--json", str(tmp_path / "out.json")]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     assert json.loads((tmp_path / "out.json").read_text())["degrade"] == "fog"

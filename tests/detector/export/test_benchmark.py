@@ -34,7 +34,7 @@ def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) ->
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         (["--graphs", "plian"], "--graphs: must be of plain, optimised, got 'plian'"),
         (["--precisions", "fp61"], "--precisions: must be of fp32, fp16, int8, got 'fp61'"),
@@ -46,12 +46,12 @@ def test_rows_say_what_was_run(tmp_path: Path, capsys: pytest.CaptureFixture) ->
     ],
 )
 def test_bad_options_are_told_before_anything_is_timed(
-    options: list[str], said: str, capsys: pytest.CaptureFixture
+    options: list[str], message: str, capsys: pytest.CaptureFixture
 ) -> None:
     assert main(options) == 2
-    told = capsys.readouterr().err
-    assert said in told
-    assert told.count("\n") == 1
+    printed = capsys.readouterr().err
+    assert message in printed
+    assert printed.count("\n") == 1
 
 
 def test_weights_that_are_not_there_are_told_and_not_made(

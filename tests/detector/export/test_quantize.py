@@ -20,17 +20,19 @@ def test_convolutions_in_eight_bits_keep_their_sums_and_the_classes_in_float() -
     rng = np.random.default_rng(2)
     images = [draw(rng, 128, 128)[0] for _ in range(3)]
     plain = to_onnx(load_network(WEIGHTS.with_suffix(".pt"))[0], {"names": "kept"})
-    whole = quantized(plain, images, convolutions_only=True)
-    maker = {name: node for node in whole.graph.node for name in node.output}
-    readers = [(name, node.op_type) for node in whole.graph.node for name in node.input]
-    convolutions = [node for node in whole.graph.node if node.op_type == "Conv"]
+    quantised = quantized(plain, images, convolutions_only=True)
+    maker = {name: node for node in quantised.graph.node for name in node.output}
+    readers = [(name, node.op_type) for node in quantised.graph.node for name in node.input]
+    convolutions = [node for node in quantised.graph.node if node.op_type == "Conv"]
     in_float = [n.name for n in convolutions if maker[n.input[0]].op_type != "DequantizeLinear"]
     assert len(in_float) == 4  # the class branch of each level
     assert all("/head/label" in name for name in in_float)
     outputs = {node.output[0] for node in convolutions}
     assert not any(kind == "QuantizeLinear" and name in outputs for name, kind in readers)
-    eight = sum(t.data_type == onnx.TensorProto.INT8 and len(t.dims) == 4 for t in whole.graph.initializer)
+    eight = sum(
+        t.data_type == onnx.TensorProto.INT8 and len(t.dims) == 4 for t in quantised.graph.initializer
+    )
     assert eight == len(convolutions) - len(in_float)
-    assert {p.key: p.value for p in whole.metadata_props} == {"names": "kept"}
-    assert whole.ByteSize() < 0.4 * plain.ByteSize()
-    assert difference(runner(plain)(images[0]), runner(whole)(images[0]), 128) < 0.1
+    assert {p.key: p.value for p in quantised.metadata_props} == {"names": "kept"}
+    assert quantised.ByteSize() < 0.4 * plain.ByteSize()
+    assert difference(runner(plain)(images[0]), runner(quantised)(images[0]), 128) < 0.1

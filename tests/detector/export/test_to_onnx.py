@@ -47,9 +47,10 @@ def test_export_agrees_with_torch_at_every_size(tmp_path: Path) -> None:
 
 
 def test_disagreement_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    other = Network().eval()
+    untrained = Network().eval()
     monkeypatch.setattr(
-        "foreride.detector.export.to_onnx.to_onnx", lambda model, *rest, **how: to_onnx(other, *rest, **how)
+        "foreride.detector.export.to_onnx.to_onnx",
+        lambda model, *rest, **how: to_onnx(untrained, *rest, **how),
     )
     out = tmp_path / "model.onnx"
     out.write_text("old")

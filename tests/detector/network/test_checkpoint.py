@@ -40,7 +40,7 @@ def test_weights_that_are_not_finite_are_refused(tmp_path: Path, value: float) -
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         ([1, 2], "must have the entries"),
         ({"weights": {}, "metadata": 5}, "metadata must be a mapping of named values, got 5"),
@@ -55,6 +55,6 @@ def test_weights_that_are_not_finite_are_refused(tmp_path: Path, value: float) -
         ({"average": None}, "weights must be named tensors, got NoneType"),
     ],
 )
-def test_content_of_another_shape_is_refused(tmp_path: Path, content: Any, told: str) -> None:
+def test_content_of_another_shape_is_refused(tmp_path: Path, content: Any, message: str) -> None:
     save(tmp_path / "w.pt", content)
-    assert told in refusal(tmp_path / "w.pt")
+    assert message in refusal(tmp_path / "w.pt")

@@ -54,11 +54,11 @@ def test_maps_have_the_strides_of_the_levels(height: int, width: int) -> None:
     model = Network().eval()
     with torch.no_grad():
         maps = model.pyramid(torch.zeros(2, 3, height, width))
-        found = model.head(maps)
+        predictions = model.head(maps)
     assert [m.shape[2:] for m in maps] == [(height // s, width // s) for s in STRIDES]
     points = len(anchor_points(height, width, STRIDES)[0])
-    assert found.class_logits.shape == (2, points, 2)
-    assert found.box_logits(torch.tensor([0, 1]), torch.tensor([0, points - 1])).shape == (2, 64)
+    assert predictions.class_logits.shape == (2, points, 2)
+    assert predictions.box_logits(torch.tensor([0, 1]), torch.tensor([0, points - 1])).shape == (2, 64)
 
 
 BLOCKS = [GhostConv(32, 64, 3, 2), C3k2(32, 64), VoVGSCSPC(32, 64), C3k2(32, 64, 0.25)]
@@ -94,8 +94,8 @@ def test_shuffle_puts_even_channels_before_odd_ones() -> None:
 def test_class_scores_start_near_the_frequency_of_objects() -> None:
     model = Network().eval()
     with torch.no_grad():
-        found = model(torch.zeros(1, 3, 64, 64))
-    assert found.class_logits.sigmoid().max() < 0.02
+        predictions = model(torch.zeros(1, 3, 64, 64))
+    assert predictions.class_logits.sigmoid().max() < 0.02
 
 
 def test_the_box_branch_asked_for_points_is_the_convolution() -> None:
@@ -103,8 +103,8 @@ def test_the_box_branch_asked_for_points_is_the_convolution() -> None:
     head = Network().eval().head
     maps = [torch.randn(2, c, 64 // s, 96 // s) for c, s in zip((32, 64, 128, 256), STRIDES, strict=True)]
     with torch.no_grad():
-        found = head(maps)
+        predictions = head(maps)
         dense = [branch(shared(x)) for branch, shared, x in zip(head.box, head.shared, maps, strict=True)]
         rows = torch.cat([d.permute(0, 2, 3, 1).flatten(1, 2) for d in dense], 1)
         image, point = torch.randint(2, (50,)), torch.randint(rows.shape[1], (50,))
-        assert torch.allclose(found.box_logits(image, point), rows[image, point], atol=1e-5)
+        assert torch.allclose(predictions.box_logits(image, point), rows[image, point], atol=1e-5)

@@ -67,10 +67,10 @@ def test_box_term_vanishes_where_the_boxes_agree_and_is_weighed_by_the_doubt() -
     class_logits, unsure = torch.zeros(1, n, 2), torch.full((1, n, 2), math.log(3.0))
     same, _ = bckd(saying(class_logits, sides), saying(unsure, sides), truth, POINTS, STRIDE)
     apart, _ = bckd(saying(class_logits, sides), saying(unsure, far), truth, POINTS, STRIDE)
-    sure, _ = bckd(saying(class_logits, sides), saying(class_logits, far), truth, POINTS, STRIDE)
+    class_term, _ = bckd(saying(class_logits, sides), saying(class_logits, far), truth, POINTS, STRIDE)
     assert same.item() == pytest.approx(0, abs=1e-5)
     assert apart.item() > 0.05
-    assert sure.item() == 0  # equal class scores: zero loss
+    assert class_term.item() == 0  # equal class scores: zero loss
 
 
 def test_maps_of_other_widths_are_aligned() -> None:

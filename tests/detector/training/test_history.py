@@ -38,8 +38,8 @@ def test_events_hold_losses_metrics_and_pictures(tmp_path: Path, trainer: Traine
     assert (point.step, point.value) == (2, pytest.approx(terms[0].item(), rel=1e-6))
     row = json.loads((tmp_path / "history.jsonl").read_text())
     assert row["loss"].keys() == {"box", "class", "distribution", "edge"}
-    (found,) = events.Scalars("validation mean/recall")
-    assert found.value == pytest.approx(row["recall"])
+    (event,) = events.Scalars("validation mean/recall")
+    assert event.value == pytest.approx(row["recall"])
     assert len(events.Images("predictions")) == 1
     picture = cv2.imread(str(tmp_path / "predictions" / "00000002.png"))
     assert picture.shape[1] > 3 * 360

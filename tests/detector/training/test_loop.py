@@ -39,11 +39,11 @@ def rows(run: Path) -> list[dict]:
 
 
 def test_the_seed_decides_every_bit(data: Path, tmp_path: Path) -> None:
-    one, two = (trained(data, tmp_path / name) for name in ("one", "two"))
+    first, second = (trained(data, tmp_path / name) for name in ("one", "two"))
     other = trained(data, tmp_path / "other", "--seed", "1")
-    assert one.keys() == two.keys()
-    assert all(torch.equal(one[key], two[key]) for key in one)
-    assert not all(torch.equal(one[key], other[key]) for key in one)
+    assert first.keys() == second.keys()
+    assert all(torch.equal(first[key], second[key]) for key in first)
+    assert not all(torch.equal(first[key], other[key]) for key in first)
     assert (tmp_path / "one" / "history.jsonl").read_text() == (
         tmp_path / "two" / "history.jsonl"
     ).read_text()
@@ -53,7 +53,7 @@ def test_the_seed_decides_every_bit(data: Path, tmp_path: Path) -> None:
 def test_a_run_broken_off_and_resumed_ends_as_an_unbroken_one(
     data: Path, tmp_path: Path, which: signal.Signals, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = trained(data, tmp_path / "whole")
+    uninterrupted = trained(data, tmp_path / "whole")
     step = Trainer.step
 
     def interrupted(self: Trainer, batch) -> torch.Tensor:
@@ -73,7 +73,7 @@ def test_a_run_broken_off_and_resumed_ends_as_an_unbroken_one(
     later = json.dumps({"passes": 8, "map50_95": 1.0})  # of steps made after the checkpoint, then half a line
     history.write_text(f"{history.read_text()}{later}\n{later[:9]}")
     resumed = trained(data, tmp_path / "broken", "--resume")
-    assert all(torch.equal(whole[key], resumed[key]) for key in whole)
+    assert all(torch.equal(uninterrupted[key], resumed[key]) for key in uninterrupted)
     assert [row["passes"] for row in rows(tmp_path / "broken")] == [4, 8, 12, 12]
     scores = [[row["map50_95"] for row in rows(tmp_path / name)] for name in ("whole", "broken")]
     assert scores[0] == scores[1]

@@ -26,11 +26,11 @@ def blank() -> Predictions:
     return everywhere(torch.zeros(1, len(POINTS), 64), torch.zeros(1, len(POINTS), 2))
 
 
-def one(cls: int, box: list[float]) -> GroundTruth:
+def truth_of(cls: int, box: list[float]) -> GroundTruth:
     return GroundTruth(torch.tensor([0]), torch.tensor([cls]), torch.tensor([box]))
 
 
-def nothing() -> GroundTruth:
+def no_truth() -> GroundTruth:
     return GroundTruth(torch.zeros(0, dtype=torch.long), torch.zeros(0, dtype=torch.long), torch.zeros(0, 4))
 
 
@@ -49,7 +49,7 @@ def test_distribution_loss_is_the_entropy_between_two_bins() -> None:
 
 def test_an_empty_road_teaches_classes_only() -> None:
     predictions = blank()
-    box, label, distribution, edge = detection_loss(predictions, nothing(), POINTS, STRIDE, LossWeights())
+    box, label, distribution, edge = detection_loss(predictions, no_truth(), POINTS, STRIDE, LossWeights())
     assert box == distribution == edge == 0
     assert label.item() == pytest.approx(0.5 * len(POINTS) * 2 * math.log(2), rel=1e-5)
 
@@ -57,10 +57,10 @@ def test_an_empty_road_teaches_classes_only() -> None:
 def test_points_around_a_tiny_object_are_left_alone() -> None:
     predictions = blank()
     weights = LossWeights()
-    everywhere = detection_loss(predictions, nothing(), POINTS, STRIDE, weights)[1]
-    spared = detection_loss(predictions, one(-1, [0, 0, 128, 96]), POINTS, STRIDE, weights)
+    everywhere = detection_loss(predictions, no_truth(), POINTS, STRIDE, weights)[1]
+    spared = detection_loss(predictions, truth_of(-1, [0, 0, 128, 96]), POINTS, STRIDE, weights)
     assert spared.sum() == 0
-    partly = detection_loss(predictions, one(-1, [40, 40, 44, 41]), POINTS, STRIDE, weights)[1]
+    partly = detection_loss(predictions, truth_of(-1, [40, 40, 44, 41]), POINTS, STRIDE, weights)[1]
     assert 0.9 * everywhere < partly < everywhere
 
 
@@ -78,7 +78,7 @@ def test_a_perfect_box_has_no_box_loss(alpha: float) -> None:
     box = torch.tensor([40.0, 32.0, 88.0, 64.0])
     predictions = everywhere(certain(box), torch.zeros(1, len(POINTS), 2))
     weights = LossWeights(nwd_alpha=alpha, edge=1.0)
-    terms = detection_loss(predictions, one(1, box.tolist()), POINTS, STRIDE, weights)
+    terms = detection_loss(predictions, truth_of(1, box.tolist()), POINTS, STRIDE, weights)
     assert terms[0].item() == pytest.approx(0, abs=2e-3)
     assert terms[3].item() == pytest.approx(0, abs=1e-3)
 
@@ -97,7 +97,7 @@ def test_edge_term_pulls_top_and_bottom_alone_however_large_the_error(too_tall: 
     predictions = everywhere(certain(drawn), torch.zeros(1, len(POINTS), 2))
     logits = predictions.features[0].requires_grad_()
     weights = LossWeights(box=0, label=0, distribution=0, edge=5.0)
-    truths = one(0, box.tolist())
+    truths = truth_of(0, box.tolist())
     term = detection_loss(predictions, truths, POINTS, STRIDE, weights)[3]
     (slope,) = torch.autograd.grad(term, logits)
     slope = slope.unflatten(2, (4, BINS))
@@ -117,7 +117,7 @@ def test_edge_term_pulls_top_and_bottom_alone_however_large_the_error(too_tall: 
 def test_without_weight_the_edge_term_changes_nothing() -> None:
     torch.manual_seed(0)
     predictions = everywhere(torch.randn(1, len(POINTS), 64), torch.randn(1, len(POINTS), 2))
-    truths = one(0, [20, 30, 100, 42])
+    truths = truth_of(0, [20, 30, 100, 42])
     without = detection_loss(predictions, truths, POINTS, STRIDE, LossWeights())
     weighted = detection_loss(predictions, truths, POINTS, STRIDE, LossWeights(edge=2.0))
     assert without[3] == 0

@@ -63,17 +63,17 @@ def test_resumed_training_is_bit_equal_to_an_unbroken_one(tmp_path: Path) -> Non
         for _, batch in zip(range(steps), feed, strict=False):
             trainer.step(batch)
 
-    whole = Trainer(settings(stages), CPU)
-    advance(whole, 4)
+    uninterrupted = Trainer(settings(stages), CPU)
+    advance(uninterrupted, 4)
     first = Trainer(settings(stages), CPU)
     advance(first, 2)
     first.save(tmp_path / "checkpoint.pt")
     second = Trainer(settings(stages), CPU)
     second.restore(tmp_path / "checkpoint.pt")
     advance(second, 2)
-    assert second.passes == whole.passes == 8
-    assert same(second.model.state_dict(), whole.model.state_dict())
-    assert same(second.average.model.state_dict(), whole.average.model.state_dict())
+    assert second.passes == uninterrupted.passes == 8
+    assert same(second.model.state_dict(), uninterrupted.model.state_dict())
+    assert same(second.average.model.state_dict(), uninterrupted.average.model.state_dict())
 
 
 def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
@@ -96,12 +96,12 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
-        (["--nwd-alpha", "2"], "nwd_alpha must be in 0..1, got 2.0"),
-        (["--edge-weight", "-1"], "edge must be >= 0, got -1.0"),
-        (["--mosaic", "1.1"], "mosaic must be in 0..1, got 1.1"),
-        (["--weather", "nan"], "weather must be in 0..1, got nan"),
+        (["--nwd-alpha", "2"], "nwd_alpha must lie in 0 ... 1, got 2.0"),
+        (["--edge-weight", "-1"], "edge must lie in 0 ... 1000000, got -1.0"),
+        (["--mosaic", "1.1"], "mosaic must lie in 0 ... 1, got 1.1"),
+        (["--weather", "nan"], "weather must lie in 0 ... 1, got nan"),
         (["--stages", "100x64:4"], "multiples of 32"),
         (["--data", "nowhere"], "nowhere/train: no folder images/"),
         (["--init", "nowhere.pt"], "nowhere.pt: no such file"),
@@ -118,23 +118,23 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
     ],
 )
 def test_bad_options_are_told_in_one_line_and_leave_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture, options: list[str], said: str
+    tmp_path: Path, capsys: pytest.CaptureFixture, options: list[str], message: str
 ) -> None:
     write(tmp_path / "data" / "train", 2)
     write(tmp_path / "data" / "val", 1)
     words = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "run"), "--stages", "96x64:4"]
     assert main([*words, "--threads", "1", *options]) == 2
-    told = capsys.readouterr().out
-    assert said in told
-    assert told.count("\n") == 1
+    printed = capsys.readouterr().out
+    assert message in printed
+    assert printed.count("\n") == 1
     assert not (tmp_path / "run").exists()
 
 
 def test_a_run_of_another_model_is_not_resumed(tmp_path: Path) -> None:
     Trainer(settings("96x64:4"), CPU).save(tmp_path / "checkpoint.pt")
-    other = Trainer(Settings(parse_stages("96x64:4"), "yolo11n"), CPU)
+    yolo11n = Trainer(Settings(parse_stages("96x64:4"), "yolo11n"), CPU)
     with pytest.raises(InputError, match=r"model must be sbp-yolo, with or without a teacher"):
-        other.restore(tmp_path / "checkpoint.pt")
+        yolo11n.restore(tmp_path / "checkpoint.pt")
 
 
 @pytest.mark.parametrize("content", [None, b"", b"junk"])
