@@ -137,9 +137,10 @@ class Trainer:
                 self.distillation.aligned.load_state_dict(content["aligned"])
             self.optimiser.load_state_dict(content["optimiser"])
         except (RuntimeError, ValueError, TypeError, KeyError, AttributeError):
-            name = content.get("model_name", DEFAULT_MODEL)
+            model_name = content.get("model_name", DEFAULT_MODEL)
             raise InputError(
-                f"{path}: the model must be {name}, with or without a teacher as in the run that wrote it"
+                f"{path}: the model must be {model_name}, with or without a teacher "
+                "as in the run that wrote it"
             ) from None
         self.passes = content["passes"]
 

@@ -69,5 +69,5 @@ def test_a_training_ends_without_mosaic() -> None:
 @pytest.mark.parametrize("name", ["mosaic", "weather", "litter", "plain_last"])
 @pytest.mark.parametrize("value", [-0.1, 1.5, float("nan")])
 def test_shares_out_of_range_are_refused(name: str, value: float) -> None:
-    with pytest.raises(InputError, match=rf"{name} must be in 0\.\.1, got {value}"):
+    with pytest.raises(InputError, match=rf"{name} must lie in 0 \.\.\. 1, got {value}"):
         Augmentation(**{name: value})

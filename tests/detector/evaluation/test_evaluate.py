@@ -172,5 +172,5 @@ def test_report_tells_of_the_conditions(tmp_path: Path) -> None:
     rows = [json.loads(line) for line in (folder / "objects.jsonl").read_text().splitlines()]
     lines = [json.dumps(row | {"condition": {"light": "night"}}) for row in rows]
     (folder / "objects.jsonl").write_text("\n".join(lines))
-    told = report(evaluate(folder, oracle(folder), 0.25)).splitlines()[-1].split()
-    assert told == ["night", "1.000", "1.000", "1.000", "1.000", "2"]
+    last_row = report(evaluate(folder, oracle(folder), 0.25)).splitlines()[-1].split()
+    assert last_row == ["night", "1.000", "1.000", "1.000", "1.000", "2"]
