@@ -1,6 +1,7 @@
 """Conversion of labelled images between YOLO and COCO format: `foreride detector convert`."""
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -90,7 +91,7 @@ def read_coco(file: Path, images: Path, names: Names, skip_bad: bool = False) ->
     objects = dict(entries)
 
     def read_one(path: Path) -> Labelled:
-        if not path.is_file():
+        if not os.path.isfile(path):
             raise InputError(f"{path}: missing, but listed in {file.name}")
         height, width = read_image(path).shape[:2]
         for _, (x0, y0, x1, y1) in objects[path]:

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -15,8 +17,9 @@ from tests.fuzz import trial as trials
 from tests.fuzz.minimise import minimised, reduced
 from tests.fuzz.mutations import mutation
 from tests.fuzz.readers import Reader
-from tests.fuzz.trial import Bench
+from tests.fuzz.trial import ALL, ROOT, Bench
 
+INPUTS = 50
 VALID = b"one: 1\ntwo: [2, 3]\nthree: {four: text}\n"
 
 
@@ -101,3 +104,11 @@ def test_crashes_and_hangs_are_survived_named_and_minimised(reader, monkeypatch)
     small = minimised(finding, data, seconds=2)
     assert b"\0" in small
     assert len(small) < len(data)
+
+
+def test_every_reader_and_command_line_answers_damaged_input(tmp_path: Path) -> None:
+    """`INPUTS` mutations of each valid file and argument vector, the same in every run."""
+    command = [sys.executable, "-m", "tests.fuzz", "--inputs", str(INPUTS), "--minutes", "15", "--jobs", "2"]
+    done = subprocess.run([*command, "--out", tmp_path], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"{len(ALL) * INPUTS} inputs, 0 findings" in done.stdout

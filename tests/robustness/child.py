@@ -82,6 +82,8 @@ def _redirect(stderr: int) -> None:
     nothing = os.open(os.devnull, os.O_RDWR)
     for number, target in ((0, nothing), (1, nothing), (2, stderr)):
         os.dup2(target, number)
+    sys.stdout = os.fdopen(1, "w", 1, closefd=False)
+    sys.stderr = os.fdopen(2, "w", 1, closefd=False)
 
 
 def killed_at(number: int, folder: Path) -> Callable[[], None]:

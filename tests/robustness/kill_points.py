@@ -53,7 +53,7 @@ def stage(writer: Writer, place: Path, over: bool) -> Stage:
 def _well(writer: Writer, version: str, work: Path, before: Callable[[], None] = lambda: None) -> None:
     ended = run(writer, version, work, before)
     if ended.status:
-        raise RuntimeError(f"{writer.arguments}: exit code {ended.status}: {' '.join(ended.told)[:500]}")
+        raise RuntimeError(f"{writer.arguments}: exit code {ended.status}: {' '.join(ended.told)[-500:]}")
 
 
 def kill(staged: Stage, before: Callable[[], None], after_s: float | None) -> list[str]:
@@ -64,7 +64,7 @@ def kill(staged: Stage, before: Callable[[], None], after_s: float | None) -> li
     told = problems(work, staged.before, staged.after) + _misread(work)
     ended = run(staged.writer, "new", work)
     if ended.status:
-        told.append(f"next run: exit code {ended.status}: {' '.join(ended.told)[:300]}")
+        told.append(f"next run: exit code {ended.status}: {' '.join(ended.told)[-300:]}")
     told += [f"next run: {one}" for one in problems(work, staged.before, staged.after)]
     told += [f"next run: {name} is still there" for name in scratch_in(work)]
     missing = staged.after.keys() - state_of(work).keys()
@@ -123,14 +123,12 @@ def main() -> int:
 
 
 def warm(place: Path, names: Sequence[str]) -> None:
-    """Make the inputs of the commands, and import what they need before anything is forked."""
+    """Make the inputs of the commands, and import what they need before anything is forked.
+
+    Not torch, whose threads do not survive a fork.
+    """
     trains = any("train" in name or "export" in name for name in names)
-    for module in (
-        "foreride.scenarios.cli",
-        "foreride.scenarios.report.html",
-        "pyarrow.parquet",
-        *(("torch",) if trains else ()),
-    ):
+    for module in ("foreride.scenarios.cli", "foreride.scenarios.report.html", "pyarrow.parquet"):
         importlib.import_module(module)
     for version, speed in (("old", 50), ("new", 60)):
         place_inputs(place / version, version, speed)

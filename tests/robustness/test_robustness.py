@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.robustness.drives import every_edge, trial
+from foreride.scenarios.commands.drive.bound import ACTUATORS
+from tests.robustness.drives import CONTROLLERS, Trial, driven, every_edge, trial
 from tests.robustness.soak import Sample, growth, soak
 from tests.robustness.state import problems, state_of
 
@@ -28,6 +29,11 @@ def test_a_kill_leaves_the_old_or_the_new() -> None:
     assert "12 kill points, 0 of them with findings" in told
 
 
+def test_commands_end_well_on_a_system_that_refuses() -> None:
+    faults = "files of 100 bytes at most,read-only,stdout a broken pipe,umask 077,few open files,no home"
+    assert "6 faults, 0 with findings" in run("faults", "--commands", "run", "--faults", faults)
+
+
 def test_a_torn_or_missing_file_is_told(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text("{}")
     (tmp_path / "b.json").write_text("{}")
@@ -41,6 +47,13 @@ def test_a_torn_or_missing_file_is_told(tmp_path: Path) -> None:
     assert [line.split(":")[0] for line in told] == ["a.json", "b.json", "c.json"]
     assert "neither old nor whole" in told[0]
     assert "the old one is gone" in told[1]
+
+
+@pytest.mark.parametrize("actuator", ACTUATORS)
+def test_every_law_drives_a_car_with_every_actuator(actuator: str) -> None:
+    for controller in CONTROLLERS:
+        one = driven(Trial("half", actuator, (), controller, "none"))
+        assert one.told == "", str(one)
 
 
 @pytest.mark.parametrize("seed", range(10))
