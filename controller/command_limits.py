@@ -35,6 +35,11 @@ class DampingLimits:
         return f"{self.low.max():g} ... {self.high.min():g} N·s/m"
 
 
+def front_wheels(vehicle: Car) -> np.ndarray:
+    """Mask of the front wheels, (wheels,): those at or ahead of the centre of gravity."""
+    return np.array(vehicle.axle_x_m) >= 0.0
+
+
 def command_limits(vehicle: Car) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper command limits (inputs,): damper settings, N·s/m, then actuator forces, N."""
     dampers = DampingLimits.of(vehicle)

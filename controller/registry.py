@@ -15,7 +15,7 @@ from foreride.controller.laws.two_state import TwoState, add, groundhook, sh_add
 from foreride.controller.mpc.controller import PredictiveController
 from foreride.controller.settings import ControllerSettings
 from foreride.controller.supervision.supervisor import FallbackSupervisor
-from foreride.controller.tuned_settings import tuned_settings
+from foreride.controller.tuned_settings import settings_for
 from foreride.controller.user_controller import Factory as UserFactory
 from foreride.controller.user_controller import build_user_controller, is_user_controller
 from foreride.files.errors import InputError
@@ -74,7 +74,7 @@ def build(
     (`control_model`), without the internal states of its dampers.
     Raises InputError for an unknown name and for settings that do not fit the vehicle.
     """
-    settings, timing = settings or tuned_settings(vehicle.kind), timing or Timing()
+    settings, timing = settings or settings_for(vehicle), timing or Timing()
     vehicle = control_model(vehicle)
     controller = _make(name, vehicle, settings, timing)
     return controller if name in UNSUPERVISED else _supervised(controller, vehicle, settings, timing)

@@ -1,11 +1,16 @@
 """Tuned controller settings shipped for each kind of car, produced by `foreride tune`."""
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from foreride.controller.command_limits import DampingLimits, front_wheels
 from foreride.controller.settings import ControllerSettings
 from foreride.files.reading import strict
+from foreride.vehicle.load import Car
 
 FOLDER = Path(__file__).parent / "tuned"
 
@@ -18,9 +23,21 @@ def tuned_settings(kind: str) -> ControllerSettings:
     return settings
 
 
-def tuned_mapping(kind: str) -> dict[str, dict[str, Any]]:
+def settings_for(vehicle: Car) -> ControllerSettings:
+    """Return the settings shipped for a kind of car, the fixed damping clipped to its dampers' range."""
+    settings, limits = tuned_settings(vehicle.kind), DampingLimits.of(vehicle)
+    front = front_wheels(vehicle)
+    clipped = {}
+    for name, wheels in (("front_ns_m", front), ("rear_ns_m", ~front)):
+        if wheels.any():
+            low, high = limits.low[wheels].max(), limits.high[wheels].min()
+            clipped[name] = float(np.clip(getattr(settings.fixed, name), low, high))
+    return replace(settings, fixed=replace(settings.fixed, **clipped))
+
+
+def tuned_mapping(vehicle: Car) -> dict[str, dict[str, Any]]:
     """Return the same as plain values, one mapping per tuned controller."""
-    mapping = strict.to_mapping(tuned_settings(kind))
+    mapping = strict.to_mapping(settings_for(vehicle))
     return {name: values for name, values in mapping.items() if name in TUNED_CONTROLLERS}
 
 

@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from foreride.files.command_line import Parser, check_texts, tolerant_streams
+from foreride.files.command_line import Parser, check_texts, silence_stdout, tolerant_streams
 from foreride.files.errors import InputError, abridged, nearest, printable, shortened, shown
 from foreride.scenarios.commands import COMMANDS
 
@@ -16,6 +16,8 @@ CHECK_FAILED = 1
 BAD_INPUT = 2
 INTERNAL_ERROR = 70  # EX_SOFTWARE of sysexits.h
 INTERRUPTED = 130
+BROKEN_PIPE = 141
+"""As a shell gives for a program that SIGPIPE ends."""
 TRACEBACK = "FORERIDE_TRACEBACK"
 """Environment variable that, set to anything, shows the traceback of an internal error."""
 
@@ -40,24 +42,32 @@ def parser(only: str | None = None) -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; return 0 for success, 1 for a failed check, 2 for invalid input or too little memory.
 
-    An interrupt gives 130, a programming error 70 (its traceback if `TRACEBACK` is set in the environment).
+    An interrupt gives 130, a reader of the output that ends early, such as `head`, 141, and a programming
+    error 70 (its traceback if `TRACEBACK` is set in the environment).
     """
     tolerant_streams()
     try:
-        return _execute(sys.argv[1:] if argv is None else argv)
+        try:
+            return _execute(sys.argv[1:] if argv is None else argv)
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
     except InputError as error:
-        return _told(error, BAD_INPUT)
+        return _report(error, BAD_INPUT)
+    except BrokenPipeError:
+        silence_stdout()
+        return BROKEN_PIPE
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        return _told(f"{place}{error.strerror or error}", BAD_INPUT)
+        prefix = f"{error.filename}: " if error.filename else ""
+        return _report(f"{prefix}{error.strerror or error}", BAD_INPUT)
     except MemoryError:
-        return _told("needs more memory than there is", BAD_INPUT)
+        return _report("needs more memory than there is", BAD_INPUT)
     except KeyboardInterrupt:
-        return _told("interrupted", INTERRUPTED)
+        return _report("interrupted", INTERRUPTED)
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
-        return _told(internal_error(error), INTERNAL_ERROR)
+        return _report(internal_error(error), INTERNAL_ERROR)
 
 
 def _execute(argv: Sequence[str]) -> int:
@@ -74,18 +84,18 @@ def _execute(argv: Sequence[str]) -> int:
         check_outputs(arguments)
         return int(arguments.execute(arguments) or 0)
     except WorkerDied as error:
-        return _told(error, CHECK_FAILED)
+        return _report(error, CHECK_FAILED)
 
 
 def internal_error(error: Exception) -> str:
     """Message for a programming error: its type and location, and the way to see more."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
-    place = f"{Path(frame.filename).name}:{frame.lineno}"
-    told = shortened(printable(f"{type(error).__name__}: {error}"), 200)
-    return f"internal error, {told} ({place}); {TRACEBACK}=1 shows the traceback, please report it"
+    location = f"{Path(frame.filename).name}:{frame.lineno}"
+    description = shortened(printable(f"{type(error).__name__}: {error}"), 200)
+    return f"internal error, {description} ({location}); {TRACEBACK}=1 shows the traceback, please report it"
 
 
-def _told(error: object, status: int) -> int:
+def _report(error: object, status: int) -> int:
     print(f"foreride: {abridged(printable(error))}", file=sys.stderr)
     return status
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from foreride.controller.command_limits import DampingLimits
+from foreride.controller.command_limits import DampingLimits, front_wheels
 from foreride.controller.interface import Estimate, Stateless, Timing
 from foreride.controller.laws.damper_inverse import equivalent_settings
 from foreride.controller.settings import FixedSettings, PassiveSettings
@@ -43,6 +43,5 @@ def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timin
 def fixed(vehicle: Car, settings: FixedSettings | None = None, timing: Timing | None = None) -> Constant:
     """Fixed damping: one tuned coefficient per axle, the best that passive dampers can do."""
     settings = settings or FixedSettings()
-    ahead = np.array(vehicle.axle_x_m) >= 0.0
     name = "front_ns_m and rear_ns_m"
-    return Constant(vehicle, np.where(ahead, settings.front_ns_m, settings.rear_ns_m), name)
+    return Constant(vehicle, np.where(front_wheels(vehicle), settings.front_ns_m, settings.rear_ns_m), name)

@@ -10,7 +10,7 @@ import numpy as np
 from foreride.controller.clairvoyant.optimum import Optimum, optimise
 from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDriveObjective
 from foreride.controller.command_limits import KILO
-from foreride.controller.tuned_settings import tuned_settings
+from foreride.controller.tuned_settings import settings_for
 from foreride.files.cache import cached
 from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.cases import Case
@@ -84,7 +84,7 @@ def _start_case(scenario: Scenario, controller: str) -> Case:
 
     It depends only on what enters `_key`: a cached result must not depend on the caller's settings.
     """
-    settings = tuned_settings(scenario.vehicle.parameters.kind)
+    settings = settings_for(scenario.vehicle.parameters)
     clear = replace(
         scenario,
         observer="truth",

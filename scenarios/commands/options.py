@@ -36,10 +36,17 @@ _FILE_WIDTH = 140
 MOST_SEED = 2**32 - 1
 
 
+class _Console(Console):
+    """Console that leaves a broken pipe to the command line, which ends quietly."""
+
+    def on_broken_pipe(self) -> None:
+        raise
+
+
 def _console() -> Console:
     """Console of the terminal; for a file or a pipe, wide enough for every column. Text is no markup."""
-    terminal = Console(markup=False, emoji=False)
-    return terminal if terminal.is_terminal else Console(width=_FILE_WIDTH, markup=False, emoji=False)
+    terminal = _Console(markup=False, emoji=False)
+    return terminal if terminal.is_terminal else _Console(width=_FILE_WIDTH, markup=False, emoji=False)
 
 
 console = _console()

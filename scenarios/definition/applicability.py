@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
+from foreride.controller.command_limits import DampingLimits, front_wheels
 from foreride.controller.settings import ControllerSettings, FixedSettings, ForceSettings
 from foreride.files.errors import InputError, shown
 from foreride.scenarios.definition.faults import Fault, SensorFault
@@ -38,6 +39,7 @@ def require_applicable(
         for name, value in _changed(settings.fixed, FixedSettings()):
             if name.startswith("rear"):
                 raise _refusal(f"control.settings.fixed.{name}", car, "rear axle", value)
+    _require_damping_in_range(car, settings)
     if car.actuator is None:
         for name, value in _changed(settings.mpc.force, ForceSettings()):
             raise _refusal(f"control.settings.mpc.force.{name}", car, "actuator", value)
@@ -52,6 +54,19 @@ def _require_sensor(car: Car, fault: SensorFault, place: str) -> None:
         raise InputError(
             f"{place}.wheel must be {allowed} for {fault.channel} of a {car.kind}, got {fault.wheel}"
         )
+
+
+def _require_damping_in_range(car: Car, settings: ControllerSettings) -> None:
+    """Check the constant damping of each wheel, which any controller may fall back to, against its damper."""
+    limits, fixed = DampingLimits.of(car), settings.fixed
+    for low, high, front in zip(limits.low, limits.high, front_wheels(car), strict=True):
+        for name, value in (
+            ("fixed.front_ns_m", fixed.front_ns_m) if front else ("fixed.rear_ns_m", fixed.rear_ns_m),
+            ("passive.damping_ns_m", settings.passive.damping_ns_m),
+        ):
+            if value is not None and not low <= value <= high:
+                allowed = f"{low:g} ... {high:g} N·s/m, the range of the car's damper"
+                raise InputError(f"control.settings.{name} must lie in {allowed}, got {value:g}")
 
 
 def _changed(given: Any, usual: Any) -> Iterator[tuple[str, Any]]:

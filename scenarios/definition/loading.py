@@ -12,7 +12,7 @@ from foreride.files.reading.yaml12 import parse
 from foreride.scenarios.definition import road_block
 from foreride.scenarios.definition.overrides import Overrides, collect_overrides
 from foreride.scenarios.definition.schema import Scenario
-from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.load import Car, load_vehicle
 
 FOLDER = Path(__file__).parents[1] / "library"
 
@@ -113,13 +113,15 @@ def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:
     """Add the shipped settings of the car's kind where not given; validation reports malformed ones."""
-    parameters = mapping["vehicle"]["parameters"]
     control = mapping.setdefault("control", {})
-    given = control.setdefault("settings", {}) if isinstance(control, dict) else None
-    kind = parameters.get("kind") if isinstance(parameters, dict) else None
-    if not isinstance(given, dict) or not isinstance(kind, str):
+    settings = control.setdefault("settings", {}) if isinstance(control, dict) else None
+    if not isinstance(settings, dict):
         return
-    for name, tuned in tuned_mapping(kind).items():
-        own = given.get(name, {})
-        if isinstance(own, dict):
-            given[name] = tuned | own
+    try:
+        car = strict.structure(Car, mapping["vehicle"]["parameters"], "vehicle.parameters")
+    except InputError:
+        return
+    for name, tuned in tuned_mapping(car).items():
+        user_values = settings.get(name, {})
+        if isinstance(user_values, dict):
+            settings[name] = tuned | user_values

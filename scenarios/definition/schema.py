@@ -149,10 +149,16 @@ class Scenario(Checked):
         super().__post_init__()
         check_name("name", self.name)
         require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
-        room = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
-        if not 0.0 <= self.start_m < room - 1.0:
+        front_axle_m = max(self.vehicle.parameters.axle_x_m)
+        start_limit_m = self.road.length_m - front_axle_m - 1.0
+        if start_limit_m <= 0.0:
             raise InputError(
-                f"start_m must lie in 0 ... {room - 1.0:g} m (the road's end), got {self.start_m:g}"
+                f"road.length_m must be > {front_axle_m + 1.0:g} m, 1 m more than from the centre of gravity "
+                f"to the front axle, got {self.road.length_m:g}"
+            )
+        if not self.start_m < start_limit_m:
+            raise InputError(
+                f"start_m must lie in 0 ... {start_limit_m:g} m (the road's end), got {self.start_m:g}"
             )
         if self.ticks > LONGEST_S * TICKS_PER_SECOND:
             raise InputError(

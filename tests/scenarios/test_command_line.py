@@ -154,3 +154,14 @@ def test_a_name_that_no_terminal_can_show_is_printed_all_the_same(encoding: str)
     assert done.returncode == cli.BAD_INPUT
     (line,) = done.stderr.splitlines()
     assert b"no such scenario file" in line
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["road", "bump_8x40_30"]])
+def test_a_reader_that_ends_early_ends_the_command_quietly(arguments: list[str]) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "foreride.scenarios.cli", *arguments]
+    ended = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, timeout=300)
+    os.close(writer)
+    assert [line for line in ended.stderr.splitlines() if "onnxruntime" not in line] == []
+    assert ended.returncode in (0, cli.BROKEN_PIPE)  # argparse ignores errors when it prints its help

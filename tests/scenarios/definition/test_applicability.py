@@ -2,6 +2,7 @@
 
 import pytest
 
+from foreride.controller.registry import build
 from foreride.files.errors import InputError
 from foreride.scenarios.definition.loading import load, names
 
@@ -65,3 +66,33 @@ def test_a_horizon_has_a_most_of_control_periods() -> None:
 def test_a_drive_has_a_longest_duration() -> None:
     with pytest.raises(InputError, match="must give a drive of at most 7200 s"):
         load("bump_8x40_30", ["road.length_m=9000", "speed_kmh=1"])
+
+
+STIFF = [
+    "vehicle.parameters.damping_min_ns_m=[2500, 2600]",
+    "vehicle.parameters.damping_passive_ns_m=[3000, 3000]",
+]
+
+
+@pytest.mark.parametrize("controller", ["fixed", "skyhook", "mpc_preview"])
+def test_shipped_fixed_damping_is_clipped_to_the_range_of_the_dampers(controller: str) -> None:
+    scenario = load("bump_8x40_30", STIFF)
+    fixed = scenario.control.settings.fixed
+    assert (fixed.front_ns_m, fixed.rear_ns_m) == (2500.0, 2600.0)
+    car = scenario.vehicle.parameters
+    assert build(controller, car, scenario.control.settings)
+    assert build(controller, car)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("fixed.front_ns_m", 2000), ("fixed.rear_ns_m", 2550), ("passive.damping_ns_m", 2550)]
+)
+def test_constant_damping_of_the_user_must_lie_in_the_range_of_the_dampers(name: str, value: int) -> None:
+    allowed = rf"control\.settings\.{name} must lie in 2[56]00 \.\.\. [0-9]+ N·s/m, .*, got {value}$"
+    with pytest.raises(InputError, match=allowed):
+        load("bump_8x40_30", [*STIFF, f"control.settings.{name}={value}"])
+
+
+def test_a_road_too_short_for_the_car_is_named() -> None:
+    with pytest.raises(InputError, match=r"road\.length_m must be > 2\.[0-9]+ m, .*, got 1$"):
+        load("bump_8x40_30", ["road={length_m: 1.0}"])
