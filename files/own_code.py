@@ -60,9 +60,10 @@ def location(error: BaseException, path: Path) -> str:
         return f"{Path(error.filename).name}:{error.lineno}"
     frames = [(frame.f_code.co_filename, line) for frame, line in traceback.walk_tb(error.__traceback__)]
     own_frames = [(file, line) for file, line in frames if file == os.path.abspath(path)]
+    frames = own_frames or [frame for frame in frames if not frame[0].startswith("<frozen")]
     if not frames:
         return path.name
-    file, line = (own_frames or frames)[-1]
+    file, line = frames[-1]
     return f"{Path(file).name}:{line}"
 
 

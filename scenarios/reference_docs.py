@@ -4,12 +4,13 @@ import argparse
 import inspect
 import re
 import types
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from foreride.comfort import METRICS
+from foreride.files.plugins import Registry
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import numbers_in
 from foreride.files.writing.atomic import write_text
@@ -44,12 +45,11 @@ def scenario_page() -> str:
         prose, meanings = _described(inspect.cleandoc(cls.__doc__ or ""), {item.name for item in own})
         lines += [f"## {path or 'The file itself'}", "", prose, ""]
         if own:
-            hints = get_type_hints(cls)
-            ranged = get_type_hints(cls, include_extras=True)
+            hints = get_type_hints(cls, include_extras=True)
             lines += ["| field | type | range | default | |", "|---|---|---|---|---|"]
             for item in own:
                 meaning = meanings.get(item.name) or _first_line(hints[item.name])
-                allowed = ", ".join(dict.fromkeys(one.text() for one in numbers_in(ranged[item.name])))
+                allowed = ", ".join(dict.fromkeys(one.text() for one in numbers_in(hints[item.name])))
                 cells = f"`{item.name}`", _type(hints[item.name]), allowed, _default(item), meaning
                 lines.append(f"| {' | '.join(cells)} |")
             lines.append("")
@@ -62,7 +62,7 @@ def blocks(root: Any) -> Iterator[tuple[str, Any]]:
     while waiting:
         path, cls = waiting.pop(0)
         yield path, cls
-        hints = get_type_hints(cls)
+        hints = get_type_hints(cls, include_extras=True)
         inner = []
         for item in fields(cls):
             members = list(_dataclasses(hints[item.name])) if item.init else []
@@ -123,8 +123,19 @@ def _commands(top: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.Argu
 def _dataclasses(hint: Any) -> Iterator[Any]:
     if is_dataclass(hint):
         yield hint
-    for argument in get_args(hint) if get_origin(hint) is not Literal else ():
-        yield from _dataclasses(argument)
+    elif (registry := _registry(hint)) is not None:
+        yield from registry.parts().values()
+    elif get_origin(hint) is Annotated:
+        yield from _dataclasses(get_args(hint)[0])
+    else:
+        for argument in get_args(hint) if get_origin(hint) is not Literal else ():
+            yield from _dataclasses(argument)
+
+
+def _registry(hint: Any) -> Registry | None:
+    """Registry of the kinds that an annotation admits, if any."""
+    extras = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    return next((extra for extra in extras if isinstance(extra, Registry)), None)
 
 
 def _first_line(hint: Any) -> str:
@@ -139,10 +150,14 @@ def _type(hint: Any) -> str:
         return _LEAVES[hint]
     if origin is Literal:
         return ", ".join(f"`{choice}`" for choice in arguments)
+    if (registry := _registry(hint)) is not None:
+        return _kinds(registry.parts())
+    if origin is Annotated:
+        return _type(arguments[0])
     if origin in (Union, types.UnionType):
-        kinds: list[Any] = [member for member in arguments if is_dataclass(member)]
-        if len(kinds) > 1:
-            return "a block with `kind`: " + ", ".join(f"`{kind.kind}`" for kind in kinds)
+        members = [member for member in arguments if is_dataclass(member)]
+        if len(members) > 1:
+            return _kinds(member.kind for member in members)  # type: ignore[attr-defined]
         return " or ".join(_type(member) for member in arguments)
     if origin is tuple and arguments[1:] == (Ellipsis,):
         return f"list of: {_type(arguments[0])}"
@@ -151,6 +166,10 @@ def _type(hint: Any) -> str:
     if origin is dict:
         return "block of own names"
     return "a block"
+
+
+def _kinds(names: Iterable[str]) -> str:
+    return "a block with `kind`: " + ", ".join(f"`{name}`" for name in names)
 
 
 def _default(item: Field) -> str:

@@ -9,7 +9,7 @@ pitch positive nose-down, roll positive left side up):
 
 with c the actual setting of the damper, N·s/m, behind its lag, and wheels in the order front, rear or front
 left, front right, rear left, rear right. Actual actuator forces, one per wheel, follow for a car with
-actuators; internal states of the dampers (`vehicle.dampers.damper`) come last, wheel by wheel. `motion`
+actuators; internal states of the dampers (`vehicle.dampers.model`) come last, wheel by wheel. `motion`
 returns all of them by name, `state_size` their number.
 
 A command is one setting for each damper, N·s/m, followed for a car with actuators by one force for each, N,
@@ -21,18 +21,14 @@ every result then carries it too. `xp` selects the arithmetic: the module `numpy
 (columns), or FLOATS for lists of floats, the fastest for a single state.
 """
 
-import math
 from collections.abc import Sequence
-from types import ModuleType, SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from foreride.vehicle.arithmetic import FLOATS, Arithmetic
 from foreride.vehicle.load import Car
 from foreride.vehicle.state_layout import state_layout
-
-FLOATS = SimpleNamespace(fmax=max, fmin=min, tanh=math.tanh, fabs=abs)
-Arithmetic = ModuleType | SimpleNamespace
 
 
 class Forces(NamedTuple):

@@ -2,19 +2,20 @@
 
 Field types: bool, int, float, str, `Literal`, `T | None`, `tuple[T, ...]`, `tuple[A, B]`, `dict[str, T]`,
 dataclasses, and unions of dataclasses discriminated by the key `kind`, which each member carries as
-`kind: ClassVar[str]`.
+`kind: ClassVar[str]`. `Annotated[Base, registry]` is such a union, open to the registry's further members.
 """
 
 import sys
 import types
 import typing
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from foreride.files.errors import InputError, nearest, printable, shortened, shown
+from foreride.files.plugins import Registry
 from foreride.files.reading.regular_file import read_text, reading
 from foreride.files.reading.yaml12 import is_plain, parse
 
@@ -57,6 +58,9 @@ def to_mapping(obj: Any) -> Any:
 def _build(cls: Any, value: Any, path: str) -> Any:
     """Dispatch on the requested type; `path` is the dotted location of `value` in the document."""
     origin, args = get_origin(cls), get_args(cls)
+    if origin is Annotated:
+        registry = next((item for item in args[1:] if isinstance(item, Registry)), None)
+        return _registered(registry, value, path) if registry else _build(args[0], value, path)
     if origin in (Union, types.UnionType):
         return _union(args, value, path)
     if cls in _LEAVES:
@@ -113,6 +117,14 @@ def _union(members: tuple, value: Any, path: str) -> Any:
     if len(concrete) == 1:
         return _build(concrete[0], value, path)
     kinds = {_tag(member): member for member in concrete}
+    return _by_kind(list(kinds), kinds.get, value, path)
+
+
+def _registered(registry: Registry, value: Any, path: str) -> Any:
+    return _by_kind(registry.names(), registry.find, value, path)
+
+
+def _by_kind(kinds: list, find: Callable[[str], Any], value: Any, path: str) -> Any:
     _require_mapping(value, path)
     if "kind" not in value:
         raise _refusal(_join(path, "kind"), f"is missing; it must be one of {_listed(kinds)}")
@@ -120,7 +132,11 @@ def _union(members: tuple, value: Any, path: str) -> Any:
     if not isinstance(kind, str) or kind not in kinds:
         allowed = f"must be one of {_listed(kinds)}, got {shown(kind)}{nearest(kind, kinds)}"
         raise _refusal(_join(path, "kind"), allowed)
-    return _dataclass(kinds[kind], value, path)
+    try:
+        cls = find(kind)
+    except InputError as error:
+        raise _refusal(_join(path, "kind"), str(error)) from None
+    return _dataclass(cls, value, path)
 
 
 def _dataclass(cls: Any, value: Any, path: str) -> Any:
@@ -145,7 +161,7 @@ def _dataclass(cls: Any, value: Any, path: str) -> Any:
 
 @cache
 def _hints(cls: Any) -> dict[str, Any]:
-    hints = typing.get_type_hints(cls)
+    hints = typing.get_type_hints(cls, include_extras=True)
     return {f.name: hints[f.name] for f in fields(cls) if f.init}
 
 

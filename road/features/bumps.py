@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_choice, check_number
-from foreride.files.reading.ranges import Checked
+from foreride.road.features.model import RoadFeature
 from foreride.road.features.quantities import Height, Lateral, Length, Position, Ramp, Taper
 
 PAINTS = (
@@ -26,7 +26,7 @@ PAINTS = (
 )
 
 
-class _RaisedFeature(Checked):
+class _RaisedFeature(RoadFeature):
     """Base class of raised features; a subclass gives its normalised profile along x as `_unit_profile`.
 
     The normalised profile is 1 at the crest and 0 at both ends.

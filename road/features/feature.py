@@ -1,11 +1,8 @@
-"""Discrete road obstacles (features), by kind.
+"""Road features by kind: those of foreride, and those of installed packages and users (`FEATURES`)."""
 
-A feature adds its `height(x, y)` to the road: positive for bumps and humps, negative for potholes, zero
-outside its `footprint(x, y)` (except a step, which persists). `start_m` is the near edge, the first x at
-which the height departs from zero, `end_m` the far edge. `cls` is the detector class: 0 speed bump, 1
-pothole, None for all others.
-"""
+from typing import Annotated, get_args
 
+from foreride.files.plugins import Registry, tagged_class
 from foreride.road.features.bumps import (
     PAINTS,
     Bump,
@@ -17,10 +14,11 @@ from foreride.road.features.bumps import (
     WattsHump,
 )
 from foreride.road.features.joints_and_covers import ExpansionJoint, Fitting, ManholeCover, Step
+from foreride.road.features.model import RoadFeature
 from foreride.road.features.pothole import Pothole
 
 __all__ = [
-    "FEATURE_KINDS",
+    "FEATURES",
     "PAINTS",
     "Bump",
     "ExpansionJoint",
@@ -30,6 +28,7 @@ __all__ = [
     "HalfSineBump",
     "ManholeCover",
     "Pothole",
+    "RoadFeature",
     "SinusoidalHump",
     "SpeedCushion",
     "Step",
@@ -37,5 +36,9 @@ __all__ = [
     "WattsHump",
 ]
 
-Feature = Bump | Pothole | Fitting
-FEATURE_KINDS: dict[str, type[Feature]] = {feature.kind: feature for feature in Feature.__args__}
+_OWN: tuple[type[RoadFeature], ...] = get_args(Bump | Pothole | Fitting)
+FEATURES: Registry[type[RoadFeature]] = Registry(
+    "foreride.features", "feature", {cls.kind: cls for cls in _OWN}, tagged_class(RoadFeature)
+)
+Feature = Annotated[RoadFeature, FEATURES]
+"""A feature, read from YAML by its `kind`."""

@@ -9,12 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_number
-from foreride.files.reading.ranges import Checked
+from foreride.road.features.model import RoadFeature
 from foreride.road.features.quantities import Lateral, Position, Ramp
 
 
 @dataclass(frozen=True)
-class ExpansionJoint(Checked):
+class ExpansionJoint(RoadFeature):
     """Expansion joint: a gap across the road with vertical walls, as between the slabs of a bridge.
 
     Args:
@@ -67,7 +67,7 @@ class ExpansionJoint(Checked):
 
 
 @dataclass(frozen=True)
-class ManholeCover(Checked):
+class ManholeCover(RoadFeature):
     """Manhole cover: a round plate raised or sunk by `height_m` (negative: sunk) with an edge `edge_m` wide.
 
     start_m is the near end of its diameter, which lies along y = y_m.
@@ -120,7 +120,7 @@ class ManholeCover(Checked):
 
 
 @dataclass(frozen=True)
-class Step(Checked):
+class Step(RoadFeature):
     """Step: a change of level by `height_m` (negative: down) over `ramp_m` up to the end of the road.
 
     Two of opposite height make a resurfaced or milled stretch. `footprint` and `end_m` are those of the edge.

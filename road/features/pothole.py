@@ -8,13 +8,14 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.reading.checks import check_number
-from foreride.files.reading.ranges import Checked, Seed
+from foreride.files.reading.ranges import Seed
+from foreride.road.features.model import RoadFeature
 from foreride.road.features.pothole_rim import Rim, irregular_rim
 from foreride.road.features.quantities import Height, Lateral, Length, Position, Ramp
 
 
 @dataclass(frozen=True)
-class Pothole(Checked):
+class Pothole(RoadFeature):
     """Pothole with an irregular rim, walls of slope depth_m / wall_m, and a flat floor.
 
     Args:

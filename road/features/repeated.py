@@ -1,13 +1,13 @@
 """Repeated features: copies of one feature along the road, in either wheel track or in both."""
 
-from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from dataclasses import dataclass, fields, replace
+from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
 from foreride.files.reading.ranges import Checked
-from foreride.road.features.feature import Feature, ManholeCover, Pothole, SpeedCushion
+from foreride.road.features.feature import Feature, ManholeCover, Pothole, RoadFeature, SpeedCushion
 
 Placement = Literal["left", "right", "both"]
 
@@ -36,18 +36,18 @@ class Chain(Checked):
         if self.count > 1 and self.spacing_m == 0:
             raise InputError(f"spacing_m must be > 0 for count = {self.count}, got {self.spacing_m!r}")
 
-    def features(self) -> tuple[Feature, ...]:
+    def features(self) -> tuple[RoadFeature, ...]:
         """All copies, ordered by position."""
-        copies: list[Feature] = []
+        copies: list[RoadFeature] = []
         for number in range(self.count):
-            copy = replace(self.feature, start_m=self.feature.start_m + number * self.spacing_m)
+            copy = _changed(self.feature, start_m=self.feature.start_m + number * self.spacing_m)
             for placed in self._placed(copy, self.tracks[number % len(self.tracks)] if self.tracks else None):
                 if isinstance(placed, Pothole):
-                    placed = replace(placed, seed=self.feature.seed + len(copies))  # type: ignore[union-attr]
+                    placed = replace(placed, seed=placed.seed + len(copies))
                 copies.append(placed)
         return tuple(copies)
 
-    def _placed(self, feature: Feature, track: Placement | None) -> list[Feature]:
+    def _placed(self, feature: RoadFeature, track: Placement | None) -> list[RoadFeature]:
         if track is None:
             return [feature]
         sides = {"left": [1], "right": [-1], "both": [1, -1]}[track]
@@ -59,9 +59,15 @@ class Chain(Checked):
             return [replace(feature, y_min_m=y - half, y_max_m=y + half) for y in middles]
         if track == "both":
             return [feature]
+        if not {"y_min_m", "y_max_m"} <= {field.name for field in fields(feature)}:
+            raise InputError(f"tracks: a {feature.kind} cannot be placed in a track; leave out tracks")
         if feature.y_min_m >= 0 or feature.y_max_m <= 0:
             raise InputError(
                 f"tracks: {track} cuts the feature at y = 0, but it spans {feature.y_min_m:g} to "
                 f"{feature.y_max_m:g} m"
             )
-        return [replace(feature, y_min_m=0.0) if track == "left" else replace(feature, y_max_m=0.0)]
+        return [_changed(feature, y_min_m=0.0) if track == "left" else _changed(feature, y_max_m=0.0)]
+
+
+def _changed(feature: RoadFeature, **values: Any) -> RoadFeature:
+    return replace(feature, **values)

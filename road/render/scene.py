@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.road.camera.pinhole import Camera, CameraPose
-from foreride.road.features.feature import Feature, ManholeCover, Pothole
+from foreride.road.features.feature import Bump, ExpansionJoint, RoadFeature, Step
 from foreride.road.render import draw_objects, image_sensor, lens_effects, lighting, panorama
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.ground_map import Surface
@@ -197,7 +197,7 @@ def _exposure(appearance: Appearance) -> float:
     )
 
 
-def _outline(feature: Feature) -> tuple[float, float, float, float, float]:
-    """Rectangle outline of a bump (exact); a pothole's or cover's is looked up in the id map."""
-    is_rectangle = 0.0 if isinstance(feature, Pothole | ManholeCover) else 1.0
+def _outline(feature: RoadFeature) -> tuple[float, float, float, float, float]:
+    """Rectangle outline of a bump, joint or step (exact); that of others is looked up in the id map."""
+    is_rectangle = 1.0 if isinstance(feature, Bump | ExpansionJoint | Step) else 0.0
     return is_rectangle, feature.start_m, feature.end_m, feature.y_min_m, feature.y_max_m

@@ -1,61 +1,28 @@
-"""Damper models: force law of each kind of damper as a function of setting, travel and rate.
-
-Every damper receives a setting between the corner's damping_min_ns_m and damping_max_ns_m and follows it with
-a first-order lag, which represents current and valve. For `IdealDamper` the setting is the damping
-coefficient; for the others `normalised_setting`, 0 ... 1, is the position of the setting in its range and in
-the current range.
-
-A damper is a frozen dataclass with `internal_states`, its number of internal states, and
-
-    force(setting, normalised_setting, travel, rate, internal_states, xp)   N on the body, up
-    internal_state_rates(normalised_setting, travel, rate, internal_states, xp)      list of
-    d(internal_states)/dt
-
-for travel and rate of the suspension (positive: extending) in any arithmetic `xp` of `vehicle.equations`.
-`substeps` is the number of integration steps per tick that the plant needs; `reduced(steepest_ns_m)` is the
-reduced model for steps of milliseconds: without internal states, and not steeper than that at zero rate. A
-gas spring inside a damper belongs to the car's spring.
-"""
+"""Dampers by kind: those of foreride, and those of installed packages and users (`DAMPERS`)."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from foreride.files.errors import InputError, shown
-from foreride.files.reading.ranges import Checked
+from foreride.files.plugins import Registry, tagged_class
 from foreride.vehicle.dampers.magnetorheological import MrBoucWenDamper, MrTanhDamper
+from foreride.vehicle.dampers.model import DamperModel, IdealDamper
 from foreride.vehicle.quantities import Current, StrutForce, StrutSpeed
 
-__all__ = ["Damper", "IdealDamper", "MrBoucWenDamper", "MrTanhDamper", "ValveDamper"]
+__all__ = [
+    "DAMPERS",
+    "Damper",
+    "DamperModel",
+    "IdealDamper",
+    "MrBoucWenDamper",
+    "MrTanhDamper",
+    "ValveDamper",
+]
 
 
 @dataclass(frozen=True)
-class IdealDamper:
-    """Ideal linear damper of variable coefficient: force = -setting · rate."""
-
-    kind: ClassVar[str] = "ideal"
-    internal_states: ClassVar[int] = 0
-    substeps: ClassVar[int] = 1
-
-    def force(
-        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
-    ) -> Any:
-        """Force on the body, up, N."""
-        return -setting * rate
-
-    def internal_state_rates(
-        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
-    ) -> list:
-        """Return no rates: there are no internal states."""
-        return []
-
-    def reduced(self, steepest_ns_m: float) -> "Damper":
-        """Return the damper unchanged."""
-        return self
-
-
-@dataclass(frozen=True)
-class ValveDamper(Checked):
+class ValveDamper(DamperModel):
     """Continuously variable valve damper: a force map over velocity and current, linear between its points.
 
     rebound_n, compression_n: one row for each of currents_a (ascending), one value for each of speeds_m_s
@@ -66,8 +33,6 @@ class ValveDamper(Checked):
     """
 
     kind: ClassVar[str] = "valve"
-    internal_states: ClassVar[int] = 0
-    substeps: ClassVar[int] = 1
 
     currents_a: tuple[Current, ...] = (0.3, 0.8, 1.6)
     speeds_m_s: tuple[StrutSpeed, ...] = (0.052, 0.131, 0.262, 0.524, 1.048)
@@ -109,13 +74,7 @@ class ValveDamper(Checked):
             total = total + weight * (compression - rebound)
         return total
 
-    def internal_state_rates(
-        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
-    ) -> list:
-        """Return no rates: there are no internal states."""
-        return []
-
-    def reduced(self, steepest_ns_m: float) -> "Damper":
+    def reduced(self, steepest_ns_m: float) -> DamperModel:
         """Return the damper with the forces at the lowest speed limited to the slope."""
         force_max = steepest_ns_m * self.speeds_m_s[0]
         maps = (self.rebound_n, self.compression_n)
@@ -142,4 +101,9 @@ def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ..
     return total
 
 
-Damper = IdealDamper | ValveDamper | MrTanhDamper | MrBoucWenDamper
+_OWN: tuple[type[DamperModel], ...] = (IdealDamper, ValveDamper, MrTanhDamper, MrBoucWenDamper)
+DAMPERS: Registry[type[DamperModel]] = Registry(
+    "foreride.dampers", "damper", {cls.kind: cls for cls in _OWN}, tagged_class(DamperModel)
+)
+Damper = Annotated[DamperModel, DAMPERS]
+"""A damper, read from YAML by its `kind`."""

@@ -1,4 +1,4 @@
-"""Magnetorheological damper models; see `vehicle.dampers.damper` for the common interface."""
+"""Magnetorheological damper models; see `vehicle.dampers.model` for the common interface."""
 
 from dataclasses import dataclass, replace
 from math import atanh, sqrt, tanh
@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 from annotated_types import Interval
 
 from foreride.files.errors import InputError
-from foreride.files.reading.ranges import Checked
+from foreride.vehicle.dampers.model import DamperModel
 from foreride.vehicle.quantities import SignedForce, Viscous
 
 Bend = Annotated[float, Interval(ge=-100.0, le=100.0), "1"]
@@ -16,7 +16,7 @@ Evolution = Annotated[float, Interval(ge=1.0, le=1e8), "N/m"]
 
 
 @dataclass(frozen=True)
-class MrTanhDamper(Checked):
+class MrTanhDamper(DamperModel):
     """Magnetorheological damper: hyperbolic-tangent model with hysteresis.
 
     force = c·v + alpha·tanh(beta·v + delta·sgn(x)) with c, alpha and delta of the current (N. M. Kwok et al.,
@@ -27,7 +27,6 @@ class MrTanhDamper(Checked):
     """
 
     kind: ClassVar[str] = "mr_tanh"
-    internal_states: ClassVar[int] = 0
     substeps: ClassVar[int] = 2
 
     current_max_a: Annotated[float, Interval(ge=0.01, le=100.0), "A"] = 2.0
@@ -55,12 +54,6 @@ class MrTanhDamper(Checked):
         bent = (self.hysteresis[0] + self.hysteresis[1] * amps) * xp.tanh(travel / self.switch_m)
         return -viscous * rate - strength * xp.tanh(self.slope_s_m * rate + bent)
 
-    def internal_state_rates(
-        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
-    ) -> list:
-        """Return no rates: there are no internal states."""
-        return []
-
     def reduced(self, steepest_ns_m: float) -> "MrTanhDamper":
         """Return the damper with a less steep transition through zero and without hysteresis."""
         amps = self.current_max_a
@@ -75,7 +68,7 @@ class MrTanhDamper(Checked):
 
 
 @dataclass(frozen=True)
-class MrBoucWenDamper(Checked):
+class MrBoucWenDamper(DamperModel):
     """Magnetorheological damper: modified Bouc-Wen model; internal states y and z, m.
 
     B. F. Spencer et al., Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123(3), 1997,
@@ -161,3 +154,9 @@ class MrBoucWenDamper(Checked):
         bound = sqrt(self.gain / (self.beta_m2 + self.gamma_m2))
         start = atanh(min(w / bound, 1.0 - 1e-12))
         return [internal_states[0] + velocity * step_s, sign * bound * tanh(start + self.gain / bound * path)]
+
+    def midway(
+        self, normalised_setting: float, travel: float, rate: float, internal_states: list, step_s: float
+    ) -> list:
+        """Internal states in the middle of the step, at the same travel."""
+        return self.advance(normalised_setting, travel, rate, internal_states, 0.5 * step_s)

@@ -18,7 +18,7 @@ from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
 from foreride.vehicle.clock import STEP_S
-from foreride.vehicle.dampers.damper import IdealDamper, MrBoucWenDamper
+from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.mjcf import car_xml
@@ -142,9 +142,9 @@ class SubsteppedEngine:
                 corner.damper,
                 internal_states[i],
             )
-            if isinstance(damper, MrBoucWenDamper):
+            if damper.internal_states:
                 internal_states[i] = damper.advance(normalised_setting, halfway, expected, states, step)
-                states = damper.advance(normalised_setting, halfway, expected, states, 0.5 * step)
+                states = damper.midway(normalised_setting, halfway, expected, states, step)
             low, high = (
                 damper.force(middle, normalised_setting, halfway, expected + nudge, states, FLOATS)
                 for nudge in (-_RATE_INCREMENT_M_S, _RATE_INCREMENT_M_S)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foreride.road.features.feature import Bump, Feature, Pothole
+from foreride.road.features.feature import Bump, Fitting, Pothole, RoadFeature
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.map_tile import CELL_M, Block
 from foreride.road.render.noise import fractal
@@ -34,7 +34,7 @@ class FeatureCells:
 
 
 def paint(
-    block: Block, feature: Feature, number: int, rng: np.random.Generator, appearance: Appearance
+    block: Block, feature: RoadFeature, number: int, rng: np.random.Generator, appearance: Appearance
 ) -> None:
     """Paint one feature into the block, if they overlap, and write its id `number`.
 
@@ -52,11 +52,15 @@ def paint(
     block.ids[part][spot.inside] = number
     if isinstance(feature, Pothole):
         _pothole(block, spot, feature, rng, appearance)
-    elif feature.cls is None:
-        albedo = block.albedo[part]
-        np.copyto(albedo, fitting_albedo(albedo, x, y, feature, rng), where=spot.inside[..., None])
-    else:
+    elif isinstance(feature, Bump):
         _bump(block, spot, feature, rng, appearance)
+    else:
+        albedo = block.albedo[part]
+        if isinstance(feature, Fitting):
+            skin = fitting_albedo(albedo, x, y, feature, rng)
+        else:
+            skin = feature.painted(albedo, x, y, rng)
+        np.copyto(albedo, skin, where=spot.inside[..., None])
 
 
 def _bump(

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
 from foreride.road.features.feature import (
-    FEATURE_KINDS,
+    FEATURES,
     PAINTS,
     ExpansionJoint,
     FlatTopHump,
@@ -167,7 +167,7 @@ def test_height_is_zero_outside_the_footprint_continuous_and_of_one_sign(feature
 
 
 def test_kinds_and_paints():
-    assert set(FEATURE_KINDS) == {
+    assert set(FEATURES.own) == {
         "half_sine_bump", "sinusoidal_hump", "watts_hump", "flat_top_hump", "trapezoidal_bump",
         "speed_cushion", "pothole", "expansion_joint", "manhole_cover", "step",
     }  # fmt: skip
