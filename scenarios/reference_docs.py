@@ -155,9 +155,9 @@ def _type(hint: Any) -> str:
     if origin is Annotated:
         return _type(arguments[0])
     if origin in (Union, types.UnionType):
-        members = [member for member in arguments if is_dataclass(member)]
+        members: list[Any] = [member for member in arguments if is_dataclass(member)]
         if len(members) > 1:
-            return _kinds(member.kind for member in members)  # type: ignore[attr-defined]
+            return _kinds(member.kind for member in members)
         return " or ".join(_type(member) for member in arguments)
     if origin is tuple and arguments[1:] == (Ellipsis,):
         return f"list of: {_type(arguments[0])}"

@@ -54,15 +54,15 @@ class _RaisedFeature(RoadFeature):
         """Position of the far edge, m."""
         return self.start_m + self.length_m
 
+    @property
+    def crest_m(self) -> float:
+        """Height of the crest, m."""
+        return float(self.height_m)
+
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height over the road (m) at world points, broadcast over x and y."""
         s = np.clip(np.asarray(x, float) - self.start_m, 0.0, self.length_m)
         return self.height_m * self._unit_profile(s) * self._lateral_taper(y)
-
-    def footprint(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.bool_]:
-        """True where the feature covers the road, broadcast over x and y."""
-        x, y = np.asarray(x, float), np.asarray(y, float)
-        return (x >= self.start_m) & (x <= self.end_m) & (y >= self.y_min_m) & (y <= self.y_max_m)
 
     def _unit_profile(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Profile normalised by `height_m` at distances s, 0 to length_m, from the near edge."""

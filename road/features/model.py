@@ -25,13 +25,20 @@ class RoadFeature(Checked):
     if TYPE_CHECKING:  # fields or properties of the subclasses
 
         @property
-        def start_m(self) -> float: ...
+        def start_m(self) -> float:
+            """Position of the near edge, m."""
+
         @property
-        def end_m(self) -> float: ...
+        def end_m(self) -> float:
+            """Position of the far edge, m."""
+
         @property
-        def y_min_m(self) -> float: ...
+        def y_min_m(self) -> float:
+            """Right end, m."""
+
         @property
-        def y_max_m(self) -> float: ...
+        def y_max_m(self) -> float:
+            """Left end, m."""
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Height over the road (m) at world points, broadcast over x and y."""
@@ -41,6 +48,13 @@ class RoadFeature(Checked):
         """True where the feature covers the road, broadcast over x and y; by default its rectangle."""
         x, y = np.asarray(x, float), np.asarray(y, float)
         return (x >= self.start_m) & (x <= self.end_m) & (y >= self.y_min_m) & (y <= self.y_max_m)
+
+    @property
+    def crest_m(self) -> float:
+        """Height of the crest, or of a pothole's floor as a negative number, m; by default on its middle line."""
+        x = np.linspace(self.start_m, self.end_m, 401)
+        heights = self.height(x, (self.y_min_m + self.y_max_m) / 2)
+        return float(heights[np.argmax(np.abs(heights))])
 
     def painted(
         self, albedo: NDArray[np.float32], x: NDArray, y: NDArray, rng: np.random.Generator

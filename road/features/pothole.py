@@ -50,6 +50,11 @@ class Pothole(RoadFeature):
         return self.start_m + self.length_m
 
     @property
+    def crest_m(self) -> float:
+        """Height of the floor, m."""
+        return -self.depth_m
+
+    @property
     def y_min_m(self) -> float:
         """Position of the right edge, m."""
         return self.y_m - self.width_m / 2

@@ -70,9 +70,7 @@ class Encounter:
     @property
     def true_height_m(self) -> float:
         """Height of the crest, or depth of a pothole as a negative number."""
-        if self.feature.kind == "pothole":
-            return -self.feature.depth_m  # type: ignore[union-attr]
-        return float(self.feature.height_m)  # type: ignore[union-attr]
+        return self.feature.crest_m
 
     @property
     def true_kind(self) -> str:

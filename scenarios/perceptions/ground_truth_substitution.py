@@ -47,6 +47,6 @@ def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[st
     if "shape" in told and type(feature) in _KINDS:
         kind = _KINDS[type(feature)]
         state[LENGTH] = feature.end_m - feature.start_m
-        state[HEIGHT] = feature.depth_m if isinstance(feature, Pothole) else feature.height_m  # type: ignore[union-attr]
+        state[HEIGHT] = abs(feature.crest_m)
         elevation = elevation or HeightSamples(1.0)  # a pothole keeps its measured depth
     return replace(track, fits=[best._replace(kind=kind, state=state)], elevation=elevation)
