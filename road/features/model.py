@@ -51,7 +51,10 @@ class RoadFeature(Checked):
 
     @property
     def crest_m(self) -> float:
-        """Height of the crest, or of a pothole's floor as a negative number, m; by default on its middle line."""
+        """Height of the crest, or of a pothole's floor as a negative number, m.
+
+        By default that on the middle line.
+        """
         x = np.linspace(self.start_m, self.end_m, 401)
         heights = self.height(x, (self.y_min_m + self.y_max_m) / 2)
         return float(heights[np.argmax(np.abs(heights))])
