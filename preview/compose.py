@@ -33,21 +33,21 @@ def compose(
     for track in (track for track in tracks if track.confirmed):
         sigma = track.position_sigma_m(x_m, settings)
         for wheel, (axle, y) in enumerate(zip(axle_x_m, wheel_y_m, strict=True)):
-            meets = track.overlap(y)
-            if meets < _MIN_OVERLAP:
+            overlap = track.overlap(y)
+            if overlap < _MIN_OVERLAP:
                 continue
             section = track.section(y)
-            at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
-            beyond = distance_m + x_m + axle - section.start_m
-            felt = meets * np.interp(beyond, at, profile)
-            near = (beyond > -2 * sigma) & (beyond < section.length_m + 2 * sigma)
+            profile_x, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
+            distance_past_edge = distance_m + x_m + axle - section.start_m
+            expected_height = overlap * np.interp(distance_past_edge, profile_x, profile)
+            in_reach = (distance_past_edge > -2 * sigma) & (distance_past_edge < section.length_m + 2 * sigma)
             # Overlapping tracks are one object tracked twice: the larger one represents both.
-            taken = (felt != 0) | near
-            taken &= np.abs(felt) >= np.abs(height[wheel])
-            height[wheel, taken] = felt[taken]
-            existence[wheel, taken] = track.existence
-            position_sigma[wheel, taken] = sigma
-            height_sigma[wheel, taken] = np.hypot(
-                settings.background_sigma_m, track.height_sigma * felt[taken]
+            dominant = (expected_height != 0) | in_reach
+            dominant &= np.abs(expected_height) >= np.abs(height[wheel])
+            height[wheel, dominant] = expected_height[dominant]
+            existence[wheel, dominant] = track.existence
+            position_sigma[wheel, dominant] = sigma
+            height_sigma[wheel, dominant] = np.hypot(
+                settings.background_sigma_m, track.height_sigma * expected_height[dominant]
             )
     return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)

@@ -57,14 +57,14 @@ class Estimator:
         self.settings = Settings() if settings is None else settings
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
-        by_marks = self.settings.distance == "cross_ratio"
-        marks = marks_of(camera, mount) if by_marks else None
+        uses_marks = self.settings.distance == "cross_ratio"
+        marks = marks_of(camera, mount) if uses_marks else None
         self.tracker = Tracker(self.settings, camera.focal_px, marks)
         if memory is not None:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))
-        seeing = stereo_base_m > 0.0 or self.settings.parallax
-        self._gauge = HeightGauge(camera, stereo_base_m, self.settings) if seeing else None
+        measures_heights = stereo_base_m > 0.0 or self.settings.parallax
+        self._gauge = HeightGauge(camera, stereo_base_m, self.settings) if measures_heights else None
         self._front = WheelStrikeDetector(wheel_y_m[0], self.settings)
         self._newest_frame_s = -np.inf
 
@@ -157,14 +157,14 @@ class Estimator:
 
     def _apply_strike(self, track: Track, time_s: float) -> None:
         track.struck = True
-        found = self._front.compare(track)
-        if found is None:
+        strike = self._front.compare(track)
+        if strike is None:
             return
-        moved = found.value - track.start_m
-        track.directs.append(found)
+        shift_m = strike.value - track.start_m
+        track.directs.append(strike)
         track.precision = 1.0
         self.tracker.refit(track)
-        self.tracker.log("struck", track, time_s, moved_m=moved)
+        self.tracker.log("struck", track, time_s, moved_m=shift_m)
 
     def _wheels_on_plane(self) -> bool:
         """True if no wheel is on a known object."""

@@ -76,10 +76,10 @@ class RoadPreview:
 
     def advanced(self, distance: float, time_s: float) -> "RoadPreview":
         """The same road anchored `distance` metres farther on, at `time_s`; the age grows accordingly."""
-        moved = self.distance_m + distance
+        shifted_distance = self.distance_m + distance
 
         def shifted(rows: np.ndarray) -> np.ndarray:
-            return np.stack([np.interp(moved, self.distance_m, row) for row in rows])
+            return np.stack([np.interp(shifted_distance, self.distance_m, row) for row in rows])
 
         return replace(
             self,
@@ -122,8 +122,8 @@ def oracle_preview(
         raise InputError(f"profiles must be one per wheel ({len(wheel_x_m)}), got {len(profiles)}")
     distance = distance_grid() if distance_m is None else distance_m
     height = np.array([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
-    sure, real = _constant(height.shape, 0.0), _constant(height.shape, 1.0)
-    return RoadPreview(time_s, distance, height, sure, sure, real)
+    zeros, ones = _constant(height.shape, 0.0), _constant(height.shape, 1.0)
+    return RoadPreview(time_s, distance, height, zeros, zeros, ones)
 
 
 @lru_cache(maxsize=8)

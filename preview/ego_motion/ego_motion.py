@@ -114,26 +114,26 @@ class EgoMotion:
         if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
         self.turn = None
-        trust = on_plane and time_s >= self._masked_until_s
+        use_plane = on_plane and time_s >= self._masked_until_s
         inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate, measurement.roll_rate
         acceleration, pitch_rate, roll_rate = (
-            0.5 * (now + before)
-            for now, before in zip(inertial, self._last_inertial or inertial, strict=True)
+            0.5 * (now + last)
+            for now, last in zip(inertial, self._last_inertial or inertial, strict=True)
         )
         self._body.predict(step, acceleration, pitch_rate)
         self._roll.predict(step, roll_rate)
         self._last_inertial = inertial
-        of_wheels = self._deflection(measurement)
-        deflection = np.array(self._over_axles(of_wheels))
-        if trust:
+        wheel_deflection = self._deflection(measurement)
+        deflection = np.array(self._over_axles(wheel_deflection))
+        if use_plane:
             self.turn = self._body.level(deflection, step, measurement.speed_m_s)
             if self.turn is not None:
                 self._transform_history(self.turn)
-            self._roll.level(of_wheels, self._body.roughness_m)
+            self._roll.level(wheel_deflection, self._body.roughness_m)
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
-        bend = curvature(yaw_rate, measurement.speed_m_s)
-        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad, bend)
+        path_curvature = curvature(yaw_rate, measurement.speed_m_s)
+        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad, path_curvature)
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:
@@ -151,25 +151,25 @@ class EgoMotion:
             raise InputError("time_s must follow a first measurement, got no measurement yet")
         newest = self._states[-1]
         if time_s >= newest.time_s:
-            ahead = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
-            return replace(newest, time_s=time_s, x_m=ahead)
+            x_m = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
+            return replace(newest, time_s=time_s, x_m=x_m)
         if time_s < self._times[0] - 1e-9:
             raise InputError(f"time_s must be >= {self._times[0]} (start of the history), got {time_s}")
-        after = max(1, bisect_right(self._times, time_s))
-        a, b = self._states[after - 1], self._states[after]
+        index = max(1, bisect_right(self._times, time_s))
+        a, b = self._states[index - 1], self._states[index]
         share = (time_s - a.time_s) / (b.time_s - a.time_s)
 
-        def mix(p: float, q: float) -> float:
+        def interpolate(p: float, q: float) -> float:
             return p + share * (q - p)
 
         return EgoState(
             time_s,
-            mix(a.x_m, b.x_m),
-            mix(a.heave_m, b.heave_m),
-            mix(a.pitch_rad, b.pitch_rad),
-            mix(a.speed_m_s, b.speed_m_s),
-            mix(a.roll_rad, b.roll_rad),
-            mix(a.curvature_1_m, b.curvature_1_m),
+            interpolate(a.x_m, b.x_m),
+            interpolate(a.heave_m, b.heave_m),
+            interpolate(a.pitch_rad, b.pitch_rad),
+            interpolate(a.speed_m_s, b.speed_m_s),
+            interpolate(a.roll_rad, b.roll_rad),
+            interpolate(a.curvature_1_m, b.curvature_1_m),
         )
 
     @property
@@ -181,9 +181,9 @@ class EgoMotion:
         """Transform the recent states to the updated plane, for frames exposed then that may yet arrive."""
         first = bisect_right(self._times, self._times[-1] - _MAX_FRAME_AGE_S)
         for k in range(first, len(self._times)):
-            was = self._states[k]
-            heave = was.heave_m + turn.heave_m + (self.x_m - was.x_m) * turn.pitch_rad
-            self._states[k] = replace(was, heave_m=heave, pitch_rad=was.pitch_rad + turn.pitch_rad)
+            old = self._states[k]
+            heave = old.heave_m + turn.heave_m + (self.x_m - old.x_m) * turn.pitch_rad
+            self._states[k] = replace(old, heave_m=heave, pitch_rad=old.pitch_rad + turn.pitch_rad)
 
     def _deflection(self, measurement: Measurement) -> np.ndarray:
         """Height of the body over the road less its value at rest, at each wheel.
@@ -196,11 +196,11 @@ class EgoMotion:
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""
-        over = self._over_axles(values)
+        axle_values = self._over_axles(values)
         if len(self.axle_x_m) == 1:
-            return float(over[0])
+            return float(axle_values[0])
         front, rear = self.axle_x_m
-        return float((front * over[1] - rear * over[0]) / (front - rear))
+        return float((front * axle_values[1] - rear * axle_values[0]) / (front - rear))
 
     def _over_axles(self, values: np.ndarray) -> list[float]:
         return [values[wheels].mean() for wheels in self._wheels_of_axle]

@@ -49,7 +49,7 @@ class GradeChangeDetector:
         self._sum, self._count, self._elapsed_s = np.zeros(1), 0, 0.0
         self._past.append(roughness_m)
         self.roughness_m = min(self._past[0], roughness_m)
-        most = max(self._settings.grade_rises * self.roughness_m, self._settings.grade_rise_m)
-        self.fresh = bool(np.abs(mean).max() > most)
+        threshold_m = max(self._settings.grade_rises * self.roughness_m, self._settings.grade_rise_m)
+        self.fresh = bool(np.abs(mean).max() > threshold_m)
         self._left = _SETTLING_SPANS if self.fresh else max(self._left - 1, 0)
         return mean if self._left else None

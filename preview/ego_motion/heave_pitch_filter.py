@@ -68,14 +68,14 @@ class HeavePitchFilter:
     def predict(self, step: float, acceleration: float, pitch_rate: float) -> None:
         """Prediction over `step` seconds with mean readings at the centre of gravity (m/s², rad/s)."""
         s, settings = self.state, self.settings
-        specific = acceleration - s[ACCELEROMETER]
-        s[HEAVE] += step * (s[RATE] + 0.5 * step * specific)
-        s[RATE] += step * specific
+        body_acceleration = acceleration - s[ACCELEROMETER]
+        s[HEAVE] += step * (s[RATE] + 0.5 * step * body_acceleration)
+        s[RATE] += step * body_acceleration
         s[PITCH] += step * (pitch_rate - s[GYRO]) if len(self._observation) > 1 else 0.0
-        forward = np.eye(5)
-        forward[HEAVE, RATE] = step
-        forward[RATE, ACCELEROMETER] = forward[PITCH, GYRO] = -step
-        self.covariance = forward @ self.covariance @ forward.T
+        transition = np.eye(5)
+        transition[HEAVE, RATE] = step
+        transition[RATE, ACCELEROMETER] = transition[PITCH, GYRO] = -step
+        self.covariance = transition @ self.covariance @ transition.T
         self.covariance[RATE, RATE] += settings.accelerometer_noise_m_s2**2 * step
         self.covariance[PITCH, PITCH] += np.deg2rad(settings.gyro_noise_deg_s) ** 2 * step
 
@@ -111,23 +111,23 @@ class HeavePitchFilter:
         if self._grade_detector.fresh:
             self.roughness_m = self._grade_detector.roughness_m
         share = 1.0 if self._grade_detector.fresh else _SETTLING_SHARE
-        loose = {HEAVE: _PLANE_OFFSET_SIGMA_M, RATE: speed_m_s * _PLANE_GRADE_SIGMA}
+        added_sigmas = {HEAVE: _PLANE_OFFSET_SIGMA_M, RATE: speed_m_s * _PLANE_GRADE_SIGMA}
         if len(self._observation) > 1:
-            loose[PITCH] = _PLANE_GRADE_SIGMA
-        for entry, sigma in loose.items():
+            added_sigmas[PITCH] = _PLANE_GRADE_SIGMA
+        for entry, sigma in added_sigmas.items():
             self.covariance[entry, entry] += (share * sigma) ** 2
-        before = self.state.copy()
-        self._correct(self._observation @ before - mean_m, _SETTLING_SIGMA_RATIO * self.roughness_m)
+        prior_state = self.state.copy()
+        self._correct(self._observation @ prior_state - mean_m, _SETTLING_SIGMA_RATIO * self.roughness_m)
         self._past.clear()  # rises between heights over the old and the new plane are not roughness
-        moved = self.state - before
-        return PlaneUpdate(float(moved[HEAVE]), float(moved[PITCH]))
+        correction = self.state - prior_state
+        return PlaneUpdate(float(correction[HEAVE]), float(correction[PITCH]))
 
     def _correct(self, deflection: np.ndarray, sigma_m: float) -> None:
         for row, measured in zip(self._observation, deflection, strict=True):
-            along = self.covariance @ row
-            gain = along / (row @ along + sigma_m**2)
+            cross_covariance = self.covariance @ row
+            gain = cross_covariance / (row @ cross_covariance + sigma_m**2)
             self.state += gain * (measured - row @ self.state)
-            self.covariance -= np.outer(gain, along)
+            self.covariance -= np.outer(gain, cross_covariance)
 
     def road_m(self, deflection: np.ndarray) -> np.ndarray:
         """Height of the road under each axle, m."""

@@ -36,9 +36,9 @@ class Path(NamedTuple):
     def left_of_camera(self, ahead_m: float, beside_m: float) -> float:
         """Lateral position (m) in camera axes of a point `beside_m` left of the path: inverse of `beside`."""
         bend, ahead = self.curvature_1_m, ahead_m + self.ahead_of_axle_m
-        reach = 1.0 - bend * beside_m  # distance from the arc's centre, over R
-        inside = max(reach**2 - (bend * ahead) ** 2, 0.0) ** 0.5
-        return (2.0 * beside_m + bend * (ahead**2 - beside_m**2)) / (1.0 + inside)
+        radius_ratio = 1.0 - bend * beside_m  # distance from the arc's centre, over R
+        chord_ratio = max(radius_ratio**2 - (bend * ahead) ** 2, 0.0) ** 0.5
+        return (2.0 * beside_m + bend * (ahead**2 - beside_m**2)) / (1.0 + chord_ratio)
 
 
 STRAIGHT = Path()

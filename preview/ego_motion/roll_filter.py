@@ -18,8 +18,8 @@ class RollFilter:
     """
 
     def __init__(self, axle_x_m: tuple[float, ...], wheel_y_m: tuple[float, ...], settings: Settings) -> None:
-        axle, beside = np.asarray(axle_x_m), np.asarray(wheel_y_m, dtype=float)
-        self._kinematic_row = beside - np.array([beside[axle == x].mean() for x in axle])
+        axle, lateral = np.asarray(axle_x_m), np.asarray(wheel_y_m, dtype=float)
+        self._kinematic_row = lateral - np.array([lateral[axle == x].mean() for x in axle])
         self._square = float(self._kinematic_row @ self._kinematic_row)
         self.settings = settings
         self.state = np.zeros(2)
@@ -36,8 +36,8 @@ class RollFilter:
         if not self._square:
             return
         self.state[0] += step * (roll_rate - self.state[1])
-        forward = np.array([[1.0, -step], [0.0, 1.0]])
-        self.covariance = forward @ self.covariance @ forward.T
+        transition = np.array([[1.0, -step], [0.0, 1.0]])
+        self.covariance = transition @ self.covariance @ transition.T
         self.covariance[0, 0] += np.deg2rad(self.settings.gyro_noise_deg_s) ** 2 * step
 
     def level(self, deflection: Array, roughness_m: float) -> None:

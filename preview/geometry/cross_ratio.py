@@ -38,8 +38,8 @@ def distance(marks: Marks, row: ArrayLike) -> Array:
     row = np.asarray(row, float)
     (r1, r2, _), (d1, d2, _) = marks.rows, marks.distances_m
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = (d2 * (row - r1) - d1 * _ratio(marks) * (row - r2)) / _below_horizon(marks, row)
-    return np.where((found > 0) & np.isfinite(found), found, np.nan)
+        distance_m = (d2 * (row - r1) - d1 * _ratio(marks) * (row - r2)) / _below_horizon(marks, row)
+    return np.where((distance_m > 0) & np.isfinite(distance_m), distance_m, np.nan)
 
 
 def distance_sigma(marks: Marks, row: float, pixel_sigma: float) -> float:

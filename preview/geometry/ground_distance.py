@@ -30,8 +30,8 @@ def depression(camera: Camera, row: ArrayLike) -> Array:
 
 def depression_sigma(camera: Camera, row: ArrayLike, pixel_sigma: float) -> Array:
     """Standard deviation (rad) of that angle for a row noise of `pixel_sigma`."""
-    below = (np.asarray(row, float) - camera.cy) / camera.focal_px
-    return pixel_sigma / camera.focal_px / (1.0 + below**2)
+    slope = (np.asarray(row, float) - camera.cy) / camera.focal_px
+    return pixel_sigma / camera.focal_px / (1.0 + slope**2)
 
 
 def row_of(camera: Camera, angle: ArrayLike) -> Array:
@@ -65,9 +65,9 @@ def locate(
     right, down = _pixel_derivatives(camera, pose, np.asarray(pixels, float).reshape(-1, 2))
     lateral_axis = np.array([-np.sin(pose.yaw), np.cos(pose.yaw), 0.0])
     with np.errstate(divide="ignore", invalid="ignore"):
-        reach = (z - pose.z) / direction[:, 2]
-        turns = right, down, np.cross(lateral_axis, direction)  # the last: pitch nose-down
-        columns = [reach[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in turns]
+        range_m = (z - pose.z) / direction[:, 2]
+        ray_derivatives = right, down, np.cross(lateral_axis, direction)  # the last: pitch nose-down
+        columns = [range_m[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in ray_derivatives]
         columns.append(-direction / direction[:, 2:])  # camera rises, measured in the plane
     jacobian = np.stack(columns, axis=2)[:, :2]
     variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, height_sigma]) ** 2

@@ -58,20 +58,20 @@ class HeightGauge:
     ) -> list[Track]:
         """Measure in one frame, images (H, W, 3) RGB; returns the tracks with new samples."""
         rows = [self._rows_of(pose, track) for track in tracks]
-        reach = [(track, span) for track, span in zip(tracks, rows, strict=True) if span is not None]
-        if second is not None and not reach:
+        in_range = [(track, span) for track, span in zip(tracks, rows, strict=True) if span is not None]
+        if second is not None and not in_range:
             return []
-        shot = PosedImage(pose, self.grey(image))
+        exposure = PosedImage(pose, self.grey(image))
         if second is not None:
-            other = PosedImage(second_pose(pose, self.base_m), self.grey(second))
+            partner = PosedImage(second_pose(pose, self.base_m), self.grey(second))
         else:
-            earlier = [s for s in self._shots if pose.x - s.pose.x >= _MIN_MONO_BASELINE_M]
-            self._shots.append(shot)
-            if not earlier:
+            candidates = [s for s in self._shots if pose.x - s.pose.x >= _MIN_MONO_BASELINE_M]
+            self._shots.append(exposure)
+            if not candidates:
                 return []
-            other = earlier[-1]
+            partner = candidates[-1]
         stereo = second is not None
-        return [t for t, span in reach if self._measure_one(shot, other, stereo, t, span, tracks)]
+        return [t for t, span in in_range if self._measure_one(exposure, partner, stereo, t, span, tracks)]
 
     def grey(self, image: Array) -> Array:
         """Grey image (H, W), undistorted, of an image (H, W, 3) RGB."""
@@ -80,29 +80,29 @@ class HeightGauge:
 
     def _measure_one(
         self,
-        shot: PosedImage,
-        other: PosedImage,
+        exposure: PosedImage,
+        partner: PosedImage,
         stereo: bool,
         track: Track,
         rows: tuple[int, int],
         tracks: list[Track],
     ) -> bool:
-        columns = self._columns_of(shot.pose, rows, track)
+        columns = self._columns_of(exposure.pose, rows, track)
         if columns[1] - columns[0] < _MIN_COLUMNS:
             return False
-        view = band(self.camera, shot.pose, other.pose, rows, columns)
-        start = coarse(self.camera, view, shot.image, other.image) if stereo else np.ones_like(view.ahead)
-        middle = max(0.5 * (track.start_m + track.end_m) - shot.pose.x, 3.0)
+        view = band(self.camera, exposure.pose, partner.pose, rows, columns)
+        start = coarse(self.camera, view, exposure.image, partner.image) if stereo else np.ones_like(view.ahead)
+        middle = max(0.5 * (track.start_m + track.end_m) - exposure.pose.x, 3.0)
         width_px = 2 * round(0.5 * self._window_m(track) * self.camera.focal_px / middle) + 1
-        field = match(self.camera, view, shot.image, other.image, start, width_px)
-        found = self._profile(shot.pose, view, field, stereo, track, tracks)
-        if found is None:
+        field = match(self.camera, view, exposure.image, partner.image, start, width_px)
+        sample = self._profile(exposure.pose, view, field, stereo, track, tracks)
+        if sample is None:
             return False
         if track.elevation is None:
             sigma = self.settings.stereo_shift_sigma_m if stereo else self.settings.parallax_shift_sigma_m
-            ragged = 1.0 if track.best.kind.sign > 0 else _HOLE_SIGMA_RATIO
-            track.elevation = HeightSamples(ragged * sigma, stereo)
-        track.elevation.add(*found)
+            sigma_ratio = 1.0 if track.best.kind.sign > 0 else _HOLE_SIGMA_RATIO
+            track.elevation = HeightSamples(sigma_ratio * sigma, stereo)
+        track.elevation.add(*sample)
         return True
 
     def _window_m(self, track: Track) -> float:
@@ -148,22 +148,22 @@ class HeightGauge:
         y += np.float32(pose.y)
         road = np.ones(x.shape, bool)
         for other in tracks:
-            hidden = _SHADOW * (other.end_m - pose.x)
-            road &= (x < other.start_m - _BESIDE_M) | (x > other.end_m + _BESIDE_M + hidden)
-        plane, turned = fit_plane(self.camera, view, field, road, turns=not stereo)
-        ratio = (field.q - turned) / plane
+            shadow_m = _SHADOW * (other.end_m - pose.x)
+            road &= (x < other.start_m - _BESIDE_M) | (x > other.end_m + _BESIDE_M + shadow_m)
+        plane, rotation_q = fit_plane(self.camera, view, field, road, turns=not stereo)
+        ratio = (field.q - rotation_q) / plane
         right, left = _strip(track, pose)
-        inside = (y > right) & (y < left)
-        weight = np.where(inside, field.weight * _homogeneity_weights(ratio, inside), 0.0)
+        on_strip = (y > right) & (y < left)
+        weight = np.where(on_strip, field.weight * _homogeneity_weights(ratio, on_strip), 0.0)
         total = weight.sum(axis=1)
-        seen = np.flatnonzero(total > 0)[::_EVERY_ROW]
-        if len(seen) < _MIN_ROWS // _EVERY_ROW:
+        rows_used = np.flatnonzero(total > 0)[::_EVERY_ROW]
+        if len(rows_used) < _MIN_ROWS // _EVERY_ROW:
             return None
-        share = weight[seen] / total[seen][:, None]
-        mean = (share * ratio[seen]).sum(axis=1)
-        forward = (share * (x - pose.x)[seen] / (plane[seen] if stereo else 1.0)).sum(axis=1)
-        pixels = (share * field.pixels[seen]).sum(axis=1)
-        sigma_px = np.hypot(max(field.noise, _MIN_NOISE_GREY) / np.sqrt(total[seen]), _MIN_SIGMA_PX)
+        share = weight[rows_used] / total[rows_used][:, None]
+        mean = (share * ratio[rows_used]).sum(axis=1)
+        forward = (share * (x - pose.x)[rows_used] / (plane[rows_used] if stereo else 1.0)).sum(axis=1)
+        pixels = (share * field.pixels[rows_used]).sum(axis=1)
+        sigma_px = np.hypot(max(field.noise, _MIN_NOISE_GREY) / np.sqrt(total[rows_used]), _MIN_SIGMA_PX)
         slant = forward / view.height_m
         samples = HeightRows(
             pose.x + forward,
@@ -173,53 +173,53 @@ class HeightGauge:
             slant,
         )
         if not stereo:
-            bare = (share * road[seen]).sum(axis=1) > _MIN_BARE_SHARE
-            return samples._replace(sigma_m=samples.sigma_m * _sigma_inflation(samples, bare)), None
+            bare_rows = (share * road[rows_used]).sum(axis=1) > _MIN_BARE_SHARE
+            return samples._replace(sigma_m=samples.sigma_m * _sigma_inflation(samples, bare_rows)), None
         nominal = (x - pose.x)[:, [0, -1]].mean(axis=1)
-        return samples, self._edge(track, pose, nominal, np.where(inside, plane, 0.0))
+        return samples, self._edge(track, pose, nominal, np.where(on_strip, plane, 0.0))
 
     def _edge(self, track: Track, pose: CameraPose, nominal: Array, plane: Array) -> NearEdge | None:
         """Near edge: where the newest box's bottom meets the plane (rows, columns), 0 beside the object.
 
         nominal: (rows,) distance at which a row meets the nominal plane.
         """
-        sight = track.sights[-1] if track.sights else None  # a track from memory has none yet
-        if sight is None or np.isnan(sight.bottom) or sight.camera_x != pose.x:
+        bearings = track.sights[-1] if track.sights else None  # a track from memory has none yet
+        if bearings is None or np.isnan(bearings.bottom) or bearings.camera_x != pose.x:
             return None
-        ahead = sight.camera_z / np.tan(sight.bottom)
+        ahead = bearings.camera_z / np.tan(bearings.bottom)
         row = int(np.argmin(np.abs(nominal - ahead)))
         if not 0 < row < len(nominal) - 1 or not plane[row].any():
             return None
-        there = ahead / float(plane[row][plane[row] > 0].mean())
-        across = (there**2 + sight.camera_z**2) / sight.camera_z
+        plane_distance = ahead / float(plane[row][plane[row] > 0].mean())
+        metres_per_rad = (plane_distance**2 + bearings.camera_z**2) / bearings.camera_z
         pixels = self.settings.pixel_sigma * np.sqrt(self.settings.correlation)
-        sigma = across * pixels / self.camera.focal_px
-        return NearEdge(pose.x + there, float(sigma), across)
+        sigma = metres_per_rad * pixels / self.camera.focal_px
+        return NearEdge(pose.x + plane_distance, float(sigma), metres_per_rad)
 
 
-def _homogeneity_weights(ratio: Array, inside: Array) -> Array:
+def _homogeneity_weights(ratio: Array, on_strip: Array) -> Array:
     """Robust weights (rows, columns) of pixels by their deviation from the row's median inside the strip.
 
     An object is homogeneous over its width; drops on the lens and streaks of rain are not.
     """
-    masked = np.where(inside, ratio, np.nan)
+    masked = np.where(on_strip, ratio, np.nan)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # rows without pixels inside
         middle = np.nanmedian(masked, axis=1, keepdims=True)
-        away = np.abs(ratio - middle)
-        spread = 1.48 * np.nanmedian(np.where(inside, away, np.nan), axis=1, keepdims=True)
-    return np.nan_to_num(1.0 / (1.0 + (away / (_ROBUST * np.maximum(spread, 1e-6))) ** 2))
+        deviation = np.abs(ratio - middle)
+        spread = 1.48 * np.nanmedian(np.where(on_strip, deviation, np.nan), axis=1, keepdims=True)
+    return np.nan_to_num(1.0 / (1.0 + (deviation / (_ROBUST * np.maximum(spread, 1e-6))) ** 2))
 
 
-def _sigma_inflation(samples: HeightRows, bare: Array) -> float:
+def _sigma_inflation(samples: HeightRows, bare_rows: Array) -> float:
     """Sigma inflation from the excess scatter of bare-road rows (n,) bool.
 
     Reflections on a wet road and drops on the lens move independently from frame to frame; a stereo pair sees
     them at the same moment.
     """
-    if not bare.any():
+    if not bare_rows.any():
         return 1.0
-    normal = np.abs(samples.z_m / samples.sigma_m)[bare]
+    normal = np.abs(samples.z_m / samples.sigma_m)[bare_rows]
     return max(1.0, _ROW_CORRELATION * 1.48 * float(np.median(normal)))
 
 

@@ -26,21 +26,21 @@ def fit_plane(
     """
     basis = np.stack([view.ahead, view.side, view.up, *(_rotations(camera, view, field) if turns else ())])
     sigma = np.array([_TILT_SIGMA] * 3 + [_ROTATION_SIGMA] * (len(basis) - 3))
-    use = road[_SAMPLING].ravel()
-    columns = basis[(slice(None), *_SAMPLING)].reshape(len(basis), -1)[:, use].astype(float)
+    mask = road[_SAMPLING].ravel()
+    columns = basis[(slice(None), *_SAMPLING)].reshape(len(basis), -1)[:, mask].astype(float)
     value, weight, pixels = (
-        part[_SAMPLING].ravel()[use].astype(float) for part in (field.q - 1.0, field.weight, field.pixels)
+        part[_SAMPLING].ravel()[mask].astype(float) for part in (field.q - 1.0, field.weight, field.pixels)
     )
-    usual = float(np.median(weight)) if len(weight) else 1.0
-    scale = (pixels / _NOISE_PX) ** 2 * np.minimum(weight / max(usual, 1e-9), _MAX_WEIGHT)
-    found = np.zeros(len(basis))
+    median_weight = float(np.median(weight)) if len(weight) else 1.0
+    scale = (pixels / _NOISE_PX) ** 2 * np.minimum(weight / max(median_weight, 1e-9), _MAX_WEIGHT)
+    coefficients = np.zeros(len(basis))
     for _ in range(_ITERATIONS):
-        far = (value - found @ columns) * pixels / _NOISE_PX / _CAUCHY
-        weighted = columns * (scale / (1.0 + far**2))
-        found = np.linalg.solve(weighted @ columns.T + np.diag(sigma**-2), weighted @ value)
-    plane = 1.0 + np.tensordot(found[:3], basis[:3], axes=1)
-    turned = np.tensordot(found[3:], basis[3:], axes=1) if turns else np.zeros_like(plane)
-    return plane.astype(np.float32), turned.astype(np.float32)
+        normalised_residual = (value - coefficients @ columns) * pixels / _NOISE_PX / _CAUCHY
+        weighted = columns * (scale / (1.0 + normalised_residual**2))
+        coefficients = np.linalg.solve(weighted @ columns.T + np.diag(sigma**-2), weighted @ value)
+    plane = 1.0 + np.tensordot(coefficients[:3], basis[:3], axes=1)
+    rotation_q = np.tensordot(coefficients[3:], basis[3:], axes=1) if turns else np.zeros_like(plane)
+    return plane.astype(np.float32), rotation_q.astype(np.float32)
 
 
 def _rotations(camera: Camera, view: ImageBand, field: StructureField) -> list[Array]:

@@ -74,12 +74,12 @@ def band(
     left, up = np.broadcast_arrays(-u / np.float32(camera.focal_px), -v / np.float32(camera.focal_px))
     normal = reference.rotation[2].astype(np.float32)
     ahead = -np.float32(reference.z) / (normal[0] + left * normal[1] + up * normal[2])
-    turn = (other.rotation.T @ reference.rotation).astype(np.float32)
+    rotation = (other.rotation.T @ reference.rotation).astype(np.float32)
     point = np.stack([ahead, ahead * left, ahead * up])
     travel = other.rotation.T @ (reference.position - other.position)
-    moved = np.tensordot(turn, point, axes=1).astype(np.float32)
+    other_point = np.tensordot(rotation, point, axes=1).astype(np.float32)
     ground = point[0], point[1], point[2]
-    return ImageBand(rows[0], columns[0], *ground, moved, travel.astype(np.float32), float(reference.z))
+    return ImageBand(rows[0], columns[0], *ground, other_point, travel.astype(np.float32), float(reference.z))
 
 
 def place(camera: Camera, view: ImageBand, q: Array) -> tuple[Array, Array, Array]:
@@ -104,28 +104,28 @@ def match(
     """
     window = (window_px, _WINDOW_ROWS)
     rows, columns = view.ahead.shape
-    wanted = image[view.top : view.top + rows, view.left : view.left + columns].astype(np.float32)
+    reference = image[view.top : view.top + rows, view.left : view.left + columns].astype(np.float32)
     q = start
     for _ in range(iterations):
         at_u, at_v, forward = place(camera, view, q)
-        found = cv2.remap(other, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(
+        warped = cv2.remap(other, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(
             np.float32
         )
         # Along the epipolar line, by the derivative of `place`; the image's gradient is that of both images.
         scale = np.float32(1.0) / forward
         along_u = scale * (-camera.focal_px * view.travel[1] - (at_u - camera.cx + 0.5) * view.travel[0])
         along_v = scale * (-camera.focal_px * view.travel[2] - (at_v - camera.cy + 0.5) * view.travel[0])
-        both = found + wanted
+        mean_image = warped + reference
         slope = np.float32(0.25) * (
-            cv2.Sobel(both, cv2.CV_32F, 1, 0, ksize=1) * along_u
-            + cv2.Sobel(both, cv2.CV_32F, 0, 1, ksize=1) * along_v
+            cv2.Sobel(mean_image, cv2.CV_32F, 1, 0, ksize=1) * along_u
+            + cv2.Sobel(mean_image, cv2.CV_32F, 0, 1, ksize=1) * along_v
         )
         pixels = np.hypot(along_u, along_v)
-        error = cv2.boxFilter(slope * (wanted - found), -1, window)
+        error = cv2.boxFilter(slope * (reference - warped), -1, window)
         weight = cv2.boxFilter(slope * slope, -1, window)
-        firm = weight + _REGULARISATION * pixels**2
-        most = _MAX_STEP_PX / pixels
-        q = np.clip(q + np.clip(error / firm, -most, most), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE)
-        q = cv2.boxFilter(q * firm, -1, (window_px, 1)) / cv2.boxFilter(firm, -1, (window_px, 1))
-    noise = 1.48 * float(np.median(np.abs(wanted - found)))
+        regularised = weight + _REGULARISATION * pixels**2
+        max_step = _MAX_STEP_PX / pixels
+        q = np.clip(q + np.clip(error / regularised, -max_step, max_step), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE)
+        q = cv2.boxFilter(q * regularised, -1, (window_px, 1)) / cv2.boxFilter(regularised, -1, (window_px, 1))
+    noise = 1.48 * float(np.median(np.abs(reference - warped)))
     return StructureField(q, weight / pixels**2, np.stack([along_u, along_v]), noise)

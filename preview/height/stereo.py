@@ -29,8 +29,8 @@ def coarse(camera: Camera, view: ImageBand, left: Array, right: Array) -> Array:
     rows, columns = view.ahead.shape
     at_u, at_v, forward = place(camera, view, np.ones_like(view.ahead))
     warped = cv2.remap(right, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    seen = left[view.top : view.top + rows, view.left : view.left + columns]
-    half = (max(columns // 2, 1), max(rows // 2, 1))
+    reference = left[view.top : view.top + rows, view.left : view.left + columns]
+    half_size = (max(columns // 2, 1), max(rows // 2, 1))
     matcher = cv2.StereoSGBM.create(
         minDisparity=-_DISPARITIES // 2,
         numDisparities=_DISPARITIES,
@@ -40,7 +40,7 @@ def coarse(camera: Camera, view: ImageBand, left: Array, right: Array) -> Array:
         preFilterCap=31,
         mode=cv2.STEREO_SGBM_MODE_SGBM_3WAY,
     )
-    small = [cv2.resize(image, half, interpolation=cv2.INTER_AREA) for image in (seen, warped)]
+    small = [cv2.resize(image, half_size, interpolation=cv2.INTER_AREA) for image in (reference, warped)]
     disparity = matcher.compute(*small).astype(np.float32) / 16.0
     disparity[disparity < -_DISPARITIES // 2] = 0.0  # not found
     shift = 2.0 * cv2.resize(disparity, (columns, rows), interpolation=cv2.INTER_NEAREST)

@@ -126,15 +126,15 @@ def to_text(memory: Memory) -> str:
     return str(yaml.safe_dump(strict.to_mapping(memory), sort_keys=False))
 
 
-def mounting_covariance(kept: Mounting) -> np.ndarray:
+def mounting_covariance(mounting: Mounting) -> np.ndarray:
     """Covariance (2, 2) of pitch and height."""
-    return np.array([[kept.pitch_variance, kept.covariance], [kept.covariance, kept.height_variance]])
+    return np.array([[mounting.pitch_variance, mounting.covariance], [mounting.covariance, mounting.height_variance]])
 
 
 def calibration_covariance(mounting: Mounting, rows: RowBias) -> np.ndarray:
     """Covariance (4, 4) of the states of `preview.tracking.mounting_filter`."""
-    across = np.array([rows.with_pitch, rows.with_height])
-    (bump, hole), both = rows.variance, rows.covariance
+    cross = np.array([rows.with_pitch, rows.with_height])
+    (bump, hole), covariance = rows.variance, rows.covariance
     return np.block(
-        [[mounting_covariance(mounting), across], [across.T, np.array([[bump, both], [both, hole]])]]
+        [[mounting_covariance(mounting), cross], [cross.T, np.array([[bump, covariance], [covariance, hole]])]]
     )

@@ -24,25 +24,25 @@ _MIN_INFORMATION_RATIO = (
 
 def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
     """Memory of a drive: the calibration and all confirmed `tracks`."""
-    (pitch, cross, *with_pitch), (_, height, *with_height) = calibration.covariance[MOUNTING].tolist()
-    (bump, both), (_, hole) = calibration.covariance[ROWS, ROWS].tolist()
-    offset, lift, *rows = calibration.mean.tolist()
+    (pitch, covariance, *with_pitch), (_, height, *with_height) = calibration.covariance[MOUNTING].tolist()
+    (bump, row_covariance), (_, hole) = calibration.covariance[ROWS, ROWS].tolist()
+    pitch_rad, height_m, *rows = calibration.mean.tolist()
     return Memory(
-        Mounting(offset, lift, pitch, cross, height),
+        Mounting(pitch_rad, height_m, pitch, covariance, height),
         tuple(_to_memory(track) for track in tracks if track.confirmed),
-        RowBias(tuple(rows), (bump, hole), both, tuple(with_pitch), tuple(with_height)),
+        RowBias(tuple(rows), (bump, hole), row_covariance, tuple(with_pitch), tuple(with_height)),
     )
 
 
 def recall(calibration: Calibration, memory: Memory) -> None:
     """Initialise the calibration with remembered mounting and edge bias."""
-    kept = memory.mounting
-    calibration.mean[MOUNTING] = kept.pitch_rad, kept.height_m
+    mounting = memory.mounting
+    calibration.mean[MOUNTING] = mounting.pitch_rad, mounting.height_m
     if memory.rows is None:
-        calibration.covariance[MOUNTING, MOUNTING] = mounting_covariance(kept)
+        calibration.covariance[MOUNTING, MOUNTING] = mounting_covariance(mounting)
     else:
         calibration.mean[ROWS] = memory.rows.bottom_px
-        calibration.covariance = calibration_covariance(kept, memory.rows)
+        calibration.covariance = calibration_covariance(mounting, memory.rows)
 
 
 def expectations(
@@ -50,8 +50,8 @@ def expectations(
 ) -> list[Track]:
     """Tracks of the remembered objects, numbered from `first`; the odometer starts at `x_m`."""
     return [
-        _track_from_memory(number, place, calibration, settings, x_m)
-        for number, place in enumerate(memory.objects, first)
+        _track_from_memory(number, remembered, calibration, settings, x_m)
+        for number, remembered in enumerate(memory.objects, first)
     ]
 
 
@@ -81,45 +81,45 @@ def _measured(track: Track, entry: int) -> tuple[float, float] | tuple[None, Non
     The next fit adds the prior again; if kept in, it would count once more with every drive.
     """
     best = track.best
-    usual, usual_sigma = {
+    prior_mean, prior_sigma = {
         LENGTH: (best.kind.length_m, best.kind.length_sigma_m),
         HEIGHT: (best.kind.height_m, best.kind.height_sigma_m),
     }[entry]
-    before, after = usual_sigma**-2, 1.0 / best.covariance[entry, entry]
-    said = after - before
-    if said < _MIN_INFORMATION_RATIO * before:
+    prior_information, posterior_information = prior_sigma**-2, 1.0 / best.covariance[entry, entry]
+    information = posterior_information - prior_information
+    if information < _MIN_INFORMATION_RATIO * prior_information:
         return None, None
-    value = float((after * best.state[entry] - before * usual) / said)
-    return (value, float(said**-0.5)) if value > 0 else (None, None)
+    value = float((posterior_information * best.state[entry] - prior_information * prior_mean) / information)
+    return (value, float(information**-0.5)) if value > 0 else (None, None)
 
 
 def _track_from_memory(
-    identity: int, place: RememberedObject, calibration: Calibration, settings: Settings, x_m: float
+    identity: int, remembered: RememberedObject, calibration: Calibration, settings: Settings, x_m: float
 ) -> Track:
-    kind = TEMPLATE_BY_NAME[place.kind]
+    kind = TEMPLATE_BY_NAME[remembered.kind]
     # Both drives' odometers have drifted by the time the object is reached.
-    drift = np.sqrt(2.0) * settings.odometry_sigma * abs(place.x_m - x_m)
-    directs = [DirectMeasurement(X, place.x_m, float(np.hypot(place.x_sigma_m, drift)))]
-    if place.length_m is not None and place.length_sigma_m is not None:
-        directs.append(DirectMeasurement(LENGTH, place.length_m, place.length_sigma_m))
-    if place.height_m is not None and place.height_sigma_m is not None:
-        directs.append(DirectMeasurement(HEIGHT, place.height_m, place.height_sigma_m))
+    drift = np.sqrt(2.0) * settings.odometry_sigma * abs(remembered.x_m - x_m)
+    directs = [DirectMeasurement(X, remembered.x_m, float(np.hypot(remembered.x_sigma_m, drift)))]
+    if remembered.length_m is not None and remembered.length_sigma_m is not None:
+        directs.append(DirectMeasurement(LENGTH, remembered.length_m, remembered.length_sigma_m))
+    if remembered.height_m is not None and remembered.height_sigma_m is not None:
+        directs.append(DirectMeasurement(HEIGHT, remembered.height_m, remembered.height_sigma_m))
     prior = calibration.prior(kind.cls)
-    start = start_state(place.x_m, prior, place.length_m or kind.length_m, place.height_m or kind.height_m)
+    start = start_state(remembered.x_m, prior, remembered.length_m or kind.length_m, remembered.height_m or kind.height_m)
     best = fit(kind, [], start, prior, directs, settings)
-    variance = place.y_sigma_m**2
+    variance = remembered.y_sigma_m**2
     track = Track(
         identity,
         kind.cls,
         0.0,
-        float(np.log(place.existence / (1 - place.existence))),
-        Edge(place.y_min_m, variance),
-        Edge(place.y_max_m, variance),
+        float(np.log(remembered.existence / (1 - remembered.existence))),
+        Edge(remembered.y_min_m, variance),
+        Edge(remembered.y_max_m, variance),
         [best],
         directs=directs,
         hits=0,
         class_log_odds=LOG_ODDS_LIMIT,
     )
-    track.last_seen_x_m = place.x_m
+    track.last_seen_x_m = remembered.x_m
     track.confirmed = track.existence > settings.confirm_existence
     return track

@@ -49,10 +49,10 @@ class RoadMap:
             values = getattr(self, name)
             if values.shape != self.surface.x_m.shape:
                 raise InputError(f"{name} must have one value per station, got shape {values.shape}")
-            most = _UPPER_LIMITS[name]
-            if not ((values >= 0) & (values <= most)).all():
-                wrong = values[~((values >= 0) & (values <= most))][0]
-                raise InputError(f"{name} must lie in 0 ... {most:g}, got {wrong:g}")
+            upper = _UPPER_LIMITS[name]
+            if not ((values >= 0) & (values <= upper)).all():
+                first_outside = values[~((values >= 0) & (values <= upper))][0]
+                raise InputError(f"{name} must lie in 0 ... {upper:g}, got {first_outside:g}")
 
 
 def read(path: Path | str) -> RoadMap:
@@ -62,20 +62,20 @@ def read(path: Path | str) -> RoadMap:
         raise InputError(f"{path}: a map must end in {' or '.join(FORMATS)}")
     if path.suffix.lower() == ".crg":
         x, y, heights = opencrg.read(path)
-        told = {}
+        quality_columns = {}
     else:
         header, table = csv_profile.read_table(path)
-        if twice := sorted({name for name in header if header.count(name) > 1}):
+        if duplicates := sorted({name for name in header if header.count(name) > 1}):
             raise InputError(
-                f"{path}: each column must be named once, got {shortened(', '.join(twice))} twice"
+                f"{path}: each column must be named once, got {shortened(', '.join(duplicates))} twice"
             )
-        kept = [k for k, name in enumerate(header) if name not in _UNCERTAINTY_COLUMNS]
-        x, y, heights = csv_profile.profile_of(path, [header[k] for k in kept], table[:, kept])
-        told = {name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header}
-    quality = {name: told.get(name, np.full(len(x), usual)) for name, usual in _UNCERTAINTY_COLUMNS.items()}
-    found = surface(x, y, heights, str(path))
+        height_columns = [k for k, name in enumerate(header) if name not in _UNCERTAINTY_COLUMNS]
+        x, y, heights = csv_profile.profile_of(path, [header[k] for k in height_columns], table[:, height_columns])
+        quality_columns = {name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header}
+    quality = {name: quality_columns.get(name, np.full(len(x), default)) for name, default in _UNCERTAINTY_COLUMNS.items()}
+    loaded = surface(x, y, heights, str(path))
     try:
-        return RoadMap(found, **quality, start_m=float(x[0]))
+        return RoadMap(loaded, **quality, start_m=float(x[0]))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -105,19 +105,19 @@ def map_preview(
     Beyond the ends of the map the road is flat and nothing is known: existence 0.
     """
     distance = distance_grid() if distance_m is None else distance_m
-    at = np.asarray(wheel_x_m, float)[:, None] + distance
+    x_m = np.asarray(wheel_x_m, float)[:, None] + distance
     stations = road_map.start_m + road_map.surface.x_m
-    known = (at >= stations[0]) & (at <= stations[-1])
+    on_map = (x_m >= stations[0]) & (x_m <= stations[-1])
 
-    def along(values: Array) -> Array:
-        return np.where(known, np.interp(at, stations, values), 0.0)
+    def interpolated(values: Array) -> Array:
+        return np.where(on_map, np.interp(x_m, stations, values), 0.0)
 
-    height = np.stack([track.height(x) for track, x in zip(tracks, at, strict=True)])
+    height = np.stack([track.height(x) for track, x in zip(tracks, x_m, strict=True)])
     return RoadPreview(
         time_s,
         distance,
         height,
-        np.hypot(along(road_map.position_sigma_m), localisation_sigma_m),
-        along(road_map.height_sigma_m),
-        along(road_map.existence),
+        np.hypot(interpolated(road_map.position_sigma_m), localisation_sigma_m),
+        interpolated(road_map.height_sigma_m),
+        interpolated(road_map.existence),
     )

@@ -81,8 +81,8 @@ class Fit(NamedTuple):
 
 def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) -> Array:
     """Initial state (6,) of an object from position, size and shared states."""
-    offset, ground, low = shared.mean
-    return np.array([x_m, offset, ground, length_m, height_m, low])
+    offset, ground, edge_bias = shared.mean
+    return np.array([x_m, offset, ground, length_m, height_m, edge_bias])
 
 
 def table(sights: list[EdgeBearings] | Array) -> Array:
@@ -110,30 +110,30 @@ def fit(
         DirectMeasurement(HEIGHT, kind.height_m, kind.height_sigma_m),
         *directs,
     ]
-    known = np.array(priors)
-    index = known[:, 0].astype(int)
+    priors_table = np.array(priors)
+    index = priors_table[:, 0].astype(int)
     shared_information = np.linalg.inv(shared.covariance)
     data = table(sights)
-    least, most = _MIN_STATE.copy(), _MAX_STATE.copy()
+    lower, upper = _MIN_STATE.copy(), _MAX_STATE.copy()
     if len(data):
-        least[X], most[X] = data[:, 1].min() - _X_MARGIN_BEHIND_M, data[:, 1].max() + _X_MARGIN_AHEAD_M
+        lower[X], upper[X] = data[:, 1].min() - _X_MARGIN_BEHIND_M, data[:, 1].max() + _X_MARGIN_AHEAD_M
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
         if elevation is not None:
-            added = equations(kind, elevation, state)
-            information, gradient, cost = information + added[0], gradient + added[1], cost + added[2]
-        away = shared.mean - state[SHARED]
+            elevation_terms = equations(kind, elevation, state)
+            information, gradient, cost = information + elevation_terms[0], gradient + elevation_terms[1], cost + elevation_terms[2]
+        deviation = shared.mean - state[SHARED]
         information[_SHARED_BLOCK] += shared_information
-        gradient[SHARED] += shared_information @ away
-        cost += 0.5 * float(away @ shared_information @ away)
-        normal = (known[:, 1] - state[index]) / known[:, 2]
-        np.add.at(information, (index, index), known[:, 2] ** -2)
-        np.add.at(gradient, index, normal / known[:, 2])
-        cost += 0.5 * float((normal**2).sum())
-        state = np.clip(state + np.linalg.solve(information, gradient), least, most)
+        gradient[SHARED] += shared_information @ deviation
+        cost += 0.5 * float(deviation @ shared_information @ deviation)
+        normalised = (priors_table[:, 1] - state[index]) / priors_table[:, 2]
+        np.add.at(information, (index, index), priors_table[:, 2] ** -2)
+        np.add.at(gradient, index, normalised / priors_table[:, 2])
+        cost += 0.5 * float((normalised**2).sum())
+        state = np.clip(state + np.linalg.solve(information, gradient), lower, upper)
     # Laplace approximation of the evidence: prior normalisation and posterior volume.
-    cost += float(np.log(known[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
+    cost += float(np.log(priors_table[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
 
 
@@ -170,16 +170,16 @@ def _normal_equations(
 
     bottom = np.concatenate([np.ones(len(data)), np.zeros(len(data))])
     residual = measured + state[OFFSET] - bottom * state[EDGE_BIAS] - np.arctan2(below, ahead)
-    seen = np.isfinite(residual)
+    observed = np.isfinite(residual)
     square = ahead**2 + below**2
     by_ahead, by_below = -below / square, ahead / square  # derivatives of the modelled angle
     # Jacobian of (model - measured); at the silhouette the derivative by the share vanishes.
     jacobian = np.stack(
         [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise, bottom], axis=1
     )
-    normal = np.where(seen, residual / sigma, 0.0)
-    robust = 1.0 + (normal / _CAUCHY) ** 2
-    weight = np.where(seen, 1.0 / (robust * sigma**2 * settings.correlation), 0.0)
+    normalised = np.where(observed, residual / sigma, 0.0)
+    robust = 1.0 + (normalised / _CAUCHY) ** 2
+    weight = np.where(observed, 1.0 / (robust * sigma**2 * settings.correlation), 0.0)
     weighted = jacobian * weight[:, None]
     cost = 0.5 * _CAUCHY**2 * float(np.log(robust).sum()) / settings.correlation
-    return weighted.T @ jacobian, weighted.T @ np.where(seen, residual, 0.0), cost
+    return weighted.T @ jacobian, weighted.T @ np.where(observed, residual, 0.0), cost

@@ -88,37 +88,37 @@ def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) ->
     rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
     shape = np.array([state[0], state[3], state[4], RAMP])
     steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
-    mixed = _smeared_heights(kind, rows, shape + steps)
-    levels = mixed.mean(axis=2)
+    smeared = _smeared_heights(kind, rows, shape + steps)
+    levels = smeared.mean(axis=2)
     model = levels[0]
     slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
     by_x, by_length, by_height = slopes[:3]
     by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
-    one, zero, behind = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
+    ones, zeros, from_middle = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
     residual = rows.z_m - model
     # State; nuisances (ground, slope, shift, ramp, a frame's ground and slope); residual.
     columns = [
         by_x,
-        zero,
-        zero,
+        zeros,
+        zeros,
         by_length,
         by_height,
-        zero,
-        one,
-        behind,
+        zeros,
+        ones,
+        from_middle,
         by_x,
         by_ramp,
-        one,
-        behind,
+        ones,
+        from_middle,
         residual,
     ]
     table = np.stack(columns, axis=1)
-    sigma = np.hypot(rows.sigma_m, _CREST_SIGMA_RATIO * np.abs(mixed[0, :, 1] - model))
+    sigma = np.hypot(rows.sigma_m, _CREST_SIGMA_RATIO * np.abs(smeared[0, :, 1] - model))
     weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
     ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
     squares = [
-        _marginalise((part * heavy[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
-        for part, heavy in zip(np.split(table, ends), np.split(weight, ends), strict=True)
+        _marginalise((part * frame_weight[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
+        for part, frame_weight in zip(np.split(table, ends), np.split(weight, ends), strict=True)
     ]
     squares += [_edge_terms(edge, state) for edge in elevation.edges]
     shared = (_OFFSET_SIGMA_M, _SLOPE_SIGMA, elevation.shift_sigma_m, _RAMP_SIGMA)
@@ -130,16 +130,16 @@ def _edge_terms(edge: NearEdge, state: Array) -> Array:
     """Contribution of one near edge to the table's square (11, 11): distance from X, shift, edge bias."""
     residual = edge.x_m + edge.low_m * state[5] - state[0]
     weight = edge.sigma_m**-2 / (1.0 + (residual / (_ROBUST * edge.sigma_m)) ** 2)
-    line = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
-    return weight * np.outer(line, line)
+    row = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
+    return weight * np.outer(row, row)
 
 
-def _marginalise(square: Array, aside: slice, sigmas: tuple[float, ...]) -> Array:
-    """Square of a table with the columns `aside` marginalised; `sigmas`: their prior."""
-    own = square[aside, aside] + np.diag(np.array(sigmas) ** -2.0)
-    rest = np.delete(np.arange(len(square)), aside)
-    cross = square[aside][:, rest]
-    return square[np.ix_(rest, rest)] - cross.T @ np.linalg.solve(own, cross)
+def _marginalise(square: Array, nuisance: slice, sigmas: tuple[float, ...]) -> Array:
+    """Square of a table with the columns `nuisance` marginalised; `sigmas`: their prior."""
+    block = square[nuisance, nuisance] + np.diag(np.array(sigmas) ** -2.0)
+    kept_columns = np.delete(np.arange(len(square)), nuisance)
+    cross = square[nuisance][:, kept_columns]
+    return square[np.ix_(kept_columns, kept_columns)] - cross.T @ np.linalg.solve(block, cross)
 
 
 def seen(
@@ -160,17 +160,17 @@ def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) ->
     shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
     """
     start, length, height, ramp = shapes.T[:, :, None]
-    along = start + _PROFILE_POINTS * length
+    stations = start + _PROFILE_POINTS * length
     rises = height * unit_profile(kind, _PROFILE_POINTS, length, ramp)
     # Intersection with the plane of the line of sight through each point; hidden points do not advance it.
-    meets = np.maximum.accumulate(along[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
-    wanted = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
-    after = (meets[:, :, None, :] < wanted[:, :, None]).sum(axis=3)
-    inside = (after > 0) & (after < len(_PROFILE_POINTS))
-    k = np.clip(after, 1, len(_PROFILE_POINTS) - 1)
-    low, high = np.take_along_axis(meets, k - 1, axis=2), np.take_along_axis(meets, k, axis=2)
+    plane_crossings = np.maximum.accumulate(stations[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
+    positions = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
+    points_before = (plane_crossings[:, :, None, :] < positions[:, :, None]).sum(axis=3)
+    on_shape = (points_before > 0) & (points_before < len(_PROFILE_POINTS))
+    k = np.clip(points_before, 1, len(_PROFILE_POINTS) - 1)
+    low, high = np.take_along_axis(plane_crossings, k - 1, axis=2), np.take_along_axis(plane_crossings, k, axis=2)
     # Over a hidden stretch the height jumps: the far end of the stretch counts.
-    part = np.clip((wanted - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
-    number = np.arange(len(shapes))[:, None, None]
-    before = rises[number, k - 1]
-    return np.where(inside, before + part * (rises[number, k] - before), 0.0)
+    fraction = np.clip((positions - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
+    shape_index = np.arange(len(shapes))[:, None, None]
+    near_height = rises[shape_index, k - 1]
+    return np.where(on_shape, near_height + fraction * (rises[shape_index, k] - near_height), 0.0)

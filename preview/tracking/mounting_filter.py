@@ -44,29 +44,29 @@ class Calibration:
 
     def prior(self, cls: int) -> Gaussian:
         """Prior of the shared states of an object of class `cls`."""
-        shows, known = self._observation(cls)
+        observation, offset = self._observation(cls)
         return Gaussian(
-            shows @ self.mean + known, shows @ self.covariance @ shows.T + self._object_covariance
+            observation @ self.mean + offset, observation @ self.covariance @ observation.T + self._object_covariance
         )
 
     def learn(self, posterior: Gaussian, cls: int) -> None:
         """Update with the posterior of an object of class `cls`, less the prior that it contains."""
         prior = self.prior(cls)
-        before, after = np.linalg.inv(prior.covariance), np.linalg.inv(posterior.covariance)
+        prior_information, posterior_information = np.linalg.inv(prior.covariance), np.linalg.inv(posterior.covariance)
         # Information of the object's boxes and strikes alone; a trace of the prior keeps it invertible.
-        said = after - before + 1e-6 * np.diag(np.diag(before))
-        value = np.linalg.solve(said, after @ posterior.mean - before @ prior.mean)
-        shows, known = self._observation(cls)
-        innovation = prior.covariance + np.linalg.inv(said)
-        gain = np.linalg.solve(innovation, shows @ self.covariance).T
-        self.mean = self.mean + gain @ (value - known - shows @ self.mean)
-        updated = self.covariance - gain @ shows @ self.covariance
+        object_information = posterior_information - prior_information + 1e-6 * np.diag(np.diag(prior_information))
+        object_mean = np.linalg.solve(object_information, posterior_information @ posterior.mean - prior_information @ prior.mean)
+        observation, offset = self._observation(cls)
+        innovation = prior.covariance + np.linalg.inv(object_information)
+        gain = np.linalg.solve(innovation, observation @ self.covariance).T
+        self.mean = self.mean + gain @ (object_mean - offset - observation @ self.mean)
+        updated = self.covariance - gain @ observation @ self.covariance
         self.covariance = 0.5 * (updated + updated.T)
 
     def _observation(self, cls: int) -> tuple[Array, Array]:
         """(H, k): H states + k are the shared states seen by boxes of class `cls`, as in `Gaussian`."""
-        shows, known = np.eye(3, 4), np.zeros(3)
-        shows[2] = 0.0
-        shows[2, 2 + cls] = self._rad_per_px
-        known[2] = -self._rad_per_px * self._subtracted_bias_px[cls]
-        return shows, known
+        observation, offset = np.eye(3, 4), np.zeros(3)
+        observation[2] = 0.0
+        observation[2, 2 + cls] = self._rad_per_px
+        offset[2] = -self._rad_per_px * self._subtracted_bias_px[cls]
+        return observation, offset

@@ -29,27 +29,27 @@ def rectify_boxes(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cl
     left, top, right, bottom = boxes.T[..., None]
     hole, middle = classes == _POTHOLE, _SAMPLES // 2
     low = _rectify_row(camera, pose.roll, left, right, bottom)[1]
-    sides = _rectify_row(camera, pose.roll, left, right, (top + bottom) / 2)[0]
-    near = np.where(hole, low[:, middle], low.min(axis=1))
-    far = near - (bottom - top)[:, 0]
+    side_columns = _rectify_row(camera, pose.roll, left, right, (top + bottom) / 2)[0]
+    bottom_row = np.where(hole, low[:, middle], low.min(axis=1))
+    top_row = bottom_row - (bottom - top)[:, 0]
     horizon = camera.cy - camera.focal_px * np.tan(pose.pitch)
     for _ in range(_PASSES):
         # The far edge narrows in proportion to its distance to the horizon, unless the border cuts both.
-        ratio = np.clip((far - horizon) / np.maximum(near - horizon, 1.0), 0.0, 1.0)[:, None]
+        ratio = np.clip((top_row - horizon) / np.maximum(bottom_row - horizon, 1.0), 0.0, 1.0)[:, None]
         far_left, far_right = (
             np.where(cut[:, [side]], u, camera.cx + ratio * (u - camera.cx))
             for side, u in ((0, left), (2, right))
         )
         high = _rectify_row(camera, pose.roll, far_left, far_right, top)[1]
-        far = np.where(hole, high[:, middle], high.max(axis=1))
-    return np.column_stack([sides[:, 0], far, sides[:, -1], near])
+        top_row = np.where(hole, high[:, middle], high.max(axis=1))
+    return np.column_stack([side_columns[:, 0], top_row, side_columns[:, -1], bottom_row])
 
 
 def _rectify_row(camera: Camera, roll: float, left: Array, right: Array, row: Array) -> tuple[Array, Array]:
     """Samples (n, samples) of a row between two columns, all (n, 1): u and v in the rectified image."""
-    along = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
-    u, v = camera.undistort(np.column_stack([along.ravel(), np.broadcast_to(row, along.shape).ravel()])).T
+    columns = left + np.linspace(0.0, 1.0, _SAMPLES) * (right - left)
+    u, v = camera.undistort(np.column_stack([columns.ravel(), np.broadcast_to(row, columns.shape).ravel()])).T
     rays = np.stack([np.ones_like(u), (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px])
-    _, across, up = rotation_matrix(roll, 0.0, 0.0) @ rays
-    level_u, level_v = camera.cx - camera.focal_px * across, camera.cy - camera.focal_px * up
-    return level_u.reshape(along.shape), level_v.reshape(along.shape)
+    _, left_component, up_component = rotation_matrix(roll, 0.0, 0.0) @ rays
+    level_u, level_v = camera.cx - camera.focal_px * left_component, camera.cy - camera.focal_px * up_component
+    return level_u.reshape(columns.shape), level_v.reshape(columns.shape)

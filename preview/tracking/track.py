@@ -144,17 +144,17 @@ class Track:
     @property
     def depth_is_measured(self) -> bool:
         """True if a pothole's depth is known beyond its prior: from images or an earlier drive."""
-        return self.elevation is not None or any(known.entry == HEIGHT for known in self.directs)
+        return self.elevation is not None or any(measurement.entry == HEIGHT for measurement in self.directs)
 
     @property
     def height_sigma(self) -> float:
         """Relative standard deviation of height or depth."""
         return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
 
-    def update_existence(self, seen: bool, settings: Settings) -> None:
+    def update_existence(self, detected: bool, settings: Settings) -> None:
         """Bayesian update of existence after a frame in which the object should have been visible."""
-        real, false = settings.detection_probability, settings.false_repeat_probability
-        ratio = real / false if seen else (1.0 - real) / (1.0 - false)
+        p_detection, p_false = settings.detection_probability, settings.false_repeat_probability
+        ratio = p_detection / p_false if detected else (1.0 - p_detection) / (1.0 - p_false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
     def update_score(self, score: float, height_px: float, settings: Settings) -> None:
@@ -166,46 +166,46 @@ class Track:
             self.surplus = mean_surplus(self.surplus, surplus(score, height_px, self.cls))
             self.precision = min(settings.precision(self.cls), probability(self.surplus, self.cls))
 
-    def classify(self, seen_as: int, shared: Gaussian, settings: Settings) -> None:
+    def classify(self, detected_class: int, shared: Gaussian, settings: Settings) -> None:
         """Bayesian update of the class; a change of class restarts the fits."""
         confusion = settings.confusion_probability
-        evidence = math.log((1.0 - confusion) / confusion) * (1.0 if seen_as == self.cls else -1.0)
+        evidence = math.log((1.0 - confusion) / confusion) * (1.0 if detected_class == self.cls else -1.0)
         self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
         if self.class_log_odds < 0:
-            self.cls, self.class_log_odds = seen_as, -self.class_log_odds
-            self.surplus, self.precision = 0.0, settings.precision(seen_as)
-            self.fits = first_fits(seen_as, self.start_m, self.best.sigma_m, shared)
+            self.cls, self.class_log_odds = detected_class, -self.class_log_odds
+            self.surplus, self.precision = 0.0, settings.precision(detected_class)
+            self.fits = first_fits(detected_class, self.start_m, self.best.sigma_m, shared)
             # The position remains valid; remembered sizes belong to the other class.
-            self.directs = [known for known in self.directs if known.entry == X]
+            self.directs = [measurement for measurement in self.directs if measurement.entry == X]
 
     def refit(self, shared: Gaussian, settings: Settings) -> None:
         """Fit every remaining kind to all sights, starting from its last fit."""
         del self.sights[: -settings.max_boxes]
-        sights = table(self.sights)
+        bearings = table(self.sights)
         fits = [
-            fit(old.kind, sights, old.state, shared, self.directs, settings, 2, self.elevation)
-            for old in self.fits
+            fit(previous.kind, bearings, previous.state, shared, self.directs, settings, 2, self.elevation)
+            for previous in self.fits
         ]
-        least = min(candidate.cost for candidate in fits)
-        sure = len(self.sights) >= _MIN_BEARINGS
-        self.fits = [candidate for candidate in fits if not sure or candidate.cost < least + _DROP_EVIDENCE]
-        self.strain = strain(sights, self.best.state)
+        best_cost = min(candidate.cost for candidate in fits)
+        enough_bearings = len(self.sights) >= _MIN_BEARINGS
+        self.fits = [candidate for candidate in fits if not enough_bearings or candidate.cost < best_cost + _DROP_EVIDENCE]
+        self.strain = strain(bearings, self.best.state)
 
     def turn(self, x_m: float, turn: PlaneUpdate) -> None:
         """Transform all sights to a road plane that was updated at odometer reading `x_m`."""
         self.turned_rad += abs(turn.pitch_rad)
-        for number, sight in enumerate(self.sights):
-            camera_z = sight.camera_z + turn.heave_m + (x_m - sight.camera_x) * turn.pitch_rad
-            bottom, top = sight.bottom + turn.pitch_rad, sight.top + turn.pitch_rad
-            self.sights[number] = sight._replace(camera_z=camera_z, bottom=bottom, top=top)
+        for index, bearings in enumerate(self.sights):
+            camera_z = bearings.camera_z + turn.heave_m + (x_m - bearings.camera_x) * turn.pitch_rad
+            bottom, top = bearings.bottom + turn.pitch_rad, bearings.top + turn.pitch_rad
+            self.sights[index] = bearings._replace(camera_z=camera_z, bottom=bottom, top=top)
 
     def place(self, x_m: float, sigma_m: float) -> None:
         """Set the near edge to a position from another source than the fit, with its standard deviation."""
-        for number, found in enumerate(self.fits):
-            state, covariance = found.state.copy(), found.covariance.copy()
+        for index, candidate in enumerate(self.fits):
+            state, covariance = candidate.state.copy(), candidate.covariance.copy()
             state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
             covariance[X, X] = sigma_m**2
-            self.fits[number] = found._replace(state=state, covariance=covariance)
+            self.fits[index] = candidate._replace(state=state, covariance=covariance)
 
     def position_sigma_m(self, x_m: float, settings: Settings) -> float:
         """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""

@@ -50,16 +50,16 @@ class Tracker:
         cost = self._costs(view, detections, predictions)
         rows, columns = linear_sum_assignment(cost)
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
-        for number, track in enumerate(list(self.tracks)):
-            if number in pairs:
-                self._associate(track, view, pairs[number], detections)
-            elif predictions[number].visible:
+        for index, track in enumerate(list(self.tracks)):
+            if index in pairs:
+                self._associate(track, view, pairs[index], detections)
+            elif predictions[index].visible:
                 track.update_existence(False, self.settings)
         # A second box on a tracked object does not start a track.
-        claimed = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
-        for number in range(len(detections)):
-            if number not in claimed:
-                self._birth(view, number, detections)
+        matched_boxes = set(np.flatnonzero((cost < _GATE).any(axis=0)).tolist()) if self.tracks else set()
+        for index in range(len(detections)):
+            if index not in matched_boxes:
+                self._birth(view, index, detections)
         self._delete_dead(view.time_s)
 
     def retire(self, time_s: float, rear_wheel_x_m: float) -> None:
@@ -90,106 +90,106 @@ class Tracker:
 
     def _prior(self, track: Track) -> Gaussian:
         """Prior of a track from the calibration, wider in pitch and ground after a change of grade."""
-        known = self.calibration.prior(track.cls)
+        prior = self.calibration.prior(track.cls)
         ahead_m = max(track.start_m - track.last_seen_x_m, 0.0)
-        more = np.diag([1.0, ahead_m**2, 0.0]) * self.grade_sigma**2
-        return Gaussian(known.mean, known.covariance + more)
+        added = np.diag([1.0, ahead_m**2, 0.0]) * self.grade_sigma**2
+        return Gaussian(prior.mean, prior.covariance + added)
 
     def _costs(
         self, view: RectifiedFrame, detections: Detections, predictions: list[PredictedBox]
     ) -> np.ndarray:
         cost = np.full((len(self.tracks), len(detections)), 1e6)
-        for t, (track, place) in enumerate(zip(self.tracks, predictions, strict=True)):
-            for d in range(len(detections)) if place.top < view.limit_row else ():
+        for t, (track, predicted) in enumerate(zip(self.tracks, predictions, strict=True)):
+            for d in range(len(detections)) if predicted.top < view.limit_row else ():
                 if detections.classes[d] == track.cls:
-                    cost[t, d] = self._cost(view, track, place, d)
+                    cost[t, d] = self._cost(view, track, predicted, d)
                 elif self._same_sides(view, track, d):
-                    cost[t, d] = self._cost(view, track, place, d) + _OTHER_CLASS_COST
+                    cost[t, d] = self._cost(view, track, predicted, d) + _OTHER_CLASS_COST
         return cost
 
-    def _cost(self, view: RectifiedFrame, track: Track, place: PredictedBox, number: int) -> float:
-        box = view.boxes[number]
+    def _cost(self, view: RectifiedFrame, track: Track, predicted: PredictedBox, box_index: int) -> float:
+        box = view.boxes[box_index]
         pixel = 2.0 * self.settings.pixel_sigma
         ahead = max(float(track.best.state[0]) - view.pose.x, 1.0)
-        right, left = box_sides(view, number, ahead)
+        right, left = box_sides(view, box_index, ahead)
         reach = _LATERAL_GATE_M + 2.0 * np.sqrt(track.right.variance)
         if left.y_m < track.right.y_m - reach or right.y_m > track.left.y_m + reach:
             return 1e6
-        bottom = (box[3] - min(place.bottom, view.limit_row)) / np.hypot(place.bottom_sigma, pixel)
-        top = (box[1] - max(place.top, 0.0)) / np.hypot(place.top_sigma, pixel)
+        bottom = (box[3] - min(predicted.bottom, view.limit_row)) / np.hypot(predicted.bottom_sigma, pixel)
+        top = (box[1] - max(predicted.top, 0.0)) / np.hypot(predicted.top_sigma, pixel)
         return float(bottom**2 + top**2)
 
-    def _same_sides(self, view: RectifiedFrame, track: Track, number: int) -> bool:
+    def _same_sides(self, view: RectifiedFrame, track: Track, box_index: int) -> bool:
         """True if a box is as wide as the track; otherwise a box of another class is a neighbour."""
-        right, left = self._sides(track, view, number)
+        right, left = self._sides(track, view, box_index)
         tolerance = 0.25 * (left.y_m - right.y_m) + 0.1
         return abs(right.y_m - track.right.y_m) < tolerance and abs(left.y_m - track.left.y_m) < tolerance
 
-    def _associate(self, track: Track, view: RectifiedFrame, number: int, detections: Detections) -> None:
-        cls = int(detections.classes[number])
+    def _associate(self, track: Track, view: RectifiedFrame, box_index: int, detections: Detections) -> None:
+        cls = int(detections.classes[box_index])
         track.classify(cls, self.calibration.prior(cls), self.settings)
-        self._rate(track, view, number, detections)
-        track.sights.append(edge_bearings(view, number))
+        self._rate(track, view, box_index, detections)
+        track.sights.append(edge_bearings(view, box_index))
         track.hits += 1
         track.update_existence(True, self.settings)
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
-        track.marked = self._position_by_marks(view, number) or track.marked
+        track.marked = self._position_by_marks(view, box_index) or track.marked
         self.refit(track)
-        for edge, seen in zip((track.right, track.left), self._sides(track, view, number), strict=True):
-            edge.update(seen.y_m, seen.variance)
+        for edge, side in zip((track.right, track.left), self._sides(track, view, box_index), strict=True):
+            edge.update(side.y_m, side.variance)
         if not track.confirmed and track.existence > self.settings.confirm_existence:
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
 
-    def _position_by_marks(self, view: RectifiedFrame, number: int) -> tuple[float, float] | None:
+    def _position_by_marks(self, view: RectifiedFrame, box_index: int) -> tuple[float, float] | None:
         """Near edge of a box by the marks, and its sigma; None without marks or out of range."""
-        if self.marks is None or view.cut[number][3]:
+        if self.marks is None or view.cut[box_index][3]:
             return None
-        row = float(view.boxes[number][3])
-        away = float(distance(self.marks, row))
-        if not away < self.settings.birth_range_m:  # also for nan: a row at or above the marks' horizon
+        row = float(view.boxes[box_index][3])
+        distance_m = float(distance(self.marks, row))
+        if not distance_m < self.settings.birth_range_m:  # also for nan: a row at or above the marks' horizon
             return None
-        return view.pose.x + away, distance_sigma(self.marks, row, self.settings.pixel_sigma)
+        return view.pose.x + distance_m, distance_sigma(self.marks, row, self.settings.pixel_sigma)
 
-    def _birth(self, view: RectifiedFrame, number: int, detections: Detections) -> None:
-        score, cls = float(detections.scores[number]), int(detections.classes[number])
-        sight = edge_bearings(view, number)
+    def _birth(self, view: RectifiedFrame, box_index: int, detections: Detections) -> None:
+        score, cls = float(detections.scores[box_index]), int(detections.classes[box_index])
+        bearings = edge_bearings(view, box_index)
         prior = self.calibration.prior(cls)
-        x, sigma = ground_position_of_box(view, number, prior)
-        if not np.isfinite(sight.bottom) or not x - view.pose.x < self.settings.birth_range_m:
+        x, sigma = ground_position_of_box(view, box_index, prior)
+        if not np.isfinite(bearings.bottom) or not x - view.pose.x < self.settings.birth_range_m:
             return
-        marked = self._position_by_marks(view, number)
-        if self.marks is not None and marked is None:
+        mark_position = self._position_by_marks(view, box_index)
+        if self.marks is not None and mark_position is None:
             return
-        if self._is_part(view, number, cls, x):
+        if self._is_part(view, box_index, cls, x):
             return
         fits = first_fits(cls, x, sigma, prior)
         log_odds = 2.0 * score - 2.0
         unknown = Edge(0.0, np.inf)
-        track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [sight])
+        track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [bearings])
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
-        track.precision, track.marked = self.settings.precision(cls), marked
+        track.precision, track.marked = self.settings.precision(cls), mark_position
         track.classify(cls, prior, self.settings)
-        self._rate(track, view, number, detections)
+        self._rate(track, view, box_index, detections)
         self.refit(track)
         track.right, track.left = (
             Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
-            for edge in self._sides(track, view, number)
+            for edge in self._sides(track, view, box_index)
         )
         self._next_identity += 1
         self.tracks.append(track)
         self.log("born", track, view.time_s)
 
-    def _rate(self, track: Track, view: RectifiedFrame, number: int, detections: Detections) -> None:
+    def _rate(self, track: Track, view: RectifiedFrame, box_index: int, detections: Detections) -> None:
         """Score update, except by a box of the wrong class, which says nothing of the right one."""
-        if self.settings.score_evidence and int(detections.classes[number]) == track.cls:
-            box = view.boxes[number]
-            track.update_score(float(detections.scores[number]), float(box[3] - box[1]), self.settings)
+        if self.settings.score_evidence and int(detections.classes[box_index]) == track.cls:
+            box = view.boxes[box_index]
+            track.update_score(float(detections.scores[box_index]), float(box[3] - box[1]), self.settings)
 
-    def _is_part(self, view: RectifiedFrame, number: int, cls: int, x_m: float) -> bool:
+    def _is_part(self, view: RectifiedFrame, box_index: int, cls: int, x_m: float) -> bool:
         """True if a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
-        right, left = box_sides(view, number, max(x_m - view.pose.x, 1.0))
+        right, left = box_sides(view, box_index, max(x_m - view.pose.x, 1.0))
         return any(
             track.start_m - _PART_MARGIN_M < x_m < track.end_m + _PART_MARGIN_M
             and right.y_m < track.left.y_m
@@ -198,11 +198,11 @@ class Tracker:
             if track.confirmed and track.cls == cls and track.best.kind.sign > 0
         )
 
-    def _sides(self, track: Track, view: RectifiedFrame, number: int) -> tuple[Edge, Edge]:
+    def _sides(self, track: Track, view: RectifiedFrame, box_index: int) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest at its near edge, a hole in its middle."""
         state = track.best.state
         share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
-        return box_sides(view, number, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
+        return box_sides(view, box_index, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
 
     def _delete_dead(self, time_s: float) -> None:
         for track in [t for t in self.tracks if t.existence < self.settings.death_existence]:

@@ -47,20 +47,20 @@ class WheelStrikeDetector:
             return None
         section = track.section(self.y_m)
         start, flank = section.start_m, _flank_m(section)
-        allowed = min(self.settings.hit_gate_m, max(0.1, 4.0 * track.best.sigma_m))
+        max_shift = min(self.settings.hit_gate_m, max(0.1, 4.0 * track.best.sigma_m))
         x, height = np.array(self._path).T
-        flat = (x > start - allowed - _LEVEL_BASE_M) & (x < start - allowed)
-        if not flat.any():
+        level_mask = (x > start - max_shift - _LEVEL_BASE_M) & (x < start - max_shift)
+        if not level_mask.any():
             return None
-        near = (x >= start - allowed - _LEVEL_BASE_M) & (x < start + flank + allowed)
-        felt = np.clip(height[near] - height[flat].mean(), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
-        shifts = np.arange(-allowed, allowed + _STEP_M / 2, _STEP_M)
-        ahead = x[near] - start - shifts[:, None]
-        at, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
-        wanted = np.clip(np.interp(ahead, at, profile), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
-        counts = ahead < flank
-        error = (np.where(counts, felt - wanted, 0.0) ** 2).sum(axis=1)
-        explained = 1.0 - error / (np.where(counts, felt, 0.0) ** 2).sum(axis=1).clip(1e-9)
+        in_window = (x >= start - max_shift - _LEVEL_BASE_M) & (x < start + flank + max_shift)
+        measured = np.clip(height[in_window] - height[level_mask].mean(), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
+        shifts = np.arange(-max_shift, max_shift + _STEP_M / 2, _STEP_M)
+        ahead = x[in_window] - start - shifts[:, None]
+        profile_x, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
+        template = np.clip(np.interp(ahead, profile_x, profile), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
+        on_flank = ahead < flank
+        error = (np.where(on_flank, measured - template, 0.0) ** 2).sum(axis=1)
+        explained = 1.0 - error / (np.where(on_flank, measured, 0.0) ** 2).sum(axis=1).clip(1e-9)
         best = int(np.argmax(explained))
         if explained[best] < _MIN_EXPLAINED or best in (0, len(shifts) - 1):
             return None
