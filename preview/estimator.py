@@ -16,7 +16,7 @@ from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.recall import expectations, recall, remember
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import LENGTH, X
+from foreride.preview.tracking.object_state import LENGTH, X
 from foreride.preview.tracking.observation import rectify_frame
 from foreride.preview.tracking.track import Track
 from foreride.preview.tracking.tracker import Tracker
@@ -139,7 +139,7 @@ class Estimator:
                 "kind": track.best.kind.name,
                 "x_m": float(track.best.state[X]),
                 "sigma_m": track.sigma_m,
-                "strain": track.strain,
+                "strain": track.variance_ratio,
                 "length_m": float(track.best.state[LENGTH]),
                 "height_m": track.best.kind.sign * track.section(track.centre_y_m).height_m,
                 "existence": track.existence,
@@ -156,13 +156,13 @@ class Estimator:
         return remember(self.tracker.calibration, self.tracker.passed + self.tracker.tracks)
 
     def _apply_strike(self, track: Track, time_s: float) -> None:
-        track.struck = True
+        track.wheel_compared = True
         strike = self._front.compare(track)
         if strike is None:
             return
         shift_m = strike.value - track.start_m
-        track.directs.append(strike)
-        track.precision = 1.0
+        track.direct_measurements.append(strike)
+        track.real_probability = 1.0
         self.tracker.refit(track)
         self.tracker.log("struck", track, time_s, moved_m=shift_m)
 

@@ -117,8 +117,7 @@ class EgoMotion:
         use_plane = on_plane and time_s >= self._masked_until_s
         inertial = self._at_centre(measurement.body_acc), measurement.pitch_rate, measurement.roll_rate
         acceleration, pitch_rate, roll_rate = (
-            0.5 * (now + last)
-            for now, last in zip(inertial, self._last_inertial or inertial, strict=True)
+            0.5 * (now + last) for now, last in zip(inertial, self._last_inertial or inertial, strict=True)
         )
         self._body.predict(step, acceleration, pitch_rate)
         self._roll.predict(step, roll_rate)
@@ -133,7 +132,9 @@ class EgoMotion:
         self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
         path_curvature = curvature(yaw_rate, measurement.speed_m_s)
-        state = EgoState(time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad, path_curvature)
+        state = EgoState(
+            time_s, self.x_m, heave, pitch, measurement.speed_m_s, self._roll.roll_rad, path_curvature
+        )
         self._times.append(state.time_s)
         self._states.append(state)
         if len(self._times) > 2 and self._times[0] < state.time_s - 2 * self.settings.history_s:

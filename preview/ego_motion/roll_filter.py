@@ -9,6 +9,8 @@ import numpy as np
 from foreride.preview.settings import Settings
 
 Array = np.ndarray
+ROLL, GYRO = range(2)
+"""State: roll angle (rad) and gyro offset (rad/s)."""
 
 
 class RollFilter:
@@ -29,16 +31,16 @@ class RollFilter:
     @property
     def roll_rad(self) -> float:
         """Current estimate of the roll angle."""
-        return float(self.state[0])
+        return float(self.state[ROLL])
 
     def predict(self, step: float, roll_rate: float) -> None:
         """Prediction over `step` seconds with the gyro's mean reading (rad/s)."""
         if not self._square:
             return
-        self.state[0] += step * (roll_rate - self.state[1])
+        self.state[ROLL] += step * (roll_rate - self.state[GYRO])
         transition = np.array([[1.0, -step], [0.0, 1.0]])
         self.covariance = transition @ self.covariance @ transition.T
-        self.covariance[0, 0] += np.deg2rad(self.settings.gyro_noise_deg_s) ** 2 * step
+        self.covariance[ROLL, ROLL] += np.deg2rad(self.settings.gyro_noise_deg_s) ** 2 * step
 
     def level(self, deflection: Array, roughness_m: float) -> None:
         """Correction by the road plane.
@@ -49,6 +51,6 @@ class RollFilter:
             return
         measured = float(self._kinematic_row @ deflection) / self._square
         variance = (self.settings.level_ratio * roughness_m) ** 2 / self._square
-        gain = self.covariance[:, 0] / (self.covariance[0, 0] + variance)
-        self.state = self.state + gain * (measured - self.state[0])
-        self.covariance = self.covariance - np.outer(gain, self.covariance[0])
+        gain = self.covariance[:, ROLL] / (self.covariance[ROLL, ROLL] + variance)
+        self.state = self.state + gain * (measured - self.state[ROLL])
+        self.covariance = self.covariance - np.outer(gain, self.covariance[ROLL])

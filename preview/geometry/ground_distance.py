@@ -67,7 +67,9 @@ def locate(
     with np.errstate(divide="ignore", invalid="ignore"):
         range_m = (z - pose.z) / direction[:, 2]
         ray_derivatives = right, down, np.cross(lateral_axis, direction)  # the last: pitch nose-down
-        columns = [range_m[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in ray_derivatives]
+        columns = [
+            range_m[:, None] * (t - direction * (t[:, 2:] / direction[:, 2:])) for t in ray_derivatives
+        ]
         columns.append(-direction / direction[:, 2:])  # camera rises, measured in the plane
     jacobian = np.stack(columns, axis=2)[:, :2]
     variance = np.array([pixel_sigma, pixel_sigma, pitch_sigma, height_sigma]) ** 2

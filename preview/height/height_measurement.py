@@ -91,7 +91,9 @@ class HeightGauge:
         if columns[1] - columns[0] < _MIN_COLUMNS:
             return False
         view = band(self.camera, exposure.pose, partner.pose, rows, columns)
-        start = coarse(self.camera, view, exposure.image, partner.image) if stereo else np.ones_like(view.ahead)
+        start = (
+            coarse(self.camera, view, exposure.image, partner.image) if stereo else np.ones_like(view.ahead)
+        )
         middle = max(0.5 * (track.start_m + track.end_m) - exposure.pose.x, 3.0)
         width_px = 2 * round(0.5 * self._window_m(track) * self.camera.focal_px / middle) + 1
         field = match(self.camera, view, exposure.image, partner.image, start, width_px)
@@ -183,7 +185,7 @@ class HeightGauge:
 
         nominal: (rows,) distance at which a row meets the nominal plane.
         """
-        bearings = track.sights[-1] if track.sights else None  # a track from memory has none yet
+        bearings = track.bearings[-1] if track.bearings else None  # a track from memory has none yet
         if bearings is None or np.isnan(bearings.bottom) or bearings.camera_x != pose.x:
             return None
         ahead = bearings.camera_z / np.tan(bearings.bottom)

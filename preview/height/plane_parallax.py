@@ -82,7 +82,7 @@ def band(
     return ImageBand(rows[0], columns[0], *ground, other_point, travel.astype(np.float32), float(reference.z))
 
 
-def place(camera: Camera, view: ImageBand, q: Array) -> tuple[Array, Array, Array]:
+def project_structure(camera: Camera, view: ImageBand, q: Array) -> tuple[Array, Array, Array]:
     """Columns and rows (for `cv2.remap`) in the other image of points at structure `q`, and their depth."""
     forward, left, up = (part + q * step for part, step in zip(view.other, view.travel, strict=True))
     scale = np.float32(camera.focal_px) / forward
@@ -107,11 +107,11 @@ def match(
     reference = image[view.top : view.top + rows, view.left : view.left + columns].astype(np.float32)
     q = start
     for _ in range(iterations):
-        at_u, at_v, forward = place(camera, view, q)
+        at_u, at_v, forward = project_structure(camera, view, q)
         warped = cv2.remap(other, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(
             np.float32
         )
-        # Along the epipolar line, by the derivative of `place`; the image's gradient is that of both images.
+        # Along the epipolar line, by the derivative of `project_structure`, with the gradient of both images.
         scale = np.float32(1.0) / forward
         along_u = scale * (-camera.focal_px * view.travel[1] - (at_u - camera.cx + 0.5) * view.travel[0])
         along_v = scale * (-camera.focal_px * view.travel[2] - (at_v - camera.cy + 0.5) * view.travel[0])
@@ -125,7 +125,11 @@ def match(
         weight = cv2.boxFilter(slope * slope, -1, window)
         regularised = weight + _REGULARISATION * pixels**2
         max_step = _MAX_STEP_PX / pixels
-        q = np.clip(q + np.clip(error / regularised, -max_step, max_step), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE)
-        q = cv2.boxFilter(q * regularised, -1, (window_px, 1)) / cv2.boxFilter(regularised, -1, (window_px, 1))
+        q = np.clip(
+            q + np.clip(error / regularised, -max_step, max_step), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE
+        )
+        q = cv2.boxFilter(q * regularised, -1, (window_px, 1)) / cv2.boxFilter(
+            regularised, -1, (window_px, 1)
+        )
     noise = 1.48 * float(np.median(np.abs(reference - warped)))
     return StructureField(q, weight / pixels**2, np.stack([along_u, along_v]), noise)

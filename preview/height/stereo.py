@@ -11,7 +11,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from foreride.preview.height.plane_parallax import ImageBand, place
+from foreride.preview.height.plane_parallax import ImageBand, project_structure
 from foreride.road.camera.pinhole import Camera, CameraPose
 
 Array = np.ndarray
@@ -27,7 +27,7 @@ def second_pose(pose: CameraPose, base_m: float) -> CameraPose:
 def coarse(camera: Camera, view: ImageBand, left: Array, right: Array) -> Array:
     """Structure q (rows, columns) of a band by semi-global matching, accurate to about half a pixel."""
     rows, columns = view.ahead.shape
-    at_u, at_v, forward = place(camera, view, np.ones_like(view.ahead))
+    at_u, at_v, forward = project_structure(camera, view, np.ones_like(view.ahead))
     warped = cv2.remap(right, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     reference = left[view.top : view.top + rows, view.left : view.left + columns]
     half_size = (max(columns // 2, 1), max(rows // 2, 1))

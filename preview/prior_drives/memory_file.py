@@ -128,7 +128,9 @@ def to_text(memory: Memory) -> str:
 
 def mounting_covariance(mounting: Mounting) -> np.ndarray:
     """Covariance (2, 2) of pitch and height."""
-    return np.array([[mounting.pitch_variance, mounting.covariance], [mounting.covariance, mounting.height_variance]])
+    return np.array(
+        [[mounting.pitch_variance, mounting.covariance], [mounting.covariance, mounting.height_variance]]
+    )
 
 
 def calibration_covariance(mounting: Mounting, rows: RowBias) -> np.ndarray:
@@ -136,5 +138,8 @@ def calibration_covariance(mounting: Mounting, rows: RowBias) -> np.ndarray:
     cross = np.array([rows.with_pitch, rows.with_height])
     (bump, hole), covariance = rows.variance, rows.covariance
     return np.block(
-        [[mounting_covariance(mounting), cross], [cross.T, np.array([[bump, covariance], [covariance, hole]])]]
+        [
+            [mounting_covariance(mounting), cross],
+            [cross.T, np.array([[bump, covariance], [covariance, hole]])],
+        ]
     )

@@ -12,8 +12,9 @@ from foreride.preview.prior_drives.memory_file import (
     mounting_covariance,
 )
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import HEIGHT, LENGTH, DirectMeasurement, X, fit, start_state
+from foreride.preview.tracking.gauss_newton import DirectMeasurement, fit, start_state
 from foreride.preview.tracking.mounting_filter import MOUNTING, ROWS, Calibration
+from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
 from foreride.preview.tracking.obstacle_templates import POTHOLE
 from foreride.preview.tracking.track import LOG_ODDS_LIMIT, Edge, Track
 
@@ -99,14 +100,16 @@ def _track_from_memory(
     kind = TEMPLATE_BY_NAME[remembered.kind]
     # Both drives' odometers have drifted by the time the object is reached.
     drift = np.sqrt(2.0) * settings.odometry_sigma * abs(remembered.x_m - x_m)
-    directs = [DirectMeasurement(X, remembered.x_m, float(np.hypot(remembered.x_sigma_m, drift)))]
+    direct_measurements = [DirectMeasurement(X, remembered.x_m, float(np.hypot(remembered.x_sigma_m, drift)))]
     if remembered.length_m is not None and remembered.length_sigma_m is not None:
-        directs.append(DirectMeasurement(LENGTH, remembered.length_m, remembered.length_sigma_m))
+        direct_measurements.append(DirectMeasurement(LENGTH, remembered.length_m, remembered.length_sigma_m))
     if remembered.height_m is not None and remembered.height_sigma_m is not None:
-        directs.append(DirectMeasurement(HEIGHT, remembered.height_m, remembered.height_sigma_m))
+        direct_measurements.append(DirectMeasurement(HEIGHT, remembered.height_m, remembered.height_sigma_m))
     prior = calibration.prior(kind.cls)
-    start = start_state(remembered.x_m, prior, remembered.length_m or kind.length_m, remembered.height_m or kind.height_m)
-    best = fit(kind, [], start, prior, directs, settings)
+    start = start_state(
+        remembered.x_m, prior, remembered.length_m or kind.length_m, remembered.height_m or kind.height_m
+    )
+    best = fit(kind, [], start, prior, direct_measurements, settings)
     variance = remembered.y_sigma_m**2
     track = Track(
         identity,
@@ -116,7 +119,7 @@ def _track_from_memory(
         Edge(remembered.y_min_m, variance),
         Edge(remembered.y_max_m, variance),
         [best],
-        directs=directs,
+        direct_measurements=direct_measurements,
         hits=0,
         class_log_odds=LOG_ODDS_LIMIT,
     )

@@ -70,9 +70,16 @@ def read(path: Path | str) -> RoadMap:
                 f"{path}: each column must be named once, got {shortened(', '.join(duplicates))} twice"
             )
         height_columns = [k for k, name in enumerate(header) if name not in _UNCERTAINTY_COLUMNS]
-        x, y, heights = csv_profile.profile_of(path, [header[k] for k in height_columns], table[:, height_columns])
-        quality_columns = {name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header}
-    quality = {name: quality_columns.get(name, np.full(len(x), default)) for name, default in _UNCERTAINTY_COLUMNS.items()}
+        x, y, heights = csv_profile.profile_of(
+            path, [header[k] for k in height_columns], table[:, height_columns]
+        )
+        quality_columns = {
+            name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header
+        }
+    quality = {
+        name: quality_columns.get(name, np.full(len(x), default))
+        for name, default in _UNCERTAINTY_COLUMNS.items()
+    }
     loaded = surface(x, y, heights, str(path))
     try:
         return RoadMap(loaded, **quality, start_m=float(x[0]))

@@ -17,10 +17,10 @@ import numpy as np
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.height_likelihood import HeightSamples, equations
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
 from foreride.preview.tracking.obstacle_templates import ObstacleTemplate, unit_profile
 
 Array = np.ndarray
-X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS = range(6)
 SHARED = np.array([OFFSET, GROUND, EDGE_BIAS])  # states with a component common to all objects
 _SHARED_BLOCK = np.ix_(SHARED, SHARED)
 _PROFILE_POINTS = np.linspace(0.0, 1.0, 21)
@@ -47,6 +47,9 @@ class EdgeBearings(NamedTuple):
     top: float
     bottom_sigma: float
     top_sigma: float
+
+
+_CAMERA_X = EdgeBearings._fields.index("camera_x")
 
 
 class DirectMeasurement(NamedTuple):
@@ -85,22 +88,22 @@ def start_state(x_m: float, shared: Gaussian, length_m: float, height_m: float) 
     return np.array([x_m, offset, ground, length_m, height_m, edge_bias])
 
 
-def table(sights: list[EdgeBearings] | Array) -> Array:
+def table(bearings: list[EdgeBearings] | Array) -> Array:
     """Edge bearings as rows (n, 7), columns as in `EdgeBearings`."""
-    return np.asarray(sights, dtype=float).reshape(-1, len(EdgeBearings._fields))
+    return np.asarray(bearings, dtype=float).reshape(-1, len(EdgeBearings._fields))
 
 
 def fit(
     kind: ObstacleTemplate,
-    sights: list[EdgeBearings] | Array,
+    bearings: list[EdgeBearings] | Array,
     start: Array,
     shared: Gaussian,
-    directs: list[DirectMeasurement],
+    direct_measurements: list[DirectMeasurement],
     settings: Settings,
     iterations: int = 3,
     elevation: HeightSamples | None = None,
 ) -> Fit:
-    """Maximum a posteriori state for all `sights` (or their `table`), from `start`.
+    """Maximum a posteriori state for all `bearings` (or their `table`), from `start`.
 
     kind and shared hold the priors; directs are direct measurements of single states, such as the position of
     a wheel strike; elevation holds height samples measured in images.
@@ -108,32 +111,37 @@ def fit(
     priors = [
         DirectMeasurement(LENGTH, kind.length_m, kind.length_sigma_m),
         DirectMeasurement(HEIGHT, kind.height_m, kind.height_sigma_m),
-        *directs,
+        *direct_measurements,
     ]
-    priors_table = np.array(priors)
-    index = priors_table[:, 0].astype(int)
+    entries, values, sigmas = np.array(priors).T
+    index = entries.astype(int)
     shared_information = np.linalg.inv(shared.covariance)
-    data = table(sights)
+    data = table(bearings)
     lower, upper = _MIN_STATE.copy(), _MAX_STATE.copy()
     if len(data):
-        lower[X], upper[X] = data[:, 1].min() - _X_MARGIN_BEHIND_M, data[:, 1].max() + _X_MARGIN_AHEAD_M
+        camera_x = data[:, _CAMERA_X]
+        lower[X], upper[X] = camera_x.min() - _X_MARGIN_BEHIND_M, camera_x.max() + _X_MARGIN_AHEAD_M
     state = start.copy()
     for _ in range(iterations):
         information, gradient, cost = _normal_equations(kind, data, state, settings)
         if elevation is not None:
             elevation_terms = equations(kind, elevation, state)
-            information, gradient, cost = information + elevation_terms[0], gradient + elevation_terms[1], cost + elevation_terms[2]
+            information, gradient, cost = (
+                information + elevation_terms[0],
+                gradient + elevation_terms[1],
+                cost + elevation_terms[2],
+            )
         deviation = shared.mean - state[SHARED]
         information[_SHARED_BLOCK] += shared_information
         gradient[SHARED] += shared_information @ deviation
         cost += 0.5 * float(deviation @ shared_information @ deviation)
-        normalised = (priors_table[:, 1] - state[index]) / priors_table[:, 2]
-        np.add.at(information, (index, index), priors_table[:, 2] ** -2)
-        np.add.at(gradient, index, normalised / priors_table[:, 2])
+        normalised = (values - state[index]) / sigmas
+        np.add.at(information, (index, index), sigmas**-2)
+        np.add.at(gradient, index, normalised / sigmas)
         cost += 0.5 * float((normalised**2).sum())
         state = np.clip(state + np.linalg.solve(information, gradient), lower, upper)
     # Laplace approximation of the evidence: prior normalisation and posterior volume.
-    cost += float(np.log(priors_table[:, 2]).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
+    cost += float(np.log(sigmas).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
     return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
 
 
@@ -159,14 +167,14 @@ def _normal_equations(
     kind: ObstacleTemplate, data: Array, state: Array, settings: Settings
 ) -> tuple[Array, Array, float]:
     """Information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
-    camera_x, camera_z = data[:, 1], data[:, 2]
+    _, camera_x, camera_z, bottom_angle, top_angle, bottom_sigma, top_sigma = data.T
     ahead, below, share = silhouette(kind, state, camera_x, camera_z)
     ahead = np.concatenate([state[X] - camera_x, ahead])
     below = np.concatenate([camera_z - state[GROUND], below])
     share = np.concatenate([np.zeros(len(data)), share])
     rise = np.concatenate([np.zeros(len(data)), unit_profile(kind, share[len(data) :], state[LENGTH])])
-    measured = np.concatenate([data[:, 3], data[:, 4]])
-    sigma = np.concatenate([data[:, 5], data[:, 6]])
+    measured = np.concatenate([bottom_angle, top_angle])
+    sigma = np.concatenate([bottom_sigma, top_sigma])
 
     bottom = np.concatenate([np.ones(len(data)), np.zeros(len(data))])
     residual = measured + state[OFFSET] - bottom * state[EDGE_BIAS] - np.arctan2(below, ahead)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from foreride.preview.tracking.object_state import EDGE_BIAS, HEIGHT, LENGTH, X
 from foreride.preview.tracking.obstacle_templates import RAMP, TABLE, ObstacleTemplate, unit_profile
 
 Array = np.ndarray
@@ -83,10 +84,10 @@ class HeightSamples:
 def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) -> tuple[Array, Array, float]:
     """Information (6, 6), gradient (6,) and half the squared error of the samples, to be added to a fit.
 
-    state: [X, b, z, L, H, d] of `preview.tracking.gauss_newton`; b and z do not matter here.
+    state: indices of `preview.tracking.object_state`; pitch offset and ground height do not matter here.
     """
     rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
-    shape = np.array([state[0], state[3], state[4], RAMP])
+    shape = np.array([state[X], state[LENGTH], state[HEIGHT], RAMP])
     steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
     smeared = _smeared_heights(kind, rows, shape + steps)
     levels = smeared.mean(axis=2)
@@ -94,7 +95,11 @@ def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) ->
     slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
     by_x, by_length, by_height = slopes[:3]
     by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
-    ones, zeros, from_middle = np.ones_like(model), np.zeros_like(model), rows.x_m - state[0] - 0.5 * state[3]
+    ones, zeros, from_middle = (
+        np.ones_like(model),
+        np.zeros_like(model),
+        rows.x_m - state[X] - 0.5 * state[LENGTH],
+    )
     residual = rows.z_m - model
     # State; nuisances (ground, slope, shift, ramp, a frame's ground and slope); residual.
     columns = [
@@ -117,7 +122,9 @@ def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) ->
     weight = sigma**-2 / (1.0 + (residual / (_ROBUST * sigma)) ** 2)
     ends = np.cumsum([len(frame.x_m) for frame in elevation.frames])[:-1]
     squares = [
-        _marginalise((part * frame_weight[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA))
+        _marginalise(
+            (part * frame_weight[:, None]).T @ part, _FRAME, (_FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA)
+        )
         for part, frame_weight in zip(np.split(table, ends), np.split(weight, ends), strict=True)
     ]
     squares += [_edge_terms(edge, state) for edge in elevation.edges]
@@ -128,7 +135,7 @@ def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) ->
 
 def _edge_terms(edge: NearEdge, state: Array) -> Array:
     """Contribution of one near edge to the table's square (11, 11): distance from X, shift, edge bias."""
-    residual = edge.x_m + edge.low_m * state[5] - state[0]
+    residual = edge.x_m + edge.low_m * state[EDGE_BIAS] - state[X]
     weight = edge.sigma_m**-2 / (1.0 + (residual / (_ROBUST * edge.sigma_m)) ** 2)
     row = np.array([1.0, 0.0, 0.0, 0.0, 0.0, -edge.low_m, 0.0, 0.0, 1.0, 0.0, residual])
     return weight * np.outer(row, row)
@@ -142,7 +149,7 @@ def _marginalise(square: Array, nuisance: slice, sigmas: tuple[float, ...]) -> A
     return square[np.ix_(kept_columns, kept_columns)] - cross.T @ np.linalg.solve(block, cross)
 
 
-def seen(
+def visible_height(
     kind: ObstacleTemplate,
     rows: HeightRows,
     start_m: float,
@@ -155,7 +162,7 @@ def seen(
 
 
 def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) -> Array:
-    """Heights (shapes, n, 3) near, amid and far in the smear that `seen` averages.
+    """Heights (shapes, n, 3) near, amid and far in the smear that `visible_height` averages.
 
     shapes: (shapes, 4) near edge, length, height, and the share of a ramp.
     """
@@ -163,12 +170,17 @@ def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) ->
     stations = start + _PROFILE_POINTS * length
     rises = height * unit_profile(kind, _PROFILE_POINTS, length, ramp)
     # Intersection with the plane of the line of sight through each point; hidden points do not advance it.
-    plane_crossings = np.maximum.accumulate(stations[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2)
+    plane_crossings = np.maximum.accumulate(
+        stations[:, None, :] + rises[:, None, :] * rows.slant[:, None], axis=2
+    )
     positions = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
     points_before = (plane_crossings[:, :, None, :] < positions[:, :, None]).sum(axis=3)
     on_shape = (points_before > 0) & (points_before < len(_PROFILE_POINTS))
     k = np.clip(points_before, 1, len(_PROFILE_POINTS) - 1)
-    low, high = np.take_along_axis(plane_crossings, k - 1, axis=2), np.take_along_axis(plane_crossings, k, axis=2)
+    low, high = (
+        np.take_along_axis(plane_crossings, k - 1, axis=2),
+        np.take_along_axis(plane_crossings, k, axis=2),
+    )
     # Over a hidden stretch the height jumps: the far end of the stretch counts.
     fraction = np.clip((positions - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
     shape_index = np.arange(len(shapes))[:, None, None]

@@ -17,6 +17,7 @@ from foreride.preview.settings import Settings
 Array = np.ndarray
 MOUNTING = slice(0, 2)
 ROWS = slice(2, 4)  # bottom-edge bias of speed bumps and of potholes
+_EDGE_BIAS = 2  # index among the shared states of an object
 
 
 class Gaussian(NamedTuple):
@@ -46,16 +47,24 @@ class Calibration:
         """Prior of the shared states of an object of class `cls`."""
         observation, offset = self._observation(cls)
         return Gaussian(
-            observation @ self.mean + offset, observation @ self.covariance @ observation.T + self._object_covariance
+            observation @ self.mean + offset,
+            observation @ self.covariance @ observation.T + self._object_covariance,
         )
 
     def learn(self, posterior: Gaussian, cls: int) -> None:
         """Update with the posterior of an object of class `cls`, less the prior that it contains."""
         prior = self.prior(cls)
-        prior_information, posterior_information = np.linalg.inv(prior.covariance), np.linalg.inv(posterior.covariance)
+        prior_information, posterior_information = (
+            np.linalg.inv(prior.covariance),
+            np.linalg.inv(posterior.covariance),
+        )
         # Information of the object's boxes and strikes alone; a trace of the prior keeps it invertible.
-        object_information = posterior_information - prior_information + 1e-6 * np.diag(np.diag(prior_information))
-        object_mean = np.linalg.solve(object_information, posterior_information @ posterior.mean - prior_information @ prior.mean)
+        object_information = (
+            posterior_information - prior_information + 1e-6 * np.diag(np.diag(prior_information))
+        )
+        object_mean = np.linalg.solve(
+            object_information, posterior_information @ posterior.mean - prior_information @ prior.mean
+        )
         observation, offset = self._observation(cls)
         innovation = prior.covariance + np.linalg.inv(object_information)
         gain = np.linalg.solve(innovation, observation @ self.covariance).T
@@ -66,7 +75,7 @@ class Calibration:
     def _observation(self, cls: int) -> tuple[Array, Array]:
         """(H, k): H states + k are the shared states seen by boxes of class `cls`, as in `Gaussian`."""
         observation, offset = np.eye(3, 4), np.zeros(3)
-        observation[2] = 0.0
-        observation[2, 2 + cls] = self._rad_per_px
-        offset[2] = -self._rad_per_px * self._subtracted_bias_px[cls]
+        observation[_EDGE_BIAS] = 0.0
+        observation[_EDGE_BIAS, ROWS.start + cls] = self._rad_per_px
+        offset[_EDGE_BIAS] = -self._rad_per_px * self._subtracted_bias_px[cls]
         return observation, offset

@@ -10,16 +10,9 @@ from foreride.preview.edge_bias import edge_bias
 from foreride.preview.ego_motion.path import STRAIGHT, Path
 from foreride.preview.geometry.ground_distance import depression, depression_sigma, locate, row_of
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import (
-    EDGE_BIAS,
-    GROUND,
-    LENGTH,
-    OFFSET,
-    EdgeBearings,
-    X,
-    silhouette,
-)
+from foreride.preview.tracking.gauss_newton import EdgeBearings, silhouette
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, LENGTH, OFFSET, X
 from foreride.preview.tracking.rectify import rectify_boxes
 from foreride.preview.tracking.track import Edge, Track
 from foreride.road.camera.pinhole import Camera, CameraPose
@@ -95,10 +88,14 @@ def ground_position_of_box(view: RectifiedFrame, box_index: int, shared: Gaussia
     box = view.boxes[box_index]
     pitch_row, ground_row = np.array([1.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0])
     pitch, ground = float(pitch_row @ shared.mean), float(ground_row @ shared.mean)
-    pitch_sigma, ground_sigma = (float(np.sqrt(row @ shared.covariance @ row)) for row in (pitch_row, ground_row))
+    pitch_sigma, ground_sigma = (
+        float(np.sqrt(row @ shared.covariance @ row)) for row in (pitch_row, ground_row)
+    )
     corrected_pose = replace(view.pose, pitch=view.pose.pitch + pitch)
     pixel = np.array([[0.5 * (box[0] + box[2]), box[3]]])
-    located = locate(view.camera, corrected_pose, pixel, view.settings.pixel_sigma, pitch_sigma, ground_sigma, ground)
+    located = locate(
+        view.camera, corrected_pose, pixel, view.settings.pixel_sigma, pitch_sigma, ground_sigma, ground
+    )
     return float(located.position[0, 0]), float(np.sqrt(located.covariance[0, 0, 0]))
 
 

@@ -8,18 +8,19 @@ noise level of the detector. A change that is still ahead of the camera cannot b
 
 import numpy as np
 
-from foreride.preview.tracking.gauss_newton import EDGE_BIAS, GROUND, OFFSET, EdgeBearings, X, table
+from foreride.preview.tracking.gauss_newton import EdgeBearings, table
+from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, OFFSET, X
 
 _BLOCK = 5  # frames
 _MIN_BLOCKS = 3
 
 
-def strain(sights: list[EdgeBearings] | np.ndarray, state: np.ndarray) -> float:
-    """Variance ratio of the near-edge residuals, about 1 on a plane road; 0 for too few sights.
+def residual_variance_ratio(bearings: list[EdgeBearings] | np.ndarray, state: np.ndarray) -> float:
+    """Variance ratio of the near-edge residuals, about 1 on a plane road; 0 for too few bearings.
 
-    Scatter within blocks counts as no less than the variance that each sight claims.
+    Scatter within blocks counts as no less than the variance that each bearing claims.
     """
-    _, camera_x, camera_z, bottom, _, sigma, _ = table(sights).T
+    _, camera_x, camera_z, bottom, _, sigma, _ = table(bearings).T
     model = np.arctan2(camera_z - state[GROUND], state[X] - camera_x)
     residual = (bottom + state[OFFSET] - state[EDGE_BIAS] - model) / sigma
     residual = residual[np.isfinite(residual)]

@@ -51,5 +51,8 @@ def _rectify_row(camera: Camera, roll: float, left: Array, right: Array, row: Ar
     u, v = camera.undistort(np.column_stack([columns.ravel(), np.broadcast_to(row, columns.shape).ravel()])).T
     rays = np.stack([np.ones_like(u), (camera.cx - u) / camera.focal_px, (camera.cy - v) / camera.focal_px])
     _, left_component, up_component = rotation_matrix(roll, 0.0, 0.0) @ rays
-    level_u, level_v = camera.cx - camera.focal_px * left_component, camera.cy - camera.focal_px * up_component
+    level_u, level_v = (
+        camera.cx - camera.focal_px * left_component,
+        camera.cy - camera.focal_px * up_component,
+    )
     return level_u.reshape(columns.shape), level_v.reshape(columns.shape)

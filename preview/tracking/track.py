@@ -9,21 +9,19 @@ import numpy as np
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import (
-    HEIGHT,
-    LENGTH,
     SHARED,
     DirectMeasurement,
     EdgeBearings,
     Fit,
-    X,
     fit,
     start_state,
     table,
 )
 from foreride.preview.tracking.height_likelihood import HeightSamples
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
 from foreride.preview.tracking.obstacle_templates import POTHOLE, ObstacleTemplate, chord, templates_of
-from foreride.preview.tracking.plane_residual import strain
+from foreride.preview.tracking.plane_residual import residual_variance_ratio
 from foreride.preview.tracking.realness import mean_surplus, probability, surplus
 
 Array = np.ndarray
@@ -62,11 +60,11 @@ class Track:
     """Track of an object detected at least once. Positions are on the odometer's axis.
 
     right, left: lateral edges (y_min, y_max). log_odds: against a chance detection; class_log_odds: of `cls`
-    against the other class. surplus: see `preview.tracking.realness`. precision: probability that a
-    repeatedly detected object with such scores is real; 1 after a wheel strike. fits: by kind. strain:
-    variance ratio, see `preview.tracking.plane_residual`. turned_rad: total rotation of the road plane since
-    the first detection. marked: near edge and sigma by `preview.geometry.cross_ratio`, which then replace
-    those of the fit.
+    against the other class. score_surplus: see `preview.tracking.realness`. real_probability: probability
+    that a repeatedly detected object with such scores is real; 1 after a wheel strike. fits: by kind.
+    variance_ratio: of the residuals, see `preview.tracking.plane_residual`. turned_rad: total rotation of the
+    road plane since the first detection. wheel_compared: whether the wheel's profile was compared with it.
+    mark_position: near edge and sigma by `preview.geometry.cross_ratio`, which then replace those of the fit.
     """
 
     identity: int
@@ -76,19 +74,19 @@ class Track:
     right: Edge
     left: Edge
     fits: list[Fit]
-    sights: list[EdgeBearings] = field(default_factory=list)
-    directs: list[DirectMeasurement] = field(default_factory=list)
+    bearings: list[EdgeBearings] = field(default_factory=list)
+    direct_measurements: list[DirectMeasurement] = field(default_factory=list)
     elevation: HeightSamples | None = None
     last_seen_s: float = 0.0
     last_seen_x_m: float = 0.0
     hits: int = 1
     confirmed: bool = False
-    struck: bool = False
-    strain: float = 0.0
-    surplus: float = 0.0
-    precision: float = 1.0
+    wheel_compared: bool = False
+    variance_ratio: float = 0.0
+    score_surplus: float = 0.0
+    real_probability: float = 1.0
     class_log_odds: float = 0.0
-    marked: tuple[float, float] | None = None
+    mark_position: tuple[float, float] | None = None
     turned_rad: float = 0.0
 
     @property
@@ -103,12 +101,12 @@ class Track:
         Repeated boxes separate it from chance detections; only scores separate it from a look-alike such as a
         stain.
         """
-        return float(self.precision / (1.0 + np.exp(-self.log_odds)))
+        return float(self.real_probability / (1.0 + np.exp(-self.log_odds)))
 
     @property
     def contradicts_plane(self) -> bool:
         """True if the boxes contradict a plane road: its grade has changed on the way."""
-        return self.strain > _MAX_VARIANCE_RATIO
+        return self.variance_ratio > _MAX_VARIANCE_RATIO
 
     @property
     def is_of_one_plane(self) -> bool:
@@ -123,7 +121,9 @@ class Track:
         """
         if self.elevation is not None and self.elevation.absolute:
             return self.best.sigma_m
-        return self.best.sigma_m * (1.0 + _SIGMA_INFLATION * max(0.0, self.strain - _MAX_VARIANCE_RATIO))
+        return self.best.sigma_m * (
+            1.0 + _SIGMA_INFLATION * max(0.0, self.variance_ratio - _MAX_VARIANCE_RATIO)
+        )
 
     @property
     def start_m(self) -> float:
@@ -144,7 +144,9 @@ class Track:
     @property
     def depth_is_measured(self) -> bool:
         """True if a pothole's depth is known beyond its prior: from images or an earlier drive."""
-        return self.elevation is not None or any(measurement.entry == HEIGHT for measurement in self.directs)
+        return self.elevation is not None or any(
+            measurement.entry == HEIGHT for measurement in self.direct_measurements
+        )
 
     @property
     def height_sigma(self) -> float:
@@ -162,9 +164,11 @@ class Track:
 
         It is skipped for an object proved real by a wheel strike, in this drive or an earlier one.
         """
-        if self.precision < 1.0:
-            self.surplus = mean_surplus(self.surplus, surplus(score, height_px, self.cls))
-            self.precision = min(settings.precision(self.cls), probability(self.surplus, self.cls))
+        if self.real_probability < 1.0:
+            self.score_surplus = mean_surplus(self.score_surplus, surplus(score, height_px, self.cls))
+            self.real_probability = min(
+                settings.precision(self.cls), probability(self.score_surplus, self.cls)
+            )
 
     def classify(self, detected_class: int, shared: Gaussian, settings: Settings) -> None:
         """Bayesian update of the class; a change of class restarts the fits."""
@@ -173,31 +177,46 @@ class Track:
         self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
         if self.class_log_odds < 0:
             self.cls, self.class_log_odds = detected_class, -self.class_log_odds
-            self.surplus, self.precision = 0.0, settings.precision(detected_class)
+            self.score_surplus, self.real_probability = 0.0, settings.precision(detected_class)
             self.fits = first_fits(detected_class, self.start_m, self.best.sigma_m, shared)
             # The position remains valid; remembered sizes belong to the other class.
-            self.directs = [measurement for measurement in self.directs if measurement.entry == X]
+            self.direct_measurements = [
+                measurement for measurement in self.direct_measurements if measurement.entry == X
+            ]
 
     def refit(self, shared: Gaussian, settings: Settings) -> None:
-        """Fit every remaining kind to all sights, starting from its last fit."""
-        del self.sights[: -settings.max_boxes]
-        bearings = table(self.sights)
+        """Fit every remaining kind to all bearings, starting from its last fit."""
+        del self.bearings[: -settings.max_boxes]
+        bearings = table(self.bearings)
         fits = [
-            fit(previous.kind, bearings, previous.state, shared, self.directs, settings, 2, self.elevation)
+            fit(
+                previous.kind,
+                bearings,
+                previous.state,
+                shared,
+                self.direct_measurements,
+                settings,
+                2,
+                self.elevation,
+            )
             for previous in self.fits
         ]
         best_cost = min(candidate.cost for candidate in fits)
-        enough_bearings = len(self.sights) >= _MIN_BEARINGS
-        self.fits = [candidate for candidate in fits if not enough_bearings or candidate.cost < best_cost + _DROP_EVIDENCE]
-        self.strain = strain(bearings, self.best.state)
+        enough_bearings = len(self.bearings) >= _MIN_BEARINGS
+        self.fits = [
+            candidate
+            for candidate in fits
+            if not enough_bearings or candidate.cost < best_cost + _DROP_EVIDENCE
+        ]
+        self.variance_ratio = residual_variance_ratio(bearings, self.best.state)
 
     def turn(self, x_m: float, turn: PlaneUpdate) -> None:
-        """Transform all sights to a road plane that was updated at odometer reading `x_m`."""
+        """Transform all bearings to a road plane that was updated at odometer reading `x_m`."""
         self.turned_rad += abs(turn.pitch_rad)
-        for index, bearings in enumerate(self.sights):
+        for index, bearings in enumerate(self.bearings):
             camera_z = bearings.camera_z + turn.heave_m + (x_m - bearings.camera_x) * turn.pitch_rad
             bottom, top = bearings.bottom + turn.pitch_rad, bearings.top + turn.pitch_rad
-            self.sights[index] = bearings._replace(camera_z=camera_z, bottom=bottom, top=top)
+            self.bearings[index] = bearings._replace(camera_z=camera_z, bottom=bottom, top=top)
 
     def place(self, x_m: float, sigma_m: float) -> None:
         """Set the near edge to a position from another source than the fit, with its standard deviation."""

@@ -10,6 +10,7 @@ from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.geometry.cross_ratio import Marks, distance, distance_sigma
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.mounting_filter import Calibration, Gaussian
+from foreride.preview.tracking.object_state import LENGTH, X
 from foreride.preview.tracking.observation import (
     PredictedBox,
     RectifiedFrame,
@@ -67,7 +68,7 @@ class Tracker:
         for track in [t for t in self.tracks if t.end_m < rear_wheel_x_m - 1.0]:
             if track.confirmed:
                 self.passed.append(track)
-                if track.sights and track.is_of_one_plane:
+                if track.bearings and track.is_of_one_plane:
                     self.refit(track, self.calibration.prior(track.cls))  # subtracted again by `learn`
                     self.calibration.learn(track.best.shared, track.cls)
             self._remove(track, time_s, "passed")
@@ -80,8 +81,8 @@ class Tracker:
     def refit(self, track: Track, prior: Gaussian | None = None) -> None:
         """Fit a track anew, for instance after a measurement other than a box."""
         track.refit(self._prior(track) if prior is None else prior, self.settings)
-        if track.marked is not None:
-            track.place(*track.marked)
+        if track.mark_position is not None:
+            track.place(*track.mark_position)
 
     def turn(self, x_m: float, turn: PlaneUpdate) -> None:
         """Transform all tracks to a road plane that was updated at odometer reading `x_m`."""
@@ -110,7 +111,7 @@ class Tracker:
     def _cost(self, view: RectifiedFrame, track: Track, predicted: PredictedBox, box_index: int) -> float:
         box = view.boxes[box_index]
         pixel = 2.0 * self.settings.pixel_sigma
-        ahead = max(float(track.best.state[0]) - view.pose.x, 1.0)
+        ahead = max(float(track.best.state[X]) - view.pose.x, 1.0)
         right, left = box_sides(view, box_index, ahead)
         reach = _LATERAL_GATE_M + 2.0 * np.sqrt(track.right.variance)
         if left.y_m < track.right.y_m - reach or right.y_m > track.left.y_m + reach:
@@ -129,12 +130,12 @@ class Tracker:
         cls = int(detections.classes[box_index])
         track.classify(cls, self.calibration.prior(cls), self.settings)
         self._rate(track, view, box_index, detections)
-        track.sights.append(edge_bearings(view, box_index))
+        track.bearings.append(edge_bearings(view, box_index))
         track.hits += 1
         track.update_existence(True, self.settings)
         track.last_seen_s = max(track.last_seen_s, view.time_s)
         track.last_seen_x_m = max(track.last_seen_x_m, view.pose.x)
-        track.marked = self._position_by_marks(view, box_index) or track.marked
+        track.mark_position = self._position_by_marks(view, box_index) or track.mark_position
         self.refit(track)
         for edge, side in zip((track.right, track.left), self._sides(track, view, box_index), strict=True):
             edge.update(side.y_m, side.variance)
@@ -169,7 +170,7 @@ class Tracker:
         unknown = Edge(0.0, np.inf)
         track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [bearings])
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
-        track.precision, track.marked = self.settings.precision(cls), mark_position
+        track.real_probability, track.mark_position = self.settings.precision(cls), mark_position
         track.classify(cls, prior, self.settings)
         self._rate(track, view, box_index, detections)
         self.refit(track)
@@ -202,7 +203,7 @@ class Tracker:
         """Sides of the box: a bump is widest at its near edge, a hole in its middle."""
         state = track.best.state
         share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
-        return box_sides(view, box_index, max(float(state[0] + share * state[3]) - view.pose.x, 1.0))
+        return box_sides(view, box_index, max(float(state[X] + share * state[LENGTH]) - view.pose.x, 1.0))
 
     def _delete_dead(self, time_s: float) -> None:
         for track in [t for t in self.tracks if t.existence < self.settings.death_existence]:
@@ -222,7 +223,7 @@ class Tracker:
                 "track": track.identity,
                 "class": CLASS_NAMES[track.cls],
                 "kind": best.kind.name,
-                "x_m": float(best.state[0]),
+                "x_m": float(best.state[X]),
                 "sigma_m": track.sigma_m,
                 "age_s": time_s - track.born_s,
                 "existence": track.existence,

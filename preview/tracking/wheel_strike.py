@@ -5,7 +5,8 @@ from collections import deque
 import numpy as np
 
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import DirectMeasurement, X
+from foreride.preview.tracking.gauss_newton import DirectMeasurement
+from foreride.preview.tracking.object_state import X
 from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Section, Track
 
@@ -32,7 +33,7 @@ class WheelStrikeDetector:
 
     def due(self, track: Track) -> bool:
         """True once the wheel has passed the near flank of a confirmed track not yet compared."""
-        if track.struck or not track.confirmed:
+        if track.wheel_compared or not track.confirmed:
             return False
         section = track.section(self.y_m)
         return self._path[-1][0] > section.start_m + _flank_m(section) + self.settings.hit_gate_m

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from foreride.preview.tracking.gauss_newton import HEIGHT, LENGTH, X
 from foreride.preview.tracking.height_likelihood import HeightSamples
+from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
 from foreride.preview.tracking.obstacle_templates import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
 from foreride.preview.tracking.track import Track
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump

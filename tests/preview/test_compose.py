@@ -8,8 +8,8 @@ import pytest
 from foreride.preview.compose import compose
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import HEIGHT, X
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import HEIGHT, X
 from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Edge, Track, first_fits
 

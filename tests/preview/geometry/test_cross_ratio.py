@@ -8,7 +8,8 @@ from foreride.preview.estimator import Estimator
 from foreride.preview.geometry.cross_ratio import Marks, distance, distance_sigma, marks_of
 from foreride.preview.geometry.ground_distance import depression, distance_of
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import DirectMeasurement, X
+from foreride.preview.tracking.gauss_newton import DirectMeasurement
+from foreride.preview.tracking.object_state import X
 from foreride.preview.tracking.observation import rectify_frame
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
 from foreride.road.features.feature import HalfSineBump
@@ -100,7 +101,7 @@ def test_nothing_but_the_next_box_moves_what_the_marks_have_placed(driven):
     """Neither a wheel strike nor a height measured in images nor a refit moves it."""
     (track,) = driven.tracker.tracks
     before = track.start_m, track.best.sigma_m
-    track.directs.append(DirectMeasurement(X, 40.4, 0.03))
+    track.direct_measurements.append(DirectMeasurement(X, 40.4, 0.03))
     driven.tracker.refit(track)
     assert (track.start_m, track.best.sigma_m) == before
 

@@ -64,7 +64,7 @@ def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
 
 def test_an_object_that_is_only_remembered_is_measured_without_a_box() -> None:
     track = drive(BUMP, unbiased(), BASE_M).tracker.tracks[0]
-    track.sights.clear()
+    track.bearings.clear()
     track.elevation = None
     pose = pose_of(MOUNT, 24.5, 0.0, 0.0)
     scene = Scene(Road(60.0, (BUMP,)), Appearance(light="noon", weather="dry", wear=0.3), 5)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from foreride.preview.height.plane_fit import fit_plane
-from foreride.preview.height.plane_parallax import ImageBand, band, match, place
+from foreride.preview.height.plane_parallax import ImageBand, band, match, project_structure
 from foreride.preview.height.stereo import coarse, second_pose
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
 from foreride.road.features.feature import WattsHump
@@ -46,7 +46,7 @@ def test_place_projects_points_of_the_plane_and_above_it() -> None:
         ray = np.array([view.ahead[0, 0], view.side[0, 0], view.up[0, 0]]) / q[0, 0]
         point = here.position + here.rotation @ ray
         assert point[2] == pytest.approx(z, abs=1e-5)
-        u, v, _ = place(CAMERA, view, q)
+        u, v, _ = project_structure(CAMERA, view, q)
         expected = project(CAMERA, other, point)[0]
         assert (u[0, 0] + 0.5, v[0, 0] + 0.5) == pytest.approx(tuple(expected), abs=2e-3)
 

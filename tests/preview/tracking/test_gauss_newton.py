@@ -3,19 +3,14 @@ import pytest
 
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import (
-    EDGE_BIAS,
-    GROUND,
-    HEIGHT,
-    LENGTH,
-    OFFSET,
     DirectMeasurement,
     EdgeBearings,
-    X,
     _normal_equations,
     fit,
     silhouette,
 )
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
 from foreride.preview.tracking.obstacle_templates import (
     BUMP,
     HUMP,
@@ -33,7 +28,7 @@ PRIOR = Gaussian(np.zeros(3), np.diag([np.deg2rad(0.25), GROUND_SIGMA, LOW_SIGMA
 FROZEN = Gaussian(np.zeros(3), np.diag([1e-6, GROUND_SIGMA, 1e-6]) ** 2)
 
 
-def sights_of(kind, state, camera_x, noise=0.0, rng=None):
+def bearings_of(kind, state, camera_x, noise=0.0, rng=None):
     """Exact edge bearings of an object in `state`, from a camera 1.3 m high."""
     camera_z = np.full(len(camera_x), 1.3)
     ahead, below, _ = silhouette(kind, state, camera_x, camera_z)
@@ -56,7 +51,7 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
     true = np.array([30.0, np.deg2rad(0.2), 0.0, kind.length_m, kind.height_m, 0.0])
     found = fit(
         kind,
-        sights_of(kind, true, np.linspace(5.0, 26.0, 40)),
+        bearings_of(kind, true, np.linspace(5.0, 26.0, 40)),
         start_of(kind, 30.5),
         PRIOR,
         [],
@@ -74,8 +69,8 @@ def test_exact_boxes_give_the_edge_and_the_pitch_offset(kind):
 )
 def test_boxes_overrule_the_prior_length_of_objects_that_rules_make_otherwise(kind, length, height):
     true = np.array([30.0, 0.0, 0.0, length, height, 0.0])
-    sights = sights_of(kind, true, np.linspace(5.0, 26.0, 40))
-    fits = [fit(k, sights, start_of(k, 30.3), PRIOR, [], SETTINGS, iterations=12) for k in templates_of(0)]
+    bearings = bearings_of(kind, true, np.linspace(5.0, 26.0, 40))
+    fits = [fit(k, bearings, start_of(k, 30.3), PRIOR, [], SETTINGS, iterations=12) for k in templates_of(0)]
     best = min(fits, key=lambda found: found.cost)
     assert best.kind is kind
     assert best.state[LENGTH] == pytest.approx(length, rel=0.12)
@@ -85,9 +80,9 @@ def test_boxes_overrule_the_prior_length_of_objects_that_rules_make_otherwise(ki
 def test_without_the_offset_state_the_edge_is_wrong():
     """0.2 degrees at 4 m are 4-5 cm: the error that the offset state removes."""
     true = np.array([30.0, np.deg2rad(0.2), 0.0, BUMP.length_m, BUMP.height_m, 0.0])
-    sights = sights_of(BUMP, true, np.linspace(5.0, 26.0, 40))
-    frozen = fit(BUMP, sights, start_of(BUMP, 30.0), FROZEN, [], SETTINGS, iterations=8)
-    free = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [], SETTINGS, iterations=8)
+    bearings = bearings_of(BUMP, true, np.linspace(5.0, 26.0, 40))
+    frozen = fit(BUMP, bearings, start_of(BUMP, 30.0), FROZEN, [], SETTINGS, iterations=8)
+    free = fit(BUMP, bearings, start_of(BUMP, 30.0), PRIOR, [], SETTINGS, iterations=8)
     assert abs(frozen.state[X] - 30.0) > 4 * abs(free.state[X] - 30.0)
 
 
@@ -96,7 +91,7 @@ def test_gradient_agrees_with_differences_of_the_cost(kind):
     """The Cauchy cost's gradient, by central differences, is minus the weighted gradient of the step."""
     settings = Settings(correlation=1.0)
     true = np.array([30.0, 0.002, 0.005, kind.length_m * 1.1, kind.height_m, 0.001])
-    data = np.array(sights_of(kind, true, np.linspace(10.0, 26.0, 9)))
+    data = np.array(bearings_of(kind, true, np.linspace(10.0, 26.0, 9)))
     state = start_of(kind, 30.04)
     _, gradient, _ = _normal_equations(kind, data, state, settings)
     for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS):
@@ -109,19 +104,19 @@ def test_gradient_agrees_with_differences_of_the_cost(kind):
 
 def test_one_wrong_box_hardly_matters():
     true = start_of(BUMP, 30.0)
-    sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 30))
-    wrong = sights[20]._replace(bottom=sights[20].bottom + 40 * SIGMA, top=sights[20].top + 40 * SIGMA)
-    clean = fit(BUMP, sights, true, PRIOR, [], SETTINGS)
-    dirty = fit(BUMP, [*sights[:20], wrong, *sights[21:]], true, PRIOR, [], SETTINGS)
+    bearings = bearings_of(BUMP, true, np.linspace(8.0, 25.0, 30))
+    wrong = bearings[20]._replace(bottom=bearings[20].bottom + 40 * SIGMA, top=bearings[20].top + 40 * SIGMA)
+    clean = fit(BUMP, bearings, true, PRIOR, [], SETTINGS)
+    dirty = fit(BUMP, [*bearings[:20], wrong, *bearings[21:]], true, PRIOR, [], SETTINGS)
     assert dirty.state[X] == pytest.approx(clean.state[X], abs=0.01)
 
 
 def test_boxes_tell_a_bump_from_a_hump():
     camera_x = np.linspace(8.0, 25.0, 30)
     for true_kind, other in ((BUMP, HUMP), (HUMP, BUMP)):
-        sights = sights_of(true_kind, start_of(true_kind, 30.0), camera_x)
-        own = fit(true_kind, sights, start_of(true_kind, 30.0), PRIOR, [], SETTINGS, 6)
-        alien = fit(other, sights, start_of(other, 30.0), PRIOR, [], SETTINGS, 6)
+        bearings = bearings_of(true_kind, start_of(true_kind, 30.0), camera_x)
+        own = fit(true_kind, bearings, start_of(true_kind, 30.0), PRIOR, [], SETTINGS, 6)
+        alien = fit(other, bearings, start_of(other, 30.0), PRIOR, [], SETTINGS, 6)
         assert own.cost < alien.cost
 
 
@@ -136,24 +131,24 @@ def test_claimed_sigma_covers_the_scatter_and_is_not_vain():
         true[HEIGHT] += BUMP.height_sigma_m * rng.normal()
         true[GROUND] = GROUND_SIGMA * rng.normal()
         true[EDGE_BIAS] = LOW_SIGMA * rng.normal()
-        sights = sights_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
-        found = fit(BUMP, sights, start_of(BUMP, 29.7), PRIOR, [], SETTINGS, 6)
+        bearings = bearings_of(BUMP, true, np.linspace(8.0, 25.5, 30), SIGMA, rng)
+        found = fit(BUMP, bearings, start_of(BUMP, 29.7), PRIOR, [], SETTINGS, 6)
         nees.append((found.state[X] - 30.0) ** 2 / found.covariance[X, X])
     assert 0.25 < np.mean(nees) < 1.3
 
 
 def test_cut_edges_are_left_out():
     true = start_of(BUMP, 30.0)
-    sights = sights_of(BUMP, true, np.linspace(8.0, 25.0, 20))
-    cut = [s._replace(bottom=float("nan")) if i > 15 else s for i, s in enumerate(sights)]
+    bearings = bearings_of(BUMP, true, np.linspace(8.0, 25.0, 20))
+    cut = [s._replace(bottom=float("nan")) if i > 15 else s for i, s in enumerate(bearings)]
     found = fit(BUMP, cut, true, PRIOR, [], SETTINGS)
     assert np.isfinite(found.state).all()
-    assert found.sigma_m > fit(BUMP, sights, true, PRIOR, [], SETTINGS).sigma_m
+    assert found.sigma_m > fit(BUMP, bearings, true, PRIOR, [], SETTINGS).sigma_m
 
 
 def test_a_direct_measurement_pins_its_state():
-    sights = sights_of(BUMP, start_of(BUMP, 30.0), np.linspace(8.0, 20.0, 10))
-    found = fit(BUMP, sights, start_of(BUMP, 30.0), PRIOR, [DirectMeasurement(X, 30.2, 1e-4)], SETTINGS, 6)
+    bearings = bearings_of(BUMP, start_of(BUMP, 30.0), np.linspace(8.0, 20.0, 10))
+    found = fit(BUMP, bearings, start_of(BUMP, 30.0), PRIOR, [DirectMeasurement(X, 30.2, 1e-4)], SETTINGS, 6)
     assert found.state[X] == pytest.approx(30.2, abs=1e-3)
 
 
@@ -174,10 +169,12 @@ def test_silhouette_is_the_brute_force_maximum():
 @pytest.mark.parametrize("bottom", [0.002, 0.0, -0.02])
 def test_lines_of_sight_at_the_horizon_or_above_say_far_away_and_no_more(bottom):
     """Such boxes occur on a climb ahead: they do not intersect the plane, and a fit must not diverge."""
-    sights = [EdgeBearings(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)]
+    bearings = [
+        EdgeBearings(0.0, 10.0 + 0.5 * k, 1.2, bottom, bottom - 0.002, 0.002, 0.002) for k in range(6)
+    ]
     state = start_of(BUMP, 30.0)
     for _ in range(12):
-        found = fit(BUMP, sights, state, PRIOR, [], SETTINGS, 2)
+        found = fit(BUMP, bearings, state, PRIOR, [], SETTINGS, 2)
         state = found.state
     assert 80.0 < state[X] < 120.0
     assert np.isfinite(found.covariance).all()

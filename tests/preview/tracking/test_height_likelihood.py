@@ -5,7 +5,13 @@ import pytest
 
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import Fit, fit, start_state
-from foreride.preview.tracking.height_likelihood import HeightRows, HeightSamples, NearEdge, equations, seen
+from foreride.preview.tracking.height_likelihood import (
+    HeightRows,
+    HeightSamples,
+    NearEdge,
+    equations,
+    visible_height,
+)
 from foreride.preview.tracking.mounting_filter import Calibration
 from foreride.preview.tracking.obstacle_templates import (
     BUMP,
@@ -31,7 +37,7 @@ def measured(
         rows = HeightRows(
             x, np.zeros(len(x)), np.full(len(x), 0.005), np.full(len(x), 0.02), np.full(len(x), slant)
         )
-        z = seen(kind, rows, start, length, height) + noise * rng.standard_normal(len(x))
+        z = visible_height(kind, rows, start, length, height) + noise * rng.standard_normal(len(x))
         found.add(rows._replace(z_m=z))
     return found
 
@@ -53,7 +59,7 @@ def test_lines_of_sight_end_where_they_meet_the_shape_first(
     crossing = np.arange(9.5, 10.0 + length + 1.0, 0.037)
     nothing = np.zeros(len(crossing))
     rows = HeightRows(crossing, nothing, nothing + 0.01, nothing, nothing + slant)
-    found = seen(kind, rows, 10.0, length, height)
+    found = visible_height(kind, rows, 10.0, length, height)
     x = np.arange(9.0, 12.0 + length, 0.001)
     ground = height * unit_profile(kind, np.clip((x - 10.0) / length, 0.0, 1.0), length)
     for meets, z in zip(crossing, found, strict=True):
@@ -134,7 +140,7 @@ def test_what_is_marginalised_is_what_the_joint_normal_equations_leave_out() -> 
         ground, slope, shift, ramp = values[6:10]
         own = values[10:].reshape(frames, 2)
         behind = rows.x_m - state[0] - 0.5 * state[3]
-        z = seen(TABLE, rows, start + shift, length, height, RAMP + ramp) + ground + slope * behind
+        z = visible_height(TABLE, rows, start + shift, length, height, RAMP + ramp) + ground + slope * behind
         each = np.repeat(np.arange(frames), len(elevation.frames[0].x_m))
         z += own[each, 0] + own[each, 1] * behind
         edge = 30.02 + 12.0 * low - start - shift
@@ -166,6 +172,6 @@ def test_ramps_of_another_length_do_not_move_the_edge() -> None:
     found = measured(TABLE, 30.0, 4.0, 0.1)
     longer = HeightSamples(0.02)
     for rows in found.frames:
-        z = seen(TABLE, rows, 30.0, 4.0, 0.1, 0.21)
+        z = visible_height(TABLE, rows, 30.0, 4.0, 0.1, 0.21)
         longer.add(rows._replace(z_m=z), NearEdge(30.0, 0.05, 0.0))
     assert fitted(TABLE, longer, 30.1).state[0] == pytest.approx(30.0, abs=0.03)

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import OFFSET, EdgeBearings, X, fit
+from foreride.preview.tracking.gauss_newton import EdgeBearings, fit
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import OFFSET, X
 from foreride.preview.tracking.obstacle_templates import BUMP
-from foreride.preview.tracking.plane_residual import strain
+from foreride.preview.tracking.plane_residual import residual_variance_ratio
 from foreride.preview.tracking.track import Edge, Track, first_fits
 
 SETTINGS = Settings()
@@ -30,8 +31,8 @@ def approach(change_m, grade, rng, noise_px=1.0, correlated=0.0):
     return [EdgeBearings(0.0, x, 1.3, b, t, sigma, sigma) for x, b, t in rows]
 
 
-def track_of(sights):
-    track = Track(0, 0, 0.0, 0.0, Edge(-2, 0.1), Edge(2, 0.1), first_fits(0, OBJECT_M, 0.5, PRIOR), sights)
+def track_of(bearings):
+    track = Track(0, 0, 0.0, 0.0, Edge(-2, 0.1), Edge(2, 0.1), first_fits(0, OBJECT_M, 0.5, PRIOR), bearings)
     track.refit(PRIOR, SETTINGS)
     track.refit(PRIOR, SETTINGS)
     return track
@@ -41,15 +42,15 @@ def track_of(sights):
 def test_a_plane_road_does_not_strain_whatever_the_noise(noise_px):
     rng = np.random.default_rng(1)
     tracks = [track_of(approach(10.0, 0.0, rng, noise_px)) for _ in range(30)]
-    assert np.mean([track.strain for track in tracks]) < 1.2
+    assert np.mean([track.variance_ratio for track in tracks]) < 1.2
     assert np.mean([track.contradicts_plane for track in tracks]) <= 0.1
 
 
 def test_neither_does_a_mounting_offset_or_a_box_that_is_always_too_large():
     rng = np.random.default_rng(2)
-    sights = approach(10.0, 0.0, rng, correlated=2.0)
-    sights = [sight._replace(bottom=sight.bottom + 0.003, top=sight.top + 0.003) for sight in sights]
-    assert not track_of(sights).contradicts_plane
+    bearings = approach(10.0, 0.0, rng, correlated=2.0)
+    bearings = [sight._replace(bottom=sight.bottom + 0.003, top=sight.top + 0.003) for sight in bearings]
+    assert not track_of(bearings).contradicts_plane
 
 
 @pytest.mark.parametrize("change_m", [7.0, 10.0, 15.0])
@@ -65,9 +66,9 @@ def test_a_change_of_grade_that_was_driven_over_is_flagged_and_widens_sigma(chan
 
 
 def test_a_few_sights_tell_nothing():
-    sights = approach(10.0, 0.02, np.random.default_rng(0))
-    assert strain(sights[:14], np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])) == 0.0
-    assert strain([], np.zeros(6)) == 0.0
+    bearings = approach(10.0, 0.02, np.random.default_rng(0))
+    assert residual_variance_ratio(bearings[:14], np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])) == 0.0
+    assert residual_variance_ratio([], np.zeros(6)) == 0.0
 
 
 def test_strain_is_the_variance_ratio_of_the_residuals():
@@ -75,16 +76,16 @@ def test_strain_is_the_variance_ratio_of_the_residuals():
     ahead = OBJECT_M - CAMERA_M[:30]
     model = np.arctan2(1.3, ahead)
     wave = np.tile([1.0, -1.0, 0.0, 1.0, -1.0], 6) + np.repeat([2.0, -2.0] * 3, 5)
-    sights = [
+    bearings = [
         EdgeBearings(0.0, x, 1.3, angle + 0.002 * r, np.nan, 0.002, 0.002)
         for x, angle, r in zip(CAMERA_M[:30], model, wave, strict=True)
     ]
     state = np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])
     assert state[OFFSET] == 0.0
-    assert strain(sights, state) == pytest.approx(5 * 4.0 / 1.0)
+    assert residual_variance_ratio(bearings, state) == pytest.approx(5 * 4.0 / 1.0)
 
 
 def test_the_fit_itself_is_not_touched():
-    sights = approach(10.0, 0.0, np.random.default_rng(4))
+    bearings = approach(10.0, 0.0, np.random.default_rng(4))
     start = np.array([OBJECT_M, 0.0, 0.0, BUMP.length_m, BUMP.height_m, 0.0])
-    assert fit(BUMP, sights, start, PRIOR, [], SETTINGS).state[X] == pytest.approx(OBJECT_M, abs=0.15)
+    assert fit(BUMP, bearings, start, PRIOR, [], SETTINGS).state[X] == pytest.approx(OBJECT_M, abs=0.15)

@@ -59,11 +59,11 @@ def test_overlap_is_the_chance_that_the_wheel_runs_between_the_sides():
 def test_boxes_alone_never_make_an_object_certain():
     """A stain is detected in every frame like a hole; only a wheel strike proves it real."""
     t = track()
-    t.precision = SETTINGS.precision(1)
+    t.real_probability = SETTINGS.precision(1)
     for _ in range(200):
         t.update_existence(True, SETTINGS)
     assert t.existence == pytest.approx(SETTINGS.pothole_real_probability, abs=1e-3)
-    t.precision = 1.0
+    t.real_probability = 1.0
     assert t.existence > 0.999
 
 
@@ -102,10 +102,10 @@ def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, 
     camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
     seen = track()
     ray = np.arctan2(camera_z, away)
-    seen.sights = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
+    seen.bearings = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
     now = camera_x + driven
     seen.turn(now, PlaneUpdate(heave, pitch))
-    (sight,) = seen.sights
+    (sight,) = seen.bearings
     ground = heave + (now - x) * pitch
     met = sight.camera_x + (sight.camera_z - ground) / np.tan(sight.bottom)
     assert abs(met - x) <= abs(pitch) * (camera_z + 2 * abs(pitch) * away**2 / camera_z) + 1e-9
@@ -114,7 +114,7 @@ def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, 
 
 
 def rated(scores, height_px, cls=1):
-    thing = replace(track(), cls=cls, precision=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
+    thing = replace(track(), cls=cls, real_probability=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
     for score in scores:
         thing.update_score(score, height_px, SETTINGS)
     return thing
@@ -134,6 +134,6 @@ def test_scores_alone_never_make_an_object_certain():
 
 def test_what_a_wheel_has_felt_needs_no_score():
     thing = rated([0.8], 20.0)
-    thing.precision = 1.0
+    thing.real_probability = 1.0
     thing.update_score(0.0, 20.0, SETTINGS)
-    assert thing.precision == 1.0
+    assert thing.real_probability == 1.0
