@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import foreride
+
 ROOT = Path(__file__).resolve().parents[1]
 
 MAY_IMPORT: dict[str, set[str]] = {
@@ -65,6 +67,18 @@ def test_imports_between_packages_flow_one_way(package: str) -> None:
         if name.split(".")[0] in MAY_IMPORT and name.split(".")[0] not in allowed
     ]
     assert files_of(package), f"package {package} has no files"
+    assert not wrong
+
+
+def test_no_package_imports_the_public_interface_that_is_built_on_it() -> None:
+    interface = {path.stem for path in (ROOT / "foreride").glob("*.py")} | set(foreride.__all__)
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for package in MAY_IMPORT
+        for path in files_of(package)
+        for name in imported(path)
+        if name.split(".")[0] in interface
+    ]
     assert not wrong
 
 

@@ -1,8 +1,9 @@
 """Vehicle signals: motion, accelerations and forces of a car at one instant or over a run."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,37 +37,53 @@ class VehicleState:
     front, rear or front left, front right, rear left, rear right; SI units.
     """
 
-    time_s: Any
-    x_m: Any  # centre of gravity along the road
-    speed_m_s: Any
-    forward_acc: Any  # along the road
+    time_s: Annotated[Any, "s"]
+    x_m: Annotated[Any, "m"]  # centre of gravity along the road
+    speed_m_s: Annotated[Any, "m/s"]
+    forward_acc: Annotated[Any, "m/s²"]  # along the road
     x: Array  # (states,) in the order of vehicle.equations
-    heave_m: Any
-    heave_velocity: Any
-    pitch_rad: Any
-    pitch_rate: Any
-    roll_rad: Any
-    roll_rate: Any
-    wheel_z: Array  # (w,)
-    wheel_v: Array  # (w,)
-    damping: Array  # (w,) actual setting of the damper, N·s/m
-    command: Array  # (w,) damping requested until now, N·s/m
-    force_command: Array  # (w,) actuator force requested until now, N
-    rattle_m: Array  # (w,)
-    rattle_velocity: Array  # (w,)
-    body_acc: Array  # (w,) above each wheel
-    seat_acc: Array  # (seats,)
-    cg_acc: Any
-    pitch_acc: Any
-    roll_acc: Any
-    wheel_acc: Array  # (w,)
-    damper_force: Array  # (w,) on the body, up
-    actuator_force: Array  # (w,) on the body, up
-    stop_force: Array  # (w,) on the body, up
-    tyre_force: Array  # (w,) total, including the static load, >= 0
-    static_tyre_force: Array  # (w,) at standstill
-    road_height: Array  # (w,) effective height under each wheel
-    road_velocity: Array  # (w,) its rate of change
+    heave_m: Annotated[Any, "m"]
+    heave_velocity: Annotated[Any, "m/s"]
+    pitch_rad: Annotated[Any, "rad"]
+    pitch_rate: Annotated[Any, "rad/s"]
+    roll_rad: Annotated[Any, "rad"]
+    roll_rate: Annotated[Any, "rad/s"]
+    wheel_z: Annotated[Array, "m"]  # (w,)
+    wheel_v: Annotated[Array, "m/s"]  # (w,)
+    damping: Annotated[Array, "N·s/m"]  # (w,) actual setting of the damper
+    command: Annotated[Array, "N·s/m"]  # (w,) damping requested until now
+    force_command: Annotated[Array, "N"]  # (w,) actuator force requested until now
+    rattle_m: Annotated[Array, "m"]  # (w,)
+    rattle_velocity: Annotated[Array, "m/s"]  # (w,)
+    body_acc: Annotated[Array, "m/s²"]  # (w,) above each wheel
+    seat_acc: Annotated[Array, "m/s²"]  # (seats,)
+    cg_acc: Annotated[Any, "m/s²"]
+    pitch_acc: Annotated[Any, "rad/s²"]
+    roll_acc: Annotated[Any, "rad/s²"]
+    wheel_acc: Annotated[Array, "m/s²"]  # (w,)
+    damper_force: Annotated[Array, "N"]  # (w,) on the body, up
+    actuator_force: Annotated[Array, "N"]  # (w,) on the body, up
+    stop_force: Annotated[Array, "N"]  # (w,) on the body, up
+    tyre_force: Annotated[Array, "N"]  # (w,) total, including the static load, >= 0
+    static_tyre_force: Annotated[Array, "N"]  # (w,) at standstill
+    road_height: Annotated[Array, "m"]  # (w,) effective height under each wheel
+    road_velocity: Annotated[Array, "m/s"]  # (w,) its rate of change
+
+
+_UNITS: dict[str, str] = {
+    name: hint.__metadata__[0]
+    for name, hint in get_type_hints(VehicleState, include_extras=True).items()
+    if get_origin(hint) is Annotated
+}
+_INDEX = re.compile(r"_[0-9]+$")
+
+
+def signal_unit(name: str) -> str:
+    """Unit of a signal, such as `m/s²` of `seat_acc_0`; the index of a wheel or seat may be left out.
+
+    Raises KeyError for an unknown name.
+    """
+    return _UNITS[name if name in _UNITS else _INDEX.sub("", name)]
 
 
 def road_under(

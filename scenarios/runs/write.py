@@ -5,7 +5,7 @@ import io
 import json
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -24,6 +24,7 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.preview_log import PreviewLog
 from foreride.scenarios.simulation.simulate import Run
+from foreride.vehicle.state import signal_unit
 
 KIND = "run"
 """Kind of run folders in their marker."""
@@ -158,7 +159,7 @@ def write(run: Run, folder: Path) -> None:
         draft.write(MANIFEST, to_json(manifest(run)) + "\n")
         draft.write("metrics.json", to_json(run.metrics) + "\n")
         draft.write("events.jsonl", "".join(to_json(event, indent=None) + "\n" for event in run.events))
-        draft.write("signals.parquet", to_parquet(pa.table(run.signals)))
+        draft.write("signals.parquet", to_parquet(signal_table(run.signals)))
         draft.write("previews.parquet", to_parquet(_preview_table(run.previews)))
         if run.memory is not None:
             draft.write("memory.yaml", memory_text(run.memory))
@@ -170,6 +171,15 @@ def write(run: Run, folder: Path) -> None:
 def frame_name(tick: int) -> str:
     """Path within the run folder of the image exposed at a tick."""
     return f"{FRAMES}/{tick:07d}.jpg"
+
+
+def signal_table(signals: Mapping[str, np.ndarray]) -> pa.Table:
+    """The signals as an Arrow table; the unit of each column stands in its field's metadata."""
+    fields = [
+        pa.field(name, pa.from_numpy_dtype(values.dtype), metadata={"unit": signal_unit(name)})
+        for name, values in signals.items()
+    ]
+    return pa.table(dict(signals), schema=pa.schema(fields))
 
 
 def to_parquet(table: pa.Table) -> bytes:

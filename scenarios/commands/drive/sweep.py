@@ -5,7 +5,6 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim, exclusive
 from foreride.files.writing.names import component
@@ -14,6 +13,7 @@ from foreride.scenarios.commands.options import console, jobs_of, progress_bar
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import environment, to_json
+from foreride.scenarios.studies.complete import missing_samples
 from foreride.scenarios.studies.results import KIND, Results
 from foreride.scenarios.studies.study import Sample, read
 from foreride.scenarios.studies.sweep import LOOPBACK, cluster, run
@@ -45,10 +45,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: int, results: Results) -> int:
-    if results.done and not results.done.keys() & samples.keys():
-        raise InputError(f"{results.folder}: holds the results of another study; choose another --out")
-    again = {key for key, error in results.done.items() if error} if arguments.retry_failed else set()
-    missing = [sample for key, sample in samples.items() if key not in results.done or key in again]
+    missing = missing_samples(samples, results, arguments.retry_failed)
     before = len(samples) - len(missing)
     if before:
         console.print(f"{before} of {len(samples)} drives are there already")
