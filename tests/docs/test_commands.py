@@ -146,6 +146,9 @@ def refusal_of(words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> Refus
         return None
     except Refused as refusal:
         return refusal
+    except SystemExit as end:
+        if end.code:  # 0 after --help
+            raise
     return None
 
 
