@@ -43,6 +43,12 @@ def test_files_are_short() -> None:
     assert median(written) <= MAX_MEDIAN_FILE
 
 
+def test_files_of_tests_and_benchmarks_are_short() -> None:
+    paths = [path for folder in ("tests", "benchmarks", "examples") for path in (ROOT / folder).rglob("*.py")]
+    long = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in paths}
+    assert {name: count for name, count in long.items() if count > MAX_FILE} == {}
+
+
 def test_functions_are_short() -> None:
     lines = lines_of_functions()
     assert {name: count for name, count in lines.items() if count > MAX_FUNCTION} == {}

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from foreride.files.errors import InputError
-from tests.fuzz.readers import READERS, Reader
+from tests.fuzz.reader import Reader
+from tests.fuzz.readers import READERS
 
 SHORT = """
 title: A short drive

@@ -16,7 +16,7 @@ from tests.fuzz import trees
 from tests.fuzz import trial as trials
 from tests.fuzz.minimise import minimised, reduced
 from tests.fuzz.mutations import mutation
-from tests.fuzz.readers import Reader
+from tests.fuzz.reader import Reader
 from tests.fuzz.trial import ALL, ROOT, Bench
 
 INPUTS = 50

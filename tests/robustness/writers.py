@@ -12,7 +12,7 @@ import numpy as np
 
 from foreride.road.camera.pinhole import Camera
 from tests.detector.roads import write as write_images
-from tests.fuzz.readers import STUDY
+from tests.fuzz.road_readers import STUDY
 from tests.road.boards import photograph, poses
 
 WORK = "work"
@@ -44,7 +44,7 @@ def _quick_demo() -> None:
 def _sweep_in_this_process() -> None:
     from foreride.scenarios.commands.drive import sweep
     from foreride.scenarios.studies import results
-    from foreride.scenarios.studies.sweep import work
+    from foreride.scenarios.studies.sweep import simulate_sample
 
     @contextmanager
     def cluster(*given, **named):  # type: ignore[no-untyped-def]
@@ -52,7 +52,7 @@ def _sweep_in_this_process() -> None:
 
     def run(client, samples, kept, advance) -> None:  # type: ignore[no-untyped-def]
         for sample in samples:
-            kept.add(work(sample))
+            kept.add(simulate_sample(sample))
             advance()
 
     sweep.cluster, sweep.run = cluster, run

@@ -1,6 +1,5 @@
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,60 +12,11 @@ from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.actuator import SlowActive
-from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
+from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar
 from foreride.vehicle.plant.plant import Plant, build_model
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 from foreride.vehicle.state_layout import state_layout
-
-
-@dataclass(frozen=True)
-class Haversine:
-    """A smooth bump (or dip) of one period of 1 - cos, starting at start_m."""
-
-    height_m: float
-    length_m: float
-    start_m: float = 1.0
-
-    def height(self, x: Any) -> Any:
-        s = np.clip((x - self.start_m) / self.length_m, 0.0, 1.0)
-        return self.height_m / 2 * (1.0 - np.cos(2 * np.pi * s))
-
-    def slope(self, x: Any) -> Any:
-        s = np.clip((x - self.start_m) / self.length_m, 0.0, 1.0)
-        return self.height_m * np.pi / self.length_m * np.sin(2 * np.pi * s)
-
-
-@dataclass(frozen=True)
-class Ledge:
-    """Plateau of height_m that ends at end_m; a car that starts on it drops at the first tick."""
-
-    height_m: float
-    end_m: float
-
-    def height(self, x: Any) -> Any:
-        return np.where(np.asarray(x) <= self.end_m, self.height_m, 0.0) + 0.0
-
-    def slope(self, x: Any) -> Any:
-        return np.zeros_like(np.asarray(x, float))
-
-
-FLAT = Haversine(0.0, 1.0)
-QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
-CARS = [QUARTER, HALF, FULL]
-
-
-def drive(
-    car: Car,
-    profiles: list[EffectiveProfile],
-    speed: float,
-    ticks: int,
-    damping: float = 1500.0,
-    x_m: float = 0.0,
-) -> VehicleState:
-    plant = Plant(car)
-    plant.reset(profiles, x_m, speed)
-    plant.step(np.full(car.wheels, damping), ticks)
-    return plant.signals
+from tests.vehicle.plant.short_drives import CARS, FLAT, HALF, QUARTER, Haversine, Ledge, drive
 
 
 @pytest.mark.parametrize("car", CARS)
@@ -209,51 +159,6 @@ def test_no_energy_is_gained_on_a_still_road(car: Car, damping: float) -> None:
     total = energy(car, signals)[1:]
     assert np.diff(total).max() < 1e-6 * total[0]
     assert total[-1] < 0.05 * total[0]
-
-
-def test_full_car_is_two_half_cars_on_the_same_road_left_and_right() -> None:
-    bump = Haversine(0.12, 0.9, start_m=2.0)
-    half, full = drive(HALF, [bump] * 2, 9.0, 1500), drive(FULL, [bump] * 4, 9.0, 1500)
-    assert (half.tyre_force == 0.0).any()
-    np.testing.assert_allclose(full.heave_m, half.heave_m, atol=1e-12)
-    np.testing.assert_allclose(full.pitch_rad, half.pitch_rad, atol=1e-12)
-    np.testing.assert_allclose(full.roll_rad, 0.0, atol=1e-12)
-    for left in (0, 1):
-        np.testing.assert_allclose(full.tyre_force[left::2], half.tyre_force, rtol=1e-9)
-
-
-def test_a_bump_on_the_left_lifts_the_left_side_and_mirrors_on_the_right() -> None:
-    bump = Haversine(0.08, 0.5, start_m=2.0)
-    left = drive(FULL, [bump, FLAT, bump, FLAT], 9.0, 1000)
-    right = drive(FULL, [FLAT, bump, FLAT, bump], 9.0, 1000)
-    assert left.roll_rad[np.argmax(np.abs(left.roll_rad))] > 0.0
-    np.testing.assert_allclose(left.roll_rad, -right.roll_rad, atol=1e-12)
-    np.testing.assert_allclose(left.heave_m, right.heave_m, atol=1e-12)
-    np.testing.assert_allclose(left.rattle_m, right.rattle_m[[1, 0, 3, 2]], atol=1e-12)
-
-
-def test_a_mirrored_car_mirrors_its_motion() -> None:
-    car = replace(HALF, spring_n_m=(21e3, 24e3), unsprung_mass_kg=(42.0, 45.0))
-    mirrored = replace(
-        car, front_axle_m=1.45, rear_axle_m=1.25, spring_n_m=(24e3, 21e3), unsprung_mass_kg=(45.0, 42.0)
-    )
-    one = drive(car, [Ledge(0.12, 1.25), Ledge(0.04, -1.45)], 1.0, 1500)
-    two = drive(mirrored, [Ledge(0.04, 1.45), Ledge(0.12, -1.25)], 1.0, 1500)
-    np.testing.assert_allclose(one.heave_m, two.heave_m, atol=1e-12)
-    np.testing.assert_allclose(one.pitch_rad, -two.pitch_rad, atol=1e-12)
-    np.testing.assert_allclose(one.rattle_m, two.rattle_m[::-1], atol=1e-12)
-
-
-def test_axles_are_quarter_cars_when_the_body_decouples_them() -> None:
-    """With I = m a b each axle carries its own mass: m b / (a + b) front, m a / (a + b) rear."""
-    car = replace(HALF, pitch_inertia_kg_m2=800 * 1.25 * 1.45)
-    bump = Haversine(0.10, 0.9, start_m=4.0)
-    both = drive(car, [bump, bump], 9.0, 1500)
-    for i, mass in enumerate((800 * 1.45 / 2.7, 800 * 1.25 / 2.7)):
-        quarter = replace(QUARTER, sprung_mass_kg=mass)
-        one = drive(quarter, [bump], 9.0, 1500, x_m=car.axle_x_m[i])
-        np.testing.assert_allclose(both.rattle_m[i], one.rattle_m[0], atol=1e-9)
-        np.testing.assert_allclose(both.body_acc[i], one.body_acc[0], atol=1e-5)
 
 
 @pytest.mark.parametrize("car", CARS)
