@@ -51,9 +51,11 @@ def is_module(dotted: str) -> bool:
 
 
 def is_field(dotted: str) -> bool:
-    """Whether a dotted name is a field of a scenario."""
+    """Whether a dotted name is a field of a scenario, down to the first list."""
     block: Any = load("mixed_40").mapping
     for name in dotted.split("."):
+        if isinstance(block, list):
+            return name.isdigit()
         if not isinstance(block, dict) or name not in block:
             return False
         block = block[name]
