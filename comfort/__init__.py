@@ -11,15 +11,19 @@ from foreride.comfort.measures import (
     vdv,
     weighted_rms,
 )
-from foreride.comfort.metrics import METRICS, ride_metrics
+from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.occupant import SeatedPerson, acceleration_at, axis_values, body_motion, total_value
+from foreride.comfort.registry import METRICS, Column, Metric, Tolerance
 from foreride.comfort.weighting import WEIGHTINGS, frequency_weighting, weight, wk_second_order
 
 __all__ = [
     "COMFORT_BANDS",
     "METRICS",
     "WEIGHTINGS",
+    "Column",
+    "Metric",
     "SeatedPerson",
+    "Tolerance",
     "acceleration_at",
     "axis_values",
     "body_motion",

@@ -8,34 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 from foreride.comfort.holding import dissipated_energy, relative_load, stop_contact
 from foreride.comfort.measures import crest_factor, evdv, mtvv, vdv
 from foreride.comfort.occupant import SeatedPerson, axis_values, body_motion, total_value
+from foreride.comfort.registry import METRICS
 from foreride.comfort.weighting import check_rate, weight
 from foreride.files.errors import InputError
 
 Array = NDArray[np.float64]
 TYRE_LOAD_WEIGHT = 3.0  # (m/s^2)^2, weight rho of the dynamic tyre load relative to comfort
-
-
-METRICS = {
-    "wk_rms": "m/s²: root of the mean over seats of the squared Wk-weighted RMS of vertical acceleration",
-    "vdv": "m/s^1.75: vibration dose value, Wk, worst seat",
-    "evdv": "m/s^1.75: estimated vibration dose value, Wk, worst seat",
-    "mtvv": "m/s²: maximum transient vibration value (1 s), Wk, worst seat",
-    "crest_factor": "peak over RMS, Wk, worst seat",
-    "vibration_total": "m/s²: overall vibration total value of ISO 2631-1, 12 axes, worst seat",
-    "peak_acc": "m/s²: peak vertical acceleration of any seat, unweighted",
-    "pitch_acc_rms": "rad/s², unweighted; 0 without pitch",
-    "roll_acc_rms": "rad/s², unweighted; 0 without roll",
-    "rattle_rms": "m: RMS suspension travel from equilibrium, over all wheels",
-    "rattle_peak": "m: peak suspension travel from equilibrium of any wheel",
-    "stop_time": "s: time during which any wheel is on a bump or rebound stop",
-    "tyre_load_rms": "RMS over wheels (hence over axles) of dynamic / static tyre load",
-    "tyre_load_p95": "95th percentile over time of the magnitude of dynamic / static tyre load, worst wheel",
-    "lift_time": "s: time during which any wheel carries no load",
-    "damper_energy": "J: energy dissipated by all dampers",
-    "damper_power_peak": "W: peak power absorbed by any damper",
-    "objective": "(m/s²)²: wk_rms² + rho tyre_load_rms²",
-}
-"""Unit and definition of every metric."""
 
 
 def ride_metrics(
@@ -52,7 +30,7 @@ def ride_metrics(
     roll_acc: ArrayLike | None = None,
     rho: float = TYRE_LOAD_WEIGHT,
 ) -> dict[str, Any]:
-    """Compute METRICS of one run, a float each, or of many runs, an array (runs,) each.
+    """Compute foreride's own METRICS of one run, a float each, or of many runs, an array (runs,) each.
 
     Seats are points of the sprung mass, where heave, pitch and roll combine: for a quarter car the mass
     itself, otherwise the positions in the vehicle's parameters. All signals may have one leading axis of
@@ -90,7 +68,7 @@ def ride_metrics(
     values = _comfort(rate_hz, seats, pitch, roll) | _holding(rate_hz, force, load, travel, power)
     values["stop_time"] = stop_contact(travel, bump, rebound).any(axis=-2).sum(axis=-1) / rate_hz
     values["objective"] = values["wk_rms"] ** 2 + rho * values["tyre_load_rms"] ** 2
-    return {name: values[name] if runs else float(values[name]) for name in METRICS}
+    return {name: values[name] if runs else float(values[name]) for name in METRICS.own}
 
 
 def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, Array]:

@@ -107,7 +107,7 @@ def metric_page() -> str:
     """Page of all metrics of a run with their units."""
     lines = ["# Metrics", "", "Contents of `metrics.json` of a run and of the rows of a comparison.", ""]
     lines += ["| metric | unit and meaning |", "|---|---|"]
-    lines += [f"| `{name}` | {meaning} |" for name, meaning in METRICS.items()]
+    lines += [f"| `{name}` | {metric.definition} |" for name, metric in METRICS.parts().items()]
     lines += ["", "## Audit", "", inspect.cleandoc(energy_audit.__doc__ or ""), ""]
     return "\n".join(lines)
 

@@ -1,40 +1,25 @@
 """Comparison table in the terminal, in Markdown and in LaTeX."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 
 from rich import box
 from rich.table import Table
 
+from foreride.comfort.registry import METRICS, Column
 from foreride.files.errors import printable
 from foreride.scenarios.comparison.statistics import Interval, Variant
 
 
-@dataclass(frozen=True)
-class Column:
-    """Displayed metric: heading, unit, key in `metrics`, format and factor."""
-
-    name: str
-    unit: str
-    metric: str
-    style: str
-    factor: float = 1.0
+def columns() -> list[tuple[str, Column]]:
+    """Metrics displayed in tables, each with its column: foreride's own, then those added."""
+    return [(name, metric.column) for name, metric in METRICS.parts().items() if metric.column is not None]
 
 
-COLUMNS = (
-    Column("Wk RMS", "m/s²", "wk_rms", ".3f"),
-    Column("VDV", "m/s^1.75", "vdv", ".2f"),
-    Column("peak acc.", "m/s²", "peak_acc", ".2f"),
-    Column("rattle peak", "mm", "rattle_peak", ".0f", 1e3),
-    Column("stops", "ms", "stop_time", ".0f", 1e3),
-    Column("tyre load", "RMS", "tyre_load_rms", ".3f"),
-    Column("lift", "ms", "lift_time", ".0f", 1e3),
-)
-_ESSENTIAL = ("wk_rms", "vdv", "tyre_load_rms", "lift_time")
+_HIDDEN_IF_NARROW = ("peak_acc", "rattle_peak", "stop_time")
 _WIDE = 130
 _HEADS = ("scenario", "controller", "preview")
-_OBJECTIVE = Column("J", "(m/s²)²", "objective", ".3f")
+_OBJECTIVE = Column("J", "(m/s²)²")
 
 
 def comparison(
@@ -42,9 +27,11 @@ def comparison(
 ) -> Table:
     """Terminal table: means over seeds; J relative to the baseline with its confidence interval.
 
-    `width` is that of the terminal in characters; a narrow one gets the essential columns only.
+    `width` is that of the terminal in characters; a narrow one gets fewer columns.
     """
-    columns = [column for column in COLUMNS if width >= _WIDE or column.metric in _ESSENTIAL]
+    displayed = [
+        (name, column) for name, column in columns() if width >= _WIDE or name not in _HIDDEN_IF_NARROW
+    ]
     captured = any(variant.captured for variant in variants)
     table = Table(title=title or None, box=box.SIMPLE_HEAD, title_justify="left", pad_edge=False)
     for name in _HEADS:
@@ -52,7 +39,7 @@ def comparison(
     table.add_column(_effect_head(variants, baseline).replace(" / ", " /\n"), justify="right", no_wrap=True)
     if captured:
         table.add_column("cap-\ntured", justify="right", no_wrap=True)
-    for column in columns:
+    for _, column in displayed:
         table.add_column(f"{column.name}\n{column.unit}", justify="right")
     table.add_column("fall-\nbacks", justify="right")
     for _, group in groupby(variants, key=lambda variant: (variant.scenario, variant.vehicle)):
@@ -62,7 +49,7 @@ def comparison(
             cells = [first, short_name(variant.controller), variant.perception]
             cells.append(_shown(*_effect(variant), spread=True))
             cells += [_percent(variant.captured)] if captured else []
-            cells += [_shown(variant.metrics[column.metric], column) for column in columns]
+            cells += [_shown(variant.metrics.get(name), column) for name, column in displayed]
             cells.append(str(variant.fallbacks) if variant.fallbacks else "-")
             table.add_row(*cells, end_section=index == len(members) - 1)
     return table
@@ -99,13 +86,15 @@ def short_name(controller: str) -> str:
 def _full(variants: Sequence[Variant], baseline: str | None) -> tuple[list[str], list[list[str]]]:
     captured = any(variant.captured for variant in variants)
     heads = [*_HEADS, "seeds", _effect_head(variants, baseline), *(["captured"] if captured else [])]
-    heads += [f"{column.name} ({column.unit})" for column in COLUMNS]
+    heads += [f"{column.name} ({column.unit})" for _, column in columns()]
     rows = []
     for variant in variants:
         row = [variant.scenario, short_name(variant.controller), variant.perception, str(len(variant.seeds))]
         row.append(_shown(*_effect(variant), spread=True))
         row += [_percent(variant.captured)] if captured else []
-        rows.append(row + [_shown(variant.metrics[c.metric], c, spread=True) for c in COLUMNS])
+        rows.append(
+            row + [_shown(variant.metrics.get(name), column, spread=True) for name, column in columns()]
+        )
     return heads, rows
 
 
@@ -119,7 +108,9 @@ def _effect_head(variants: Sequence[Variant], baseline: str | None) -> str:
     return f"J / {baseline}" if relative and baseline else "J"
 
 
-def _shown(value: Interval, column: Column, spread: bool = False) -> str:
+def _shown(value: Interval | None, column: Column, spread: bool = False) -> str:
+    if value is None:
+        return "-"
     text = format(value.mean * column.factor, column.style)
     if not spread or value.low is None or value.high is None or value.low == value.high:
         return text

@@ -4,44 +4,20 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from foreride.comfort.registry import DEFAULT_TOLERANCE, METRICS, Tolerance
 from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run
 
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Permitted change of a metric: the larger of `absolute` (SI) and `relative`; shown times `factor`."""
-
-    absolute: float
-    relative: float = 0.0
-    unit: str = ""
-    factor: float = 1.0
-
-    def of(self, expected: float) -> float:
-        """Permitted change about a baseline value."""
-        return max(self.absolute, self.relative * abs(expected))
+_FALLBACKS = "fallbacks"
+_OF_FALLBACKS = Tolerance(0.5)
 
 
-TOLERANCES = {
-    "objective": Tolerance(0.005, 0.02, "(m/s²)²"),
-    "wk_rms": Tolerance(0.005, 0.01, "m/s²"),
-    "vdv": Tolerance(0.02, 0.01, "m/s^1.75"),
-    "mtvv": Tolerance(0.02, 0.01, "m/s²"),
-    "crest_factor": Tolerance(0.2, 0.03),
-    "peak_acc": Tolerance(0.2, 0.03, "m/s²"),
-    "pitch_acc_rms": Tolerance(0.02, 0.02, "rad/s²"),
-    "rattle_rms": Tolerance(0.0002, 0.02, "mm", 1e3),
-    "rattle_peak": Tolerance(0.001, 0.02, "mm", 1e3),
-    "stop_time": Tolerance(0.002, 0.05, "ms", 1e3),
-    "tyre_load_rms": Tolerance(0.003, 0.02),
-    "lift_time": Tolerance(0.003, 0.05, "ms", 1e3),
-    "damper_energy": Tolerance(5.0, 0.02, "J"),
-    "fallbacks": Tolerance(0.5),
-}
-"""Below what a passenger perceives or a sensor resolves; metrics without an entry get `DEFAULT_TOLERANCE`."""
-DEFAULT_TOLERANCE = Tolerance(1e-6, 0.02)
-NEUTRAL_METRICS = frozenset({"crest_factor", "damper_energy"})
-"""Metrics whose change is reported but is no loss of comfort or safety."""
+def tolerance_of(metric: str) -> Tolerance:
+    """Tolerance of a metric: below what a passenger perceives or a sensor resolves."""
+    if metric == _FALLBACKS:
+        return _OF_FALLBACKS
+    entry = METRICS.find(metric)
+    return DEFAULT_TOLERANCE if entry is None else entry.tolerance
 
 
 @dataclass(frozen=True)
@@ -64,14 +40,15 @@ class Change:
         """`worse`, `better`, or `changed` for a neutral metric."""
         if not (math.isfinite(self.before) and math.isfinite(self.after)):
             return "worse"
-        if self.metric in NEUTRAL_METRICS:
+        entry = METRICS.find(self.metric)
+        if entry is not None and entry.neutral:
             return "changed"
         return "worse" if self.after > self.before else "better"
 
 
 def measured(run: Run) -> dict[str, float]:
     """Values of a run that a baseline holds: its ride metrics and the number of fallbacks."""
-    return run.metrics | {"fallbacks": float(run.solver.get("fallbacks", 0))}
+    return run.metrics | {_FALLBACKS: float(run.solver.get("fallbacks", 0))}
 
 
 def changes(
@@ -84,7 +61,7 @@ def changes(
     found = []
     for metric, old in before.items():
         new = after.get(metric, math.nan)
-        allowed = (own.get(metric) or TOLERANCES.get(metric, DEFAULT_TOLERANCE)).of(old)
+        allowed = (own.get(metric) or tolerance_of(metric)).of(old)
         if not (math.isfinite(old) and abs(new - old) <= allowed):
             found.append(Change(metric, old, new, allowed))
     return sorted(found, key=lambda change: (change.verdict != "worse", -change.used))
@@ -99,7 +76,7 @@ def diff(found: Sequence[Change]) -> list[str]:
     """One line per change: metric, old and new value, and the change in units of its tolerance."""
     lines = []
     for change in found:
-        shown = TOLERANCES.get(change.metric, DEFAULT_TOLERANCE)
+        shown = tolerance_of(change.metric)
         before, after, allowed = (
             value * shown.factor for value in (change.before, change.after, change.allowed)
         )

@@ -6,7 +6,7 @@ from html import escape
 from itertools import groupby
 
 from foreride.scenarios.comparison.statistics import Interval, Variant
-from foreride.scenarios.comparison.table import COLUMNS, Column, short_name
+from foreride.scenarios.comparison.table import columns, short_name
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.markup import Html, text
@@ -24,14 +24,14 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
         captured = any(v.captured for v in members)
         effect = f"J / {baseline}" if baseline else "J"
         heads: list[str] = ["controller", "preview", "", effect, *(["captured"] if captured else [])]
-        heads += [_two_lines(c.name, c.unit) for c in COLUMNS] + ["fallbacks", "seeds"]
+        heads += [_two_lines(c.name, c.unit) for _, c in columns()] + ["fallbacks", "seeds"]
         most = max(_effect(v).mean for v in members) or 1.0
         rows = []
         for v in members:
             bar = bar_of(_effect(v).mean / most)
             row: list[str] = [short_name(v.controller), v.perception, bar, _cell(_effect(v), ".3f")]
             row += [_cell(v.captured, ".1%")] if captured else []
-            row += [_metric(v, c) for c in COLUMNS]
+            row += [_cell(v.metrics.get(name), c.style, c.factor) for name, c in columns()]
             rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
         tables.append(f"<h2>{text(scenario)} · {text(vehicle)}</h2>{table(heads, rows, left=2)}")
     told = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
@@ -99,10 +99,6 @@ def manifest_section(runs: Sequence[Run]) -> str:
 
 def _effect(variant: Variant) -> Interval:
     return variant.ratio.get("objective", variant.metrics["objective"])
-
-
-def _metric(variant: Variant, column: Column) -> str:
-    return _cell(variant.metrics[column.metric], column.style, column.factor)
 
 
 def _cell(value: Interval | None, style: str, factor: float = 1.0) -> str:

@@ -6,13 +6,13 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
+from foreride.comfort.registry import METRICS
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict
-from foreride.scenarios.comparison.table import COLUMNS
 from foreride.scenarios.runs.write import row
 from foreride.scenarios.simulation.simulate import Run
 
-METRICS = ("objective", *(column.metric for column in COLUMNS))
+REQUIRED_METRICS = ("objective", *(name for name, metric in METRICS.own.items() if metric.column is not None))
 """Metrics that each row must contain."""
 SIGNALS = ("time_s", "x_m", "heave_m", "seat_acc_0", "road_height_0", "damping_0", "damper_force_0")
 """Signals that each run must contain, and `wheel_z_0`, ... for each wheel, all finite."""
@@ -48,7 +48,7 @@ class _Row:
     bound: _Bound | None = None
 
     def __post_init__(self) -> None:
-        missing = [name for name in METRICS if name not in self.metrics]
+        missing = [name for name in REQUIRED_METRICS if name not in self.metrics]
         if missing:
             raise InputError(f"metrics.{missing[0]} is missing")
         absurd = [name for name, value in self.metrics.items() if abs(value) > MAX_METRIC]

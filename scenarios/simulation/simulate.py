@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from foreride.comfort.metrics import ride_metrics
+from foreride.comfort.registry import added_metrics
 from foreride.controller.interface import Controller
+from foreride.files.errors import InputError
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
@@ -107,7 +109,7 @@ def simulate(
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
-    """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`)."""
+    """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`) and added metrics."""
     car = case.scenario.vehicle.parameters
     ride = ride_metrics(
         TICKS_PER_SECOND,
@@ -122,7 +124,11 @@ def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
         roll_acc=record.roll_acc,
         rho=case.scenario.tyre_load_weight,
     )
-    return ride | energy_audit(car, record)
+    own = ride | energy_audit(car, record)
+    added = added_metrics(flat_signals(record), TICKS_PER_SECOND)
+    if taken := own.keys() & added.keys():
+        raise InputError(f"metric {min(taken)}: the name is taken by foreride")
+    return own | added
 
 
 def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:

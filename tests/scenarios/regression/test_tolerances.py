@@ -10,7 +10,7 @@ from foreride.files.errors import InputError
 from foreride.scenarios.cli import main
 from foreride.scenarios.pytest_plugin import RideComfort
 from foreride.scenarios.regression.baseline import read
-from foreride.scenarios.regression.tolerances import TOLERANCES, Tolerance, changes, diff, failed
+from foreride.scenarios.regression.tolerances import Tolerance, changes, diff, failed, tolerance_of
 
 SHORT = """
 title: A short drive
@@ -45,7 +45,7 @@ def edited(path: Path, **metrics: float) -> None:
 
 
 def test_a_change_is_judged_by_the_larger_of_both_tolerances() -> None:
-    allowed = TOLERANCES["wk_rms"]
+    allowed = tolerance_of("wk_rms")
     assert allowed.of(0.1) == allowed.absolute
     assert allowed.of(10.0) == pytest.approx(10.0 * allowed.relative)
     assert not changes({"wk_rms": 10.0}, {"wk_rms": 10.099}, {})

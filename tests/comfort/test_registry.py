@@ -1,0 +1,70 @@
+"""Tests of added metrics."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from foreride.comfort.registry import METRICS, Column, Metric, added_metrics
+from foreride.files.errors import InputError
+
+SIGNALS = {"body_acc": np.array([0.0, 1.0, -3.0])}
+
+
+@pytest.fixture(autouse=True)
+def _restored() -> Iterator[None]:
+    yield
+    METRICS.unregister("peak")
+
+
+def peak(function: Any, **others: Any) -> Metric:
+    return Metric("peak", "m/s²", "peak of the body's acceleration", function, **others)
+
+
+def test_an_added_metric_is_computed_from_the_signals() -> None:
+    assert added_metrics(SIGNALS, 1000.0) == {}
+    METRICS.register("peak", peak(lambda signals, rate_hz: np.abs(signals["body_acc"]).max()))
+    assert added_metrics(SIGNALS, 1000.0) == {"peak": 3.0}
+
+
+def spoil(signals: Any, rate_hz: float) -> float:
+    signals["body_acc"][0] = 1.0
+    return 0.0
+
+
+@pytest.mark.parametrize(
+    ("function", "told"),
+    [
+        (
+            lambda signals, rate_hz: signals["nothing"],
+            r"metric peak: fails \(KeyError: 'nothing' at test",
+        ),
+        (lambda signals, rate_hz: np.inf, "metric peak: must give a finite number, got inf"),
+        (spoil, r"metric peak: fails \(ValueError: .*read-only at test_registry.py"),
+    ],
+)
+def test_a_metric_that_fails_is_told_in_one_line(function: Any, told: str) -> None:
+    METRICS.register("peak", peak(function))
+    with pytest.raises(InputError, match=told):
+        added_metrics(SIGNALS, 1000.0)
+    assert SIGNALS["body_acc"][0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("peak", 3.0, "must be a Metric with a function, got 3.0"),
+        ("peak", peak(None), "must be a Metric with a function"),
+        ("top", peak(max), "must carry its own name, got 'peak'"),
+        (
+            "peak",
+            peak(max, column=Column("peak", "m/s²", "wide")),
+            "column.style must be a format",
+        ),
+        ("objective", peak(max), "the name is taken by foreride"),
+    ],
+)
+def test_what_is_no_metric_is_refused(name: str, value: Any, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        METRICS.register(name, value)
