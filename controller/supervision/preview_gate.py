@@ -17,6 +17,8 @@ from foreride.vehicle.load import Car
 INCONSISTENT = "inconsistent preview"
 LOSS = 0.5
 """Factor of the trust at a contradiction."""
+GAP_S = 0.15
+"""Longest time between two samples that are compared; a controller's period is 0.1 s at most."""
 APART_M = 2.0
 """Contradictions closer together are one, as the high pass of the residuals echoes."""
 
@@ -32,8 +34,7 @@ class PreviewGate:
         places = np.array(vehicle.axle_x_m)
         self._front = [int(wheel) for wheel in np.flatnonzero(places == places.max())]
         self._settings = settings
-        self._residuals = [Residual(wheel, settings) for wheel in self._front]
-        self._correlations = [Correlation(settings.memory_m, settings.correlation) for _ in self._front]
+        self._restart()
         self._trust, self._trusted = 1.0, True
         self._consistent_m = APART_M
         self._suspended_m = 0.0
@@ -43,6 +44,8 @@ class PreviewGate:
         """Return why the preview is dropped now, None if it is used."""
         since = estimate.time_s - self._time_s if self._time_s is not None else 0.0
         self._time_s = estimate.time_s
+        if since > GAP_S:
+            self._restart()
         travelled_m = estimate.speed_m_s * since
         strikes, alike = self._compare(estimate, preview, travelled_m)
         unannounced = Strike.UNANNOUNCED in strikes
@@ -51,6 +54,13 @@ class PreviewGate:
         self._update_trust(contradicted, since, travelled_m)
         believed = self._trusted and alike and not contradicted and self._suspended_m <= 0.0
         return None if believed else INCONSISTENT
+
+    def _restart(self) -> None:
+        """Begin the comparison anew, as after a gap; the trust is kept."""
+        self._residuals = [Residual(wheel, self._settings) for wheel in self._front]
+        self._correlations = [
+            Correlation(self._settings.memory_m, self._settings.correlation) for _ in self._front
+        ]
 
     def _update_trust(self, contradicted: bool, since_s: float, travelled_m: float) -> None:
         settings = self._settings

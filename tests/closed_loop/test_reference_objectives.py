@@ -4,7 +4,9 @@ The expected values come from a prototype with its own integrator, controller an
 with exact states, true preview, one tuning for all events, 0.2 s of horizon. Within 5 %, or better.
 """
 
+from contextlib import nullcontext
 from functools import cache
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from foreride.comfort.metrics import ride_metrics
 from foreride.controller.interface import Controller, Timing
 from foreride.controller.observer.observer import exact_estimate
 from foreride.controller.registry import build
+from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.preview.road_preview import distance_grid, oracle_preview
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole
 from foreride.road.road import Road
@@ -83,11 +86,14 @@ def relative_objective(
     timing: Timing = PROMPT,
     shift_m: float = 0.0,
     start_m: float = START_M,
+    gate: bool = True,
 ) -> float:
-    """J of the controller over J of the passive car."""
+    """J of the controller over J of the passive car; `gate` False: a supervisor whose gate never acts."""
     car = load_vehicle(car_name)
     passive = drive(event, car, build("passive", car), PROMPT)
-    controlled = drive(event, car, build(name, car, timing=timing), timing, shift_m, start_m)
+    controller = build(name, car, timing=timing)
+    with nullcontext() if gate else patch.object(PreviewGate, "check", lambda *_: None):
+        controlled = drive(event, car, controller, timing, shift_m, start_m)
     return objective(controlled) / objective(passive)
 
 
@@ -133,6 +139,14 @@ def test_a_known_delay_costs_little(event: str) -> None:
 
 
 def test_late_preview_hurts_more_than_early_preview() -> None:
-    early = relative_objective("bump_8x40_30", "mpc_preview", shift_m=0.2)
-    late = relative_objective("bump_8x40_30", "mpc_preview", shift_m=-0.2)
-    assert relative_objective("bump_8x40_30", "mpc_preview") < early < late
+    """Without the supervisor's gate, which drops a preview that does not come true."""
+    early = relative_objective("bump_8x40_30", "mpc_preview", shift_m=0.2, gate=False)
+    late = relative_objective("bump_8x40_30", "mpc_preview", shift_m=-0.2, gate=False)
+    assert relative_objective("bump_8x40_30", "mpc_preview", gate=False) < early < late
+
+
+@pytest.mark.parametrize("event", ["bump_8x40_30", "pothole_60x8_40"])
+@pytest.mark.parametrize("shift_m", [0.2, -0.2])
+def test_the_gate_limits_what_an_early_or_late_preview_costs(event: str, shift_m: float) -> None:
+    exact, gated = (relative_objective(event, "mpc_preview", shift_m=shift) for shift in (0.0, shift_m))
+    assert exact < gated < relative_objective(event, "mpc_preview", shift_m=shift_m, gate=False)

@@ -150,3 +150,20 @@ def test_a_wheel_in_the_air_tells_nothing() -> None:
         now = replace(estimate(CAR, road=-0.1 * k, contact=False), time_s=k * PERIOD)
         seen = RoadPreview(k * PERIOD, grid, heights, nothing, nothing, nothing + 1.0)
         assert gate.check(now, seen) is None
+
+
+def test_an_obstacle_passed_while_nothing_was_known_is_no_contradiction() -> None:
+    """A gap, as while sensors fail, in which the car drives onto an obstacle and the observer loses its
+    level.
+    """
+    gate, grid = PreviewGate(CAR, GateSettings()), distance_grid(0.5, 4.0)
+    step = bump(FIRST_M, height_m=0.1, length_m=20.0)
+    for time_s in (*np.arange(0.0, 0.9, PERIOD), *np.arange(2.0, 3.0, PERIOD)):
+        place = SPEED * time_s
+        lost_m = 0.3 if time_s > 1.0 else 0.0
+        now = replace(
+            estimate(CAR, road=float(step(np.array([place]))[0]) + lost_m, speed_m_s=SPEED), time_s=time_s
+        )
+        heights = np.tile(step(place + grid), (CAR.wheels, 1))
+        nothing = np.zeros_like(heights)
+        assert gate.check(now, RoadPreview(time_s, grid, heights, nothing, nothing, nothing + 1.0)) is None
