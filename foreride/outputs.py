@@ -13,7 +13,7 @@ def report(source: Result | Comparison | Path | str, out: Path | str) -> Path:
     source: a result, a comparison, or the path of a run folder or of a folder of them.
     """
     from foreride.files.writing.atomic import write_text
-    from foreride.scenarios.report.gather import ReportInput, gather
+    from foreride.scenarios.report.gather import ReportInput
     from foreride.scenarios.report.html import page
 
     if isinstance(source, Result):
@@ -21,7 +21,7 @@ def report(source: Result | Comparison | Path | str, out: Path | str) -> Path:
     if isinstance(source, Comparison):
         gathered = ReportInput(tuple(result.record for result in source), tuple(source.rows))
     else:
-        gathered = gather(Path(source))
+        gathered = collect_input(Path(source))
     write_text(Path(out), page(gathered))
     return Path(out)
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:  # every pytest run imports this file; only tests with the fix
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add `--ride-accept`."""
-    told = "write what ride_comfort measures as the new baselines"
-    parser.getgroup("foreride").addoption("--ride-accept", action="store_true", help=told)
+    help_text = "write what ride_comfort measures as the new baselines"
+    parser.getgroup("foreride").addoption("--ride-accept", action="store_true", help=help_text)
 
 
 @pytest.fixture
@@ -55,24 +55,31 @@ class RideComfort:
         """
         from foreride.scenarios.definition.overrides import collect_overrides
         from foreride.scenarios.regression.baseline import Baseline, BaselineEntry, read, write
-        from foreride.scenarios.regression.tolerances import Tolerance, changes, diff, failed, label, measured
+        from foreride.scenarios.regression.tolerances import (
+            Tolerance,
+            baseline_values,
+            change_lines,
+            changes,
+            failed,
+            label,
+        )
         from foreride.scenarios.simulation.simulate import simulate
 
-        asked = BaselineEntry(scenario, collect_overrides(overrides), controller, perception, seed, {})
-        texts = asked.override_texts
-        case = asked.case(self._file.parent.parent)
+        requested = BaselineEntry(scenario, collect_overrides(overrides), controller, perception, seed, {})
+        texts = requested.override_texts
+        case = requested.case(self._file.parent.parent)
         baseline = read(self._file) if self._file.exists() else Baseline()
         run = simulate(case)
         if self._accept:
-            write(self._file, baseline.with_entries([replace(asked, metrics=measured(run))]))
+            write(self._file, baseline.with_entries([replace(requested, metrics=baseline_values(run))]))
             return run
-        held = {one.key: one for one in baseline.held}.get(asked.key)
-        if held is None:
+        entry = {item.key: item for item in baseline.entries}.get(requested.key)
+        if entry is None:
             pytest.fail(f"{self._file}: no baseline of {label(case, texts)}; pytest --ride-accept writes it")
-        own = {metric: Tolerance(value) for metric, value in (tolerances or {}).items()}
-        if failed(found := changes(held.metrics, measured(run), own)):
+        own_tolerances = {metric: Tolerance(value) for metric, value in (tolerances or {}).items()}
+        if failed(found := changes(entry.metrics, baseline_values(run), own_tolerances)):
             pytest.fail(
-                "\n  ".join([f"{label(case, texts)} rides worse:", *diff(found)]),
+                "\n  ".join([f"{label(case, texts)} rides worse:", *change_lines(found)]),
                 pytrace=False,
             )
         return run

@@ -41,13 +41,13 @@ def scenario_page() -> str:
     """Page of all scenario fields: type, range with unit, default and description."""
     lines = [_SCENARIO_HEAD]
     for path, cls in blocks(Scenario):
-        own = [item for item in fields(cls) if item.init]
-        prose, meanings = _described(inspect.cleandoc(cls.__doc__ or ""), {item.name for item in own})
+        init_fields = [item for item in fields(cls) if item.init]
+        prose, meanings = _described(inspect.cleandoc(cls.__doc__ or ""), {item.name for item in init_fields})
         lines += [f"## {path or 'The file itself'}", "", prose, ""]
-        if own:
+        if init_fields:
             hints = get_type_hints(cls, include_extras=True)
             lines += ["| field | type | range | default | |", "|---|---|---|---|---|"]
-            for item in own:
+            for item in init_fields:
                 meaning = meanings.get(item.name) or _first_line(hints[item.name])
                 allowed = ", ".join(dict.fromkeys(one.text() for one in numbers_in(hints[item.name])))
                 cells = f"`{item.name}`", _type(hints[item.name]), allowed, _default(item), meaning

@@ -34,19 +34,19 @@ def bound(scenario: Scenario) -> Optimum:
     A cached plan is accepted only if it still yields the J stored with it.
     """
     car, drive = scenario.vehicle.parameters, drive_inputs(scenario)
-    whole = WholeDriveObjective(car, drive)
+    objective = WholeDriveObjective(car, drive)
     path = cached(f"bounds/{_key(scenario, drive)}.npz")
     try:
-        known = _read(path.read_bytes(), whole)
+        cached_optimum = _read(path.read_bytes(), objective)
     except OSError:
-        known = None
-    if known is not None:
-        return known
-    first = np.searchsorted(drive.interval, np.arange(whole.intervals))
+        cached_optimum = None
+    if cached_optimum is not None:
+        return cached_optimum
+    first_ticks = np.searchsorted(drive.interval, np.arange(objective.intervals))
     plans = {}
     for name in START_CONTROLLERS:
-        plans[name] = _commands(_start_case(scenario, name))[:, first].T / KILO
-    optimum = optimise(car, whole, plans)
+        plans[name] = _commands(_start_case(scenario, name))[:, first_ticks].T / KILO
+    optimum = optimise(car, objective, plans)
     with suppress(OSError):  # a bound that cannot be cached is still valid
         write_bytes(path, _bytes(optimum))
     return optimum
@@ -62,18 +62,18 @@ def drive_inputs(scenario: Scenario) -> DriveInputs:
     course = motion if isinstance(motion, SpeedProfile) else ConstantSpeed(motion)
     stretch = course.ahead(scenario.start_m, 0, count)
     height, velocity = road_under(car, profiles, stretch.edges_m, stretch.speed_m_s)
-    middle, _ = road_under(car, profiles, stretch.middles_m, 0.0)
-    still = stretch.forward_acc is None
-    late = ticks(control.delay_s)
-    asked = [tick >= late and due(tick - late, control.rate_hz) for tick in range(count)]
+    mid_height, _ = road_under(car, profiles, stretch.middles_m, 0.0)
+    constant_speed = stretch.forward_acc is None
+    delay_ticks = ticks(control.delay_s)
+    sampled = [tick >= delay_ticks and due(tick - delay_ticks, control.rate_hz) for tick in range(count)]
     return DriveInputs(
         rate_hz=TICKS_PER_SECOND,
         height=np.array(height),
         velocity=np.array(velocity),
-        mid_height=np.array(middle),
-        forward_acc=np.zeros(count + 1) if still else np.asarray(stretch.forward_acc),
-        surge=np.zeros(count) if still else np.diff(stretch.speed_m_s) * TICKS_PER_SECOND,
-        interval=np.cumsum(asked) - 1,
+        mid_height=np.array(mid_height),
+        forward_acc=np.zeros(count + 1) if constant_speed else np.asarray(stretch.forward_acc),
+        surge=np.zeros(count) if constant_speed else np.diff(stretch.speed_m_s) * TICKS_PER_SECOND,
+        interval=np.cumsum(sampled) - 1,
         start=np.array(plant.state.x),
         rho=scenario.tyre_load_weight,
     )
@@ -104,11 +104,11 @@ def _commands(case: Case) -> np.ndarray:
 
 def _key(scenario: Scenario, drive: DriveInputs) -> str:
     """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
-    told = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
-    told.update(repr((drive.rate_hz, drive.rho)).encode())
+    hasher = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
+    hasher.update(repr((drive.rate_hz, drive.rho)).encode())
     for array in (drive.height, drive.velocity, drive.mid_height, drive.surge, drive.interval, drive.start):
-        told.update(np.ascontiguousarray(array).tobytes())
-    return told.hexdigest()
+        hasher.update(np.ascontiguousarray(array).tobytes())
+    return hasher.hexdigest()
 
 
 def _bytes(optimum: Optimum) -> bytes:
@@ -118,16 +118,20 @@ def _bytes(optimum: Optimum) -> bytes:
     return stream.getvalue()
 
 
-def _read(data: bytes, whole: WholeDriveObjective) -> Optimum | None:
+def _read(data: bytes, drive_objective: WholeDriveObjective) -> Optimum | None:
     """Parse a cached optimum; None if it is damaged or outdated."""
     try:
-        with np.load(io.BytesIO(data), allow_pickle=False) as kept:
-            plan, names, values = kept["plan"], kept["names"], kept["values"]
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            plan, names, values = archive["plan"], archive["names"], archive["values"]
     except Exception:  # zip and npy readers raise many things on damaged data
         return None
-    if plan.shape != (whole.intervals, whole.inputs) or not len(values) or len(names) != len(values):
+    if (
+        plan.shape != (drive_objective.intervals, drive_objective.inputs)
+        or not len(values)
+        or len(names) != len(values)
+    ):
         return None
-    objective, _ = whole.objective(plan)
-    if not np.isclose(objective, values.min(), rtol=1e-9):
+    value, _ = drive_objective.objective(plan)
+    if not np.isclose(value, values.min(), rtol=1e-9):
         return None
-    return Optimum(plan, objective, dict(zip(names.tolist(), values.tolist(), strict=True)))
+    return Optimum(plan, value, dict(zip(names.tolist(), values.tolist(), strict=True)))

@@ -49,7 +49,7 @@ def configure(command: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Print one line per check; exit code 1 if one failed."""
     console.print(f"{platform.platform()}, {os.cpu_count()} cores")
-    console.print(", ".join(f"{name} {found}" for name, found in versions().items()))
+    console.print(", ".join(f"{name} {version}" for name, version in versions().items()))
     findings = []
     for check in CHECKS:
         finding = _try(check)
@@ -76,9 +76,9 @@ def _try(check: Callable[[], str]) -> Finding:
 
 def _library() -> str:
     """Scenario library."""
-    found = [load(name) for name in names()]
-    assert found, "no scenario files"
-    return f"{len(found)} scenarios are valid"
+    scenarios = [load(name) for name in names()]
+    assert scenarios, "no scenario files"
+    return f"{len(scenarios)} scenarios are valid"
 
 
 def _plant() -> str:
@@ -112,13 +112,13 @@ def _renderer_and_detector() -> str:
     """Renderer and detector."""
     road = Road(40.0, (HalfSineBump(start_m=12.0, height_m=0.08, length_m=0.4, paint="yellow_black"),))
     camera, pose = Camera(), pose_of(CameraMount(), 2.0, 0.0, 0.0)
-    first = Scene(road, Appearance(), 1).render(camera, pose, 0)
-    again = Scene(road, Appearance(), 1).render(camera, pose, 0)
-    assert np.array_equal(first.image, again.image), "the same frame was rendered twice and differs"
+    frame = Scene(road, Appearance(), 1).render(camera, pose, 0)
+    second_frame = Scene(road, Appearance(), 1).render(camera, pose, 0)
+    assert np.array_equal(frame.image, second_frame.image), "the same frame was rendered twice and differs"
     detector = Detector(threads=1)
-    found = detector(first.image)
-    assert (found.classes == 0).any(), "the shipped detector does not find a plain bump 10 m ahead"
-    return f"frames repeat; bump found with score {found.scores[found.classes == 0].max():.2f}"
+    detections = detector(frame.image)
+    assert (detections.classes == 0).any(), "the shipped detector does not find a plain bump 10 m ahead"
+    return f"frames repeat; bump found with score {detections.scores[detections.classes == 0].max():.2f}"
 
 
 class _Flat:
@@ -131,20 +131,20 @@ class _Flat:
 
 def _caches() -> str:
     """Caches."""
-    beside = [CACHE / package for package in PACKAGES] if CACHE == SOURCE else [CACHE]
-    places = {
-        "compiled code": [place for place in beside if place is not None],
+    compiled_folders = [CACHE / package for package in PACKAGES] if CACHE == SOURCE else [CACHE]
+    folders_by_cache = {
+        "compiled code": [folder for folder in compiled_folders if folder is not None],
         "bounds": [cached("bounds/any").parent],
         "figures": [Path(matplotlib.get_cachedir())],
     }
-    return "; ".join(f"{name} {_described(folders)}" for name, folders in places.items())
+    return "; ".join(f"{name} {_described(folders)}" for name, folders in folders_by_cache.items())
 
 
 def _described(folders: Sequence[Path]) -> str:
     if not folders:
         return "nowhere, as no folder can be written"
-    kept = ("*.nb[ci]", "*.npz", "*.json")
-    files = (file for folder in folders for pattern in kept for file in folder.rglob(pattern))
+    patterns = ("*.nb[ci]", "*.npz", "*.json")
+    files = (file for folder in folders for pattern in patterns for file in folder.rglob(pattern))
     size = sum(file.stat().st_size for file in files)
     usable = "writable" if all(map(writable, folders)) else "read-only"
     return f"in {' and '.join(map(_shortened, folders))}, {usable}, {size / 2**20:.1f} MiB"

@@ -151,39 +151,39 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     """Cases selected by the command line, in order, after checking the files that they name."""
     scenarios = load_all(names, overrides_of(arguments))
-    wanted = distinct(cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments)))
-    _check_names(wanted)
-    for case in wanted:
+    selected = distinct(cases(scenarios, arguments.controllers, arguments.perception, seeds_of(arguments)))
+    _check_names(selected)
+    for case in selected:
         check_case_files(case)
-    return wanted
+    return selected
 
 
-def _check_names(wanted: Sequence[Case]) -> None:
+def _check_names(selected: Sequence[Case]) -> None:
     """Raise InputError for different files of one name, which tables and manifests could not tell apart."""
     for kind, files in (
-        ("--controllers", {(shared_target(case.controller), case.controller) for case in wanted}),
-        ("--vehicle", {(vehicle_name(case.scenario), case.scenario.vehicle.model) for case in wanted}),
+        ("--controllers", {(shared_target(case.controller), case.controller) for case in selected}),
+        ("--vehicle", {(vehicle_name(case.scenario), case.scenario.vehicle.model) for case in selected}),
     ):
         if len(files) > len(names := {name for name, _ in files}):
-            known = ", ".join(sorted(names))
-            raise InputError(f"{kind}: two files have the same name (of {known}); each must have its own")
+            listed = ", ".join(sorted(names))
+            raise InputError(f"{kind}: two files have the same name (of {listed}); each must have its own")
 
 
-def simulate_all(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:
+def simulate_all(selected: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> list[Run]:
     """Run the cases with a progress bar."""
-    return list(simulated(wanted, keep_images, jobs))
+    return list(simulated(selected, keep_images, jobs))
 
 
-def simulated(wanted: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> Iterator[Run]:
+def simulated(selected: Sequence[Case], keep_images: bool = False, jobs: int = 1) -> Iterator[Run]:
     """Yield the run of each case, in order, with a progress bar."""
     with progress_bar() as progress:
-        bar = progress.add_task("", total=sum(case.scenario.ticks for case in wanted))
+        bar = progress.add_task("", total=sum(case.scenario.ticks for case in selected))
 
         def advance(case: Case, ticks: int) -> None:
-            told = f"{case.scenario.name} {short_name(case.controller)} {case.perception}"
-            progress.update(bar, description=told, advance=ticks)
+            description = f"{case.scenario.name} {short_name(case.controller)} {case.perception}"
+            progress.update(bar, description=description, advance=ticks)
 
-        yield from simulate_each(wanted, jobs, keep_images, advance)
+        yield from simulate_each(selected, jobs, keep_images, advance)
 
 
 def progress_bar() -> Progress:

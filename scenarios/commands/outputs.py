@@ -24,17 +24,17 @@ def check_outputs(arguments: argparse.Namespace) -> None:
     Commands whose `--out` is a file have `out_is_file` among their defaults.
     """
     names = (*_FILES, "out") if getattr(arguments, "out_is_file", False) else _FILES
-    given = {name: value for name, value in vars(arguments).items() if name not in names}
-    check_files(*(getattr(arguments, name, None) for name in names), inputs=_paths(given.values()))
+    other_options = {name: value for name, value in vars(arguments).items() if name not in names}
+    check_files(*(getattr(arguments, name, None) for name in names), inputs=_paths(other_options.values()))
 
 
-def runs_folder(out: Path | None, wanted: Iterable[Case] = ()) -> Path:
+def runs_folder(out: Path | None, selected: Iterable[Case] = ()) -> Path:
     """Return the folder for runs, `runs` unless `out` is given.
 
     Raises InputError for one with other content, and if the folder of a case could not be written.
     """
     folder = claim(out or USUAL, KIND)
-    for case in wanted:
+    for case in selected:
         check_folder(folder / folder_name(case), write.KIND)
     return folder
 

@@ -25,13 +25,13 @@ def add_table_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--latex", type=Path, metavar="FILE", help="write the table as LaTeX (booktabs)")
 
 
-def baseline_of(wished: str | None, ran: Sequence[tuple[str, str]]) -> str | None:
+def baseline_of(requested: str | None, variants: Sequence[tuple[str, str]]) -> str | None:
     """Return the requested baseline, checked; by default the passive car if it runs, else none."""
-    if wished is not None:
-        controller, at, perception = wished.partition("@")
-        pick(wished, ran)
+    if requested is not None:
+        controller, at, perception = requested.partition("@")
+        pick(requested, variants)
         return shared_target(controller) + at + perception
-    return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in ran) else None
+    return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in variants) else None
 
 
 def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> dict[str, Any]:
@@ -39,9 +39,9 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
     baseline = baseline_of(arguments.baseline, variants_of(rows))
     variants = summarise(rows, baseline)
     console.print(comparison(variants, title, console.width, baseline))
-    whole = document(rows, variants, baseline, environment())
+    table_document = document(rows, variants, baseline, environment())
     if arguments.json:
-        write_text(arguments.json, to_json(whole) + "\n")
+        write_text(arguments.json, to_json(table_document) + "\n")
     if arguments.parquet:
         write_bytes(arguments.parquet, parquet(rows))
     if arguments.markdown:
@@ -51,4 +51,4 @@ def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "")
     files = (arguments.json, arguments.parquet, arguments.markdown, arguments.latex)
     if any(files):
         console.print(f"numbers: {', '.join(str(path) for path in files if path)}")
-    return whole
+    return table_document

@@ -32,8 +32,8 @@ def execute(arguments: argparse.Namespace) -> int:
     rows = list(track(run_all(), "checks", total=count(), console=console, transient=True))
     for area, check in rows:
         measured = f"{_shown(check, check.deviation)} of {_shown(check, check.bound)}"
-        told = f"{area}: {check.name}: {measured} ({check.reference})"
-        console.print(verdict(check.passed), told, highlight=False)
+        line = f"{area}: {check.name}: {measured} ({check.reference})"
+        console.print(verdict(check.passed), line, highlight=False)
     failed = sum(not check.passed for _, check in rows)
     console.print(f"{len(rows) - failed} of {len(rows)} checks passed")
     if arguments.out:

@@ -18,23 +18,23 @@ class WorkerDied(RuntimeError):
 
 
 def simulate_each(
-    wanted: Sequence[Case], jobs: int, keep_images: bool, advance: Advance = lambda case, ticks: None
+    selected: Sequence[Case], jobs: int, keep_images: bool, advance: Advance = lambda case, ticks: None
 ) -> Iterator[Run]:
     """Yield the run of each case in order; `jobs` > 1 computes that many at a time.
 
     A run depends on its case alone, so the number of jobs changes no result. An InputError of any case ends
     all; a worker that dies raises `WorkerDied`.
     """
-    if jobs == 1 or len(wanted) < 2:
-        for case in wanted:
+    if jobs == 1 or len(selected) < 2:
+        for case in selected:
             yield simulate_case(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
         return
     # Spawned: forking a process whose libraries have started threads may hang.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(wanted)), mp_context=context) as pool:
-        waiting = [pool.submit(simulate_case, case, keep_images) for case in wanted]
+    with ProcessPoolExecutor(min(jobs, len(selected)), mp_context=context) as pool:
+        waiting = [pool.submit(simulate_case, case, keep_images) for case in selected]
         try:
-            for case, future in zip(wanted, waiting, strict=True):
+            for case, future in zip(selected, waiting, strict=True):
                 future.add_done_callback(lambda _, case=case: advance(case, case.scenario.ticks))  # type: ignore[misc]
             for future in waiting:
                 yield future.result()

@@ -64,9 +64,9 @@ def summarise(rows: Sequence[Row], baseline: str | None = None) -> list[Variant]
     groups: dict[tuple[str, str, str, str], list[Row]] = {}
     for row in rows:
         groups.setdefault((*_event(row), row["controller"], row["perception"]), []).append(row)
-    beside = {} if baseline is None else paired(rows, *pick(baseline, variants_of(rows)))
-    rooms = _rooms(rows)
-    return [_variant(key, members, beside, rooms) for key, members in groups.items()]
+    baseline_rows = {} if baseline is None else paired(rows, *pick(baseline, variants_of(rows)))
+    headrooms = _headrooms(rows)
+    return [_variant(key, members, baseline_rows, headrooms) for key, members in groups.items()]
 
 
 def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
@@ -74,18 +74,18 @@ def variants_of(rows: Sequence[Row]) -> list[tuple[str, str]]:
     return list(dict.fromkeys((row["controller"], row["perception"]) for row in rows))
 
 
-def pick(baseline: str, ran: Sequence[tuple[str, str]]) -> tuple[str, str]:
+def pick(baseline: str, variants: Sequence[tuple[str, str]]) -> tuple[str, str]:
     """Return the (controller, perception) that `baseline` names among those that ran; else InputError."""
     controller, _, perception = baseline.partition("@")
-    found = [
+    matching = [
         pair
-        for pair in ran
+        for pair in variants
         if shared_target(pair[0]) == shared_target(controller) and perception in ("", pair[1])
     ]
-    if len(found) != 1:
-        known = ", ".join("@".join(pair) for pair in dict.fromkeys(ran))
-        raise InputError(f"--baseline must name one of {known}, got {baseline!r}")
-    return found[0]
+    if len(matching) != 1:
+        listed = ", ".join("@".join(pair) for pair in dict.fromkeys(variants))
+        raise InputError(f"--baseline must name one of {listed}, got {baseline!r}")
+    return matching[0]
 
 
 def paired(rows: Sequence[Row], controller: str, perception: str) -> dict[tuple[str, str, int], Row]:
@@ -105,10 +105,10 @@ def intervals(values: NDArray[np.float64]) -> list[Interval]:
     if values.shape[1] < MIN_SEEDS:
         return [Interval(float(mean)) for mean in means]
     limits = np.stack([means, means])
-    spread = np.ptp(values, axis=1) > 1e-12 * np.abs(means)
-    if spread.any():
-        limits[:, spread] = bootstrap(
-            (values[spread],), np.mean, axis=-1, confidence_level=CONFIDENCE, n_resamples=RESAMPLES,
+    varying = np.ptp(values, axis=1) > 1e-12 * np.abs(means)
+    if varying.any():
+        limits[:, varying] = bootstrap(
+            (values[varying],), np.mean, axis=-1, confidence_level=CONFIDENCE, n_resamples=RESAMPLES,
             vectorized=True, rng=np.random.default_rng(0),
         ).confidence_interval  # fmt: skip
     return [
@@ -124,27 +124,27 @@ def _event(row: Row) -> tuple[str, str]:
 def _variant(
     key: tuple[str, str, str, str],
     members: Sequence[Row],
-    beside: Mapping[tuple[str, str, int], Row],
-    rooms: Mapping[tuple[str, str, int], tuple[float, float]],
+    baseline_rows: Mapping[tuple[str, str, int], Row],
+    headrooms: Mapping[tuple[str, str, int], tuple[float, float]],
 ) -> Variant:
-    partners = [beside.get((*_event(row), row["seed"])) for row in members]
+    partners = [baseline_rows.get((*_event(row), row["seed"])) for row in members]
     names = _common([*members, *(partner for partner in partners if partner)])
-    own = _matrix(members, names)
+    values = _matrix(members, names)
     difference: dict[str, Interval] = {}
     ratio: dict[str, Interval] = {}
     if partners and all(partner is not None for partner in partners):
-        other = _matrix([partner for partner in partners if partner], names)
-        difference = dict(zip(names, intervals(own - other), strict=True))
-        whole = (other > 0).all(axis=1)
-        parts = intervals(own[whole] / other[whole]) if whole.any() else []
-        ratio = dict(zip(np.array(names)[whole].tolist(), parts, strict=True))
+        baseline_values = _matrix([partner for partner in partners if partner], names)
+        difference = dict(zip(names, intervals(values - baseline_values), strict=True))
+        positive = (baseline_values > 0).all(axis=1)
+        ratios = intervals(values[positive] / baseline_values[positive]) if positive.any() else []
+        ratio = dict(zip(np.array(names)[positive].tolist(), ratios, strict=True))
     return Variant(
         *key,
         seeds=tuple(row["seed"] for row in members),
-        metrics=dict(zip(names, intervals(own), strict=True)),
+        metrics=dict(zip(names, intervals(values), strict=True)),
         difference=difference,
         ratio=ratio,
-        captured=_captured(members, rooms),
+        captured=_captured(members, headrooms),
         fallbacks=sum(int(row["solver"].get("fallbacks", 0)) for row in members),
     )
 
@@ -154,29 +154,31 @@ def captured(objective: float, passive: float, bound: float) -> float:
     return (passive - objective) / (passive - bound)
 
 
-def _rooms(rows: Sequence[Row]) -> dict[tuple[str, str, int], tuple[float, float]]:
+def _headrooms(rows: Sequence[Row]) -> dict[tuple[str, str, int], tuple[float, float]]:
     """J of the passive car and of the bound, for each drive where a row holds them or both ran."""
     passive, bound = (paired(rows, controller, "none") for controller in (PASSIVE, BOUND))
-    known = {
+    replayed = {
         drive: (passive[drive]["metrics"]["objective"], best["metrics"]["objective"])
         for drive, best in bound.items()
         if drive in passive
     }
-    told = {(*_event(row), row["seed"]): row["bound"] for row in rows if "bound" in row}
-    return known | {drive: (room["passive_objective"], room["objective"]) for drive, room in told.items()}
+    row_bounds = {(*_event(row), row["seed"]): row["bound"] for row in rows if "bound" in row}
+    return replayed | {
+        drive: (room["passive_objective"], room["objective"]) for drive, room in row_bounds.items()
+    }
 
 
 def _captured(
-    members: Sequence[Row], rooms: Mapping[tuple[str, str, int], tuple[float, float]]
+    members: Sequence[Row], headrooms: Mapping[tuple[str, str, int], tuple[float, float]]
 ) -> Interval | None:
     """Fraction captured, if every run had a possible improvement."""
-    shares = []
+    fractions = []
     for row in members:
-        passive, bound = rooms.get((*_event(row), row["seed"]), (0.0, 0.0))
+        passive, bound = headrooms.get((*_event(row), row["seed"]), (0.0, 0.0))
         if passive <= bound:
             return None
-        shares.append(captured(row["metrics"]["objective"], passive, bound))
-    return intervals(np.array([shares]))[0]
+        fractions.append(captured(row["metrics"]["objective"], passive, bound))
+    return intervals(np.array([fractions]))[0]
 
 
 def _common(rows: Sequence[Row]) -> list[str]:

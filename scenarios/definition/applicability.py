@@ -27,14 +27,14 @@ def require_applicable(
         if isinstance(fault, SensorFault):
             _require_sensor(car, fault, f"faults[{i}]")
     motions = [motion for motion, needed in MOTIONS.items() if len(car.generalised_mass) < needed]
-    for place, given, usual in (
+    for block, values, defaults in (
         ("sensors", sensors, SensorNoise()),
         ("sensors.interface", sensors.interface, SensorInterface()),
     ):
-        for name, value in _changed(given, usual):
+        for name, value in _changed(values, defaults):
             for motion in motions:
                 if name.startswith(motion) and value != 0.0:
-                    raise _refusal(f"{place}.{name}", car, motion.removesuffix("_rate"), value)
+                    raise _refusal(f"{block}.{name}", car, motion.removesuffix("_rate"), value)
     if car.wheels == 1:
         for name, value in _changed(settings.fixed, FixedSettings()):
             if name.startswith("rear"):
@@ -45,14 +45,14 @@ def require_applicable(
             raise _refusal(f"control.settings.mpc.force.{name}", car, "actuator", value)
 
 
-def _require_sensor(car: Car, fault: SensorFault, place: str) -> None:
+def _require_sensor(car: Car, fault: SensorFault, location: str) -> None:
     if len(car.generalised_mass) < MOTIONS.get(fault.channel, 0):
-        raise _refusal(f"{place}.channel", car, fault.channel.removesuffix("_rate"), fault.channel)
+        raise _refusal(f"{location}.channel", car, fault.channel.removesuffix("_rate"), fault.channel)
     highest = car.wheels - 1 if fault.channel in PER_WHEEL else 0
     if fault.wheel > highest:
         allowed = f"0 ... {highest}" if highest else "0"
         raise InputError(
-            f"{place}.wheel must be {allowed} for {fault.channel} of a {car.kind}, got {fault.wheel}"
+            f"{location}.wheel must be {allowed} for {fault.channel} of a {car.kind}, got {fault.wheel}"
         )
 
 
@@ -69,9 +69,9 @@ def _require_damping_in_range(car: Car, settings: ControllerSettings) -> None:
                 raise InputError(f"control.settings.{name} must lie in {allowed}, got {value:g}")
 
 
-def _changed(given: Any, usual: Any) -> Iterator[tuple[str, Any]]:
-    for item in fields(given):
-        if (value := getattr(given, item.name)) != getattr(usual, item.name):
+def _changed(values: Any, defaults: Any) -> Iterator[tuple[str, Any]]:
+    for item in fields(values):
+        if (value := getattr(values, item.name)) != getattr(defaults, item.name):
             yield item.name, value
 
 

@@ -82,9 +82,9 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     model = choice.get("model", "half")
     if not isinstance(model, str):
         raise InputError(f"{scenario}: vehicle.model must be text, got {shown(model)}")
-    own = scenario.parent / model
+    local_file = scenario.parent / model
     try:
-        parameters = strict.to_mapping(load_vehicle(own if os.path.isfile(own) else model))
+        parameters = strict.to_mapping(load_vehicle(local_file if os.path.isfile(local_file) else model))
     except InputError as error:
         raise InputError(f"{scenario}: vehicle.model: {error}") from None
     replaced = choice.get("parameters", {})
@@ -105,10 +105,10 @@ def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:
 
 def _find_map(mapping: dict[str, Any], scenario: Path) -> None:
     """Resolve the map's file beside the scenario's, if it is there."""
-    wanted = mapping.get("map")
-    if isinstance(wanted, dict) and isinstance(wanted.get("file"), str):
-        beside = scenario.parent / wanted["file"]
-        mapping["map"] = wanted | ({"file": str(beside)} if os.path.isfile(beside) else {})
+    map_block = mapping.get("map")
+    if isinstance(map_block, dict) and isinstance(map_block.get("file"), str):
+        local_file = scenario.parent / map_block["file"]
+        mapping["map"] = map_block | ({"file": str(local_file)} if os.path.isfile(local_file) else {})
 
 
 def _fill_in_tuned(mapping: dict[str, Any]) -> None:

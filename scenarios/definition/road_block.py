@@ -16,8 +16,8 @@ def fill_in(road: Any, folder: Path, track_m: Any) -> Any:
         return road
     filled = dict(road)
     if isinstance(filled.get("file"), str):
-        beside = folder / filled["file"]
-        filled["file"] = str(beside) if os.path.isfile(beside) else filled["file"]
+        local_file = folder / filled["file"]
+        filled["file"] = str(local_file) if os.path.isfile(local_file) else filled["file"]
         filled.setdefault("length_m", read_surface(filled["file"]).length_m)
     track = {"track_m": track_m} if isinstance(track_m, int | float) else {}
     if isinstance(filled.get("roughness"), dict):

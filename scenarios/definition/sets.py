@@ -34,9 +34,9 @@ def _one_or_many(name: str, overrides: Overrides) -> list[Scenario]:
         return [load(name, overrides)]
     if not content:
         raise InputError(f"{path}: a set must hold at least one scenario, got none")
-    found = [structure(mapping, path, overrides, f"[{index}]") for index, mapping in enumerate(content)]
-    names = [scenario.name for scenario in found]
-    for index, own in enumerate(names):
-        if own in names[:index]:
-            raise InputError(f"{path}: [{index}].name must differ from the others, got {own!r} twice")
-    return found
+    scenarios = [structure(mapping, path, overrides, f"[{index}]") for index, mapping in enumerate(content)]
+    names = [scenario.name for scenario in scenarios]
+    for index, name_here in enumerate(names):
+        if name_here in names[:index]:
+            raise InputError(f"{path}: [{index}].name must differ from the others, got {name_here!r} twice")
+    return scenarios

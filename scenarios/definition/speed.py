@@ -34,25 +34,25 @@ def profile(start_kmh: float, start_m: float, points: Sequence[SpeedPoint]) -> S
     Between two points the acceleration is constant. Raises InputError naming the point that comes too early,
     requires more than MAX_ACCELERATION_M_S2, or leaves the car at standstill.
     """
-    times, speeds, place = [0.0], [start_kmh * KM_H], start_m
+    times, speeds, position_m = [0.0], [start_kmh * KM_H], start_m
     for i, point in enumerate(points):
-        before, speed = speeds[-1], point.kmh * KM_H
-        mean = 0.5 * (before + speed)
+        previous_speed, speed = speeds[-1], point.kmh * KM_H
+        mean = 0.5 * (previous_speed + speed)
         if point.at_s is not None:
             span = point.at_s - times[-1]
         else:
             assert point.at_m is not None
-            span = (point.at_m - place) / mean if mean > 0.0 else 0.0
+            span = (point.at_m - position_m) / mean if mean > 0.0 else 0.0
         if not span > 0.0:
             raise InputError(
-                f"speed[{i}] must come after the point before it, at {times[-1]:g} s, {place:g} m"
+                f"speed[{i}] must come after the point before it, at {times[-1]:g} s, {position_m:g} m"
             )
-        if abs(speed - before) > MAX_ACCELERATION_M_S2 * span:
-            asked = f"{(speed - before) / span:.3g} m/s²"
-            raise InputError(f"speed[{i}] must need at most {MAX_ACCELERATION_M_S2:g} m/s², got {asked}")
+        if abs(speed - previous_speed) > MAX_ACCELERATION_M_S2 * span:
+            required = f"{(speed - previous_speed) / span:.3g} m/s²"
+            raise InputError(f"speed[{i}] must need at most {MAX_ACCELERATION_M_S2:g} m/s², got {required}")
         times.append(times[-1] + span)
         speeds.append(speed)
-        place += mean * span
+        position_m += mean * span
     if speeds[-1] <= 0.0:
         raise InputError(f"speed[{len(points) - 1}] must not stop the car: the run would not end")
     return SpeedProfile(tuple(times), tuple(speeds), start_m)

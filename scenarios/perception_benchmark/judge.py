@@ -52,8 +52,8 @@ class Encounter:
             for track_estimate in self.track_estimates
             if track_estimate.confirmed and track_estimate.distance_m >= EVALUATION_DISTANCE_M
         ]
-        fresh = bool(ahead) and ahead[-1].distance_m < EVALUATION_DISTANCE_M + _MAX_AGE_S * self.speed_m_s
-        return ahead[-1] if fresh else None
+        recent = bool(ahead) and ahead[-1].distance_m < EVALUATION_DISTANCE_M + _MAX_AGE_S * self.speed_m_s
+        return ahead[-1] if recent else None
 
     @property
     def first_confirmed_m(self) -> float | None:
@@ -82,22 +82,22 @@ def encounters(run: Run) -> list[Encounter]:
     """Every obstacle of the drive with its estimates."""
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
     speed = run.signals["speed_m_s"]
-    found = []
+    results = []
     for feature in _obstacles(run):
-        reached = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m))
+        contact_tick = int(np.searchsorted(run.signals["x_m"] + axle, feature.start_m))
         track_estimates = tuple(_best_estimates(run, feature, axle))
-        found.append(Encounter(feature, float(speed[min(reached, len(speed) - 1)]), track_estimates))
-    return found
+        results.append(Encounter(feature, float(speed[min(contact_tick, len(speed) - 1)]), track_estimates))
+    return results
 
 
 def false_tracks(run: Run) -> int:
     """Number of confirmed tracks that never came near any obstacle of their class."""
     axle = max(run.case.scenario.vehicle.parameters.axle_x_m)
-    real: set[int] = set()
+    matched: set[int] = set()
     for feature in _obstacles(run):
-        real |= {track_estimate.track for track_estimate in _all_estimates(run, feature, axle)}
+        matched |= {track_estimate.track for track_estimate in _all_estimates(run, feature, axle)}
     confirmed = {row["track"] for event in _arrivals(run) for row in event["tracks"] if row["confirmed"]}
-    return len(confirmed - real)
+    return len(confirmed - matched)
 
 
 def _obstacles(run: Run) -> Iterator[Feature]:
@@ -113,10 +113,10 @@ def _best_estimates(run: Run, feature: Feature, axle: float) -> Iterator[TrackEs
     """Best estimate of the obstacle at each arrival, until the front wheel reaches it."""
     by_time: dict[float, TrackEstimate] = {}
     for track_estimate in _all_estimates(run, feature, axle):
-        other = by_time.get(track_estimate.time_s)
-        if other is None or (track_estimate.confirmed, -abs(track_estimate.error_m)) > (
-            other.confirmed,
-            -abs(other.error_m),
+        previous = by_time.get(track_estimate.time_s)
+        if previous is None or (track_estimate.confirmed, -abs(track_estimate.error_m)) > (
+            previous.confirmed,
+            -abs(previous.error_m),
         ):
             by_time[track_estimate.time_s] = track_estimate
     return iter(by_time.values())
@@ -131,8 +131,8 @@ def _all_estimates(run: Run, feature: Feature, axle: float) -> Iterator[TrackEst
             break
         for row in event["tracks"]:
             error = (row["x_m"] - event["odometer_m"] - axle) - distance
-            near = _GATE_M + _GATE_SHARE * distance
-            if row["class"] == ("pothole" if feature.cls else "speed_bump") and abs(error) < near:
+            gate_m = _GATE_M + _GATE_SHARE * distance
+            if row["class"] == ("pothole" if feature.cls else "speed_bump") and abs(error) < gate_m:
                 yield TrackEstimate(
                     event["time_s"], distance, error, row["sigma_m"], row["height_m"], row["kind"],
                     row["track"], row["confirmed"],

@@ -80,9 +80,9 @@ def course(
     )
 
 
-def _check(name: str, value: float, most: float) -> None:
-    if not 0.0 <= value <= most:
-        raise InputError(f"{name} must lie in 0 ... {most:g}, got {value:g}")
+def _check(name: str, value: float, maximum: float) -> None:
+    if not 0.0 <= value <= maximum:
+        raise InputError(f"{name} must lie in 0 ... {maximum:g}, got {value:g}")
 
 
 def _stops(
@@ -95,13 +95,13 @@ def _stops(
     points = []
     for start in starts:
         at = start - axle_m
-        ways = (
+        positions = (
             (speed_kmh, at - span),
             (slow_kmh, at),
             (slow_kmh, at + _SLOW_M),
             (speed_kmh, at + _SLOW_M + span),
         )
-        points += [SpeedPoint(kmh, at_m=place) for kmh, place in ways]
+        points += [SpeedPoint(kmh, at_m=position_m) for kmh, position_m in positions]
     return tuple(points)
 
 

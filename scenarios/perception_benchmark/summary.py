@@ -28,15 +28,17 @@ def summarise(runs: Sequence[Run]) -> dict[str, Any]:
     used = _used(met)
     false = sum(false_tracks(run) for run in runs)
     km = sum(float(run.signals["x_m"][-1] - run.signals["x_m"][0]) for run in runs) / 1000
-    first = [encounter.first_confirmed_m for encounter in met if encounter.first_confirmed_m is not None]
+    confirmed_m = [
+        encounter.first_confirmed_m for encounter in met if encounter.first_confirmed_m is not None
+    ]
     return {
         "events": len(met),
         "missed": len(met) - len(used),
         "false_tracks": false,
         "false_per_km": false / km if km > 0 else None,
         "distance_km": km,
-        "first_confirmed_median_m": float(np.median(first)) if first else None,
-        "first_confirmed_10_m": float(np.percentile(first, 10)) if first else None,
+        "first_confirmed_median_m": float(np.median(confirmed_m)) if confirmed_m else None,
+        "first_confirmed_10_m": float(np.percentile(confirmed_m, 10)) if confirmed_m else None,
         **_at_use(used),
         **_shape(used),
         "by_distance": _by_distance(met),

@@ -38,8 +38,8 @@ class BaselineEntry:
 
     def case(self, folder: Path) -> Case:
         """Return the case to simulate; `folder` is the baseline's."""
-        own = folder / self.scenario
-        scenario = load(str(own) if os.path.isfile(own) else self.scenario, self.overrides)
+        local_file = folder / self.scenario
+        scenario = load(str(local_file) if os.path.isfile(local_file) else self.scenario, self.overrides)
         controller = self.controller
         if ":" in controller and os.path.isfile(folder / controller.rpartition(":")[0]):
             controller = str(folder / controller)
@@ -60,7 +60,7 @@ class BaselineEntry:
 class Baseline:
     """Baseline file: cases, its own tolerances (absolute, SI), and the foreride version that wrote it."""
 
-    held: tuple[BaselineEntry, ...] = ()
+    entries: tuple[BaselineEntry, ...] = ()
     tolerances: dict[str, float] | None = None
     foreride: str = ""
 
@@ -68,10 +68,10 @@ class Baseline:
         """The file's own tolerances, which replace the default ones."""
         return {metric: Tolerance(absolute) for metric, absolute in (self.tolerances or {}).items()}
 
-    def with_entries(self, held: Sequence[BaselineEntry]) -> "Baseline":
+    def with_entries(self, entries: Sequence[BaselineEntry]) -> "Baseline":
         """Replace the cases of the same key by these, and append new ones."""
-        known = {one.key: one for one in self.held} | {one.key: one for one in held}
-        return replace(self, held=tuple(known.values()))
+        by_key = {entry.key: entry for entry in self.entries} | {entry.key: entry for entry in entries}
+        return replace(self, held=tuple(by_key.values()))
 
 
 @dataclass(frozen=True)
@@ -125,10 +125,10 @@ def write(path: Path, baseline: Baseline) -> None:
         "tolerances": baseline.tolerances or {},
         "cases": [
             {
-                "scenario": one.scenario, "set": one.override_texts, "controller": one.controller,
-                "perception": one.perception, "seed": one.seed, "metrics": one.metrics,
+                "scenario": entry.scenario, "set": entry.override_texts, "controller": entry.controller,
+                "perception": entry.perception, "seed": entry.seed, "metrics": entry.metrics,
             }
-            for one in baseline.held
+            for entry in baseline.entries
         ],
     }  # fmt: skip
     write_text(path, to_json(document) + "\n")
@@ -139,22 +139,22 @@ def read(path: Path) -> Baseline:
     if not os.path.exists(path):
         raise InputError(f"{path}: cannot be read (No such file or directory); --accept writes a new one")
     document = read_json(path)
-    found = document.get("schema") if isinstance(document, dict) else None
-    if found != SCHEMA:
-        told = f"schema must be {SCHEMA}, got {shown(found)}"
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if schema != SCHEMA:
+        told = f"schema must be {SCHEMA}, got {shown(schema)}"
         raise InputError(f"{path}: a baseline of another version ({told}); replace it with --accept")
     try:
-        wrote = str(document["manifest"]["versions"]["foreride"])
+        baseline_version = str(document["manifest"]["versions"]["foreride"])
         content = {name: document[name] for name in ("tolerances", "cases")}
     except (LookupError, TypeError) as error:
         told = f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: is not a baseline of schema {SCHEMA} ({shortened(told)})") from None
-    kept = strict.structure(_File, content, str(path))
-    held = tuple(case.entry() for case in kept.cases)
-    if _number(wrote) > _number(version("foreride")):
-        told = f"written by foreride {wrote}, this is {version('foreride')}"
+    file = strict.structure(_File, content, str(path))
+    entries = tuple(case.entry() for case in file.cases)
+    if _number(baseline_version) > _number(version("foreride")):
+        told = f"written by foreride {baseline_version}, this is {version('foreride')}"
         raise InputError(f"{path}: a baseline of another version ({told}); update foreride")
-    return Baseline(held, kept.tolerances, wrote)
+    return Baseline(entries, file.tolerances, baseline_version)
 
 
 def _number(text: str) -> tuple[int, ...]:

@@ -46,42 +46,42 @@ class Change:
         return "worse" if self.after > self.before else "better"
 
 
-def measured(run: Run) -> dict[str, float]:
+def baseline_values(run: Run) -> dict[str, float]:
     """Values of a run that a baseline holds: its ride metrics and the number of fallbacks."""
     return run.metrics | {_FALLBACKS: float(run.solver.get("fallbacks", 0))}
 
 
 def changes(
-    before: Mapping[str, float], after: Mapping[str, float], own: Mapping[str, Tolerance]
+    before: Mapping[str, float], after: Mapping[str, float], tolerances: Mapping[str, Tolerance]
 ) -> list[Change]:
     """Metrics outside their tolerance, worst first; a missing metric counts as NaN.
 
-    own: tolerances that replace the default ones.
+    tolerances: those that replace the default ones.
     """
-    found = []
-    for metric, old in before.items():
-        new = after.get(metric, math.nan)
-        allowed = (own.get(metric) or tolerance_of(metric)).of(old)
-        if not (math.isfinite(old) and abs(new - old) <= allowed):
-            found.append(Change(metric, old, new, allowed))
-    return sorted(found, key=lambda change: (change.verdict != "worse", -change.used))
+    results = []
+    for metric, expected in before.items():
+        value = after.get(metric, math.nan)
+        allowed = (tolerances.get(metric) or tolerance_of(metric)).of(expected)
+        if not (math.isfinite(expected) and abs(value - expected) <= allowed):
+            results.append(Change(metric, expected, value, allowed))
+    return sorted(results, key=lambda change: (change.verdict != "worse", -change.used))
 
 
-def failed(found: Sequence[Change]) -> bool:
+def failed(case_changes: Sequence[Change]) -> bool:
     """Whether any metric got worse."""
-    return any(change.verdict == "worse" for change in found)
+    return any(change.verdict == "worse" for change in case_changes)
 
 
-def diff(found: Sequence[Change]) -> list[str]:
+def change_lines(case_changes: Sequence[Change]) -> list[str]:
     """One line per change: metric, old and new value, and the change in units of its tolerance."""
     lines = []
-    for change in found:
-        shown = tolerance_of(change.metric)
+    for change in case_changes:
+        tolerance = tolerance_of(change.metric)
         before, after, allowed = (
-            value * shown.factor for value in (change.before, change.after, change.allowed)
+            value * tolerance.factor for value in (change.before, change.after, change.allowed)
         )
         lines.append(
-            f"{change.verdict:<7} {change.metric:<13} {before:.4g} → {after:.4g} {shown.unit}".rstrip()
+            f"{change.verdict:<7} {change.metric:<13} {before:.4g} → {after:.4g} {tolerance.unit}".rstrip()
             + f" ({after - before:+.2g}: {change.used:.1f} × its tolerance of {allowed:.2g})"
         )
     return lines

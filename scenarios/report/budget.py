@@ -20,13 +20,13 @@ def error_budget_section(path: Path) -> str:
     try:
         events = [_event(event) for event in document["table"]]
         seeds = len(document["seeds"])
-        told = f"{document['vehicle']} car, {f'means over {seeds} seeds' if seeds > 1 else 'one seed'}"
+        summary = f"{document['vehicle']} car, {f'means over {seeds} seeds' if seeds > 1 else 'one seed'}"
     except (ValueError, ArithmeticError, LookupError, TypeError, AttributeError) as error:
         problem = shortened(f"{type(error).__name__}: {error}", 100)
         raise InputError(f"{path}: is not a comfort budget ({problem})") from None
     note = (
-        f"{told}. J is relative to passive. A source's cost is the share of the possible gain that would be "
-        "kept in addition if it were exact; costs need not add up, because errors hide one another."
+        f"{summary}. J is relative to passive. A source's cost is the share of the possible gain that would "
+        "be kept in addition if it were exact; costs need not add up, because errors hide one another."
     )
     body = f'<div class="scroll">{"".join(events)}</div><p class="hint">{text(note)}</p>'
     return f"<section><h2>Where the gain is lost</h2>{body}</section>"
@@ -42,9 +42,9 @@ def _event(event: dict[str, Any]) -> str:
 
     lines: list[list[str]] = [["reactive MPC, no preview", "", "", f"{reactive:.3f}", ""]]
     costs = [float(source["cost"] or 0.0) for source in event["sources"]]
-    most = max(map(abs, [*costs, 1e-9]))
+    maximum = max(map(abs, [*costs, 1e-9]))
     for cost, source in sorted(zip(costs, event["sources"], strict=True), key=lambda pair: -pair[0]):
-        bar = bar_of(max(cost, 0.0) / most)
+        bar = bar_of(max(cost, 0.0) / maximum)
         name = with_small(f"{source['source']} exact ", str(source["replaced_by"]))
         lines.append([name, bar, share(source["cost"], 1), f"{float(source['objective']):.3f}", ""])
     lines += [

@@ -46,9 +46,9 @@ def poses(run: Run) -> list[CameraPose]:
 def track_lines(run: Run) -> list[list[dict[str, Any]]]:
     """Estimated near edge of the tracks at each exposure: image line [u0, v0, u1, v1], class, confirmed."""
     camera = run.case.scenario.camera.intrinsics
-    told = [event["tracks"] for event in run.events if event["event"] == "boxes"]
+    tracks_by_exposure = [event["tracks"] for event in run.events if event["event"] == "boxes"]
     lines = []
-    for pose, tracks in zip(poses(run), told, strict=True):
+    for pose, tracks in zip(poses(run), tracks_by_exposure, strict=True):
         edges = [
             project(camera, pose, [(track["x_m"], y, 0.0) for y in (LANE_M, -LANE_M)]).ravel()
             for track in tracks

@@ -29,7 +29,7 @@ class ReportInput:
     missing: tuple[str, ...] = ()
 
 
-def gather(path: Path) -> ReportInput:
+def collect_input(path: Path) -> ReportInput:
     """Collect the runs at `path`: the folder of a run or of a comparison, or a comparison's JSON file.
 
     A single run is accompanied by the passive car: the run in the same place if there is one, else simulated.
@@ -50,10 +50,10 @@ def _single(path: Path) -> ReportInput:
     run = read(path)
     if run.case.controller == "passive":
         return ReportInput((run,), (row(run),))
-    beside = _passive_beside(path, run) or simulate_case(
+    passive = _passive_beside(path, run) or simulate_case(
         replace(run.case, controller="passive", perception="none")
     )
-    return ReportInput((beside, run), (row(beside), row(run)))
+    return ReportInput((passive, run), (row(passive), row(run)))
 
 
 def _passive_beside(path: Path, run: Run) -> Run | None:
@@ -61,14 +61,14 @@ def _passive_beside(path: Path, run: Run) -> Run | None:
         if not is_run(folder):
             continue
         with suppress(InputError):  # a damaged one is as good as none: the passive car is driven anew
-            found = read(folder)
-            if found.case.controller == "passive" and _same_drive(found.case, run.case):
-                return found
+            candidate = read(folder)
+            if candidate.case.controller == "passive" and _same_drive(candidate.case, run.case):
+                return candidate
     return None
 
 
-def _same_drive(one: Case, other: Case) -> bool:
-    return one.seed == other.seed and scenario_hash(one.scenario) == scenario_hash(other.scenario)
+def _same_drive(first: Case, second: Case) -> bool:
+    return first.seed == second.seed and scenario_hash(first.scenario) == scenario_hash(second.scenario)
 
 
 def _folder(path: Path, folders: Sequence[Path]) -> ReportInput:
@@ -84,17 +84,17 @@ def _folder(path: Path, folders: Sequence[Path]) -> ReportInput:
             missing.append(str(error))
     if not runs:
         raise InputError(f"{path}: no whole run in it ({missing[0]})")
-    places = {name: place for place, name in enumerate(planned)}
+    order = {name: index for index, name in enumerate(planned)}
     ordered = sorted(
         runs.items(),
         key=lambda item: (
-            places.get(item[0], len(places)),
+            order.get(item[0], len(order)),
             *_drive(item[1]),
             item[1].case.controller != "passive",
         ),
     )
-    found = tuple(run for _, run in ordered)
-    return ReportInput(found, tuple(row(run) for run in found), tuple(missing))
+    ordered_runs = tuple(run for _, run in ordered)
+    return ReportInput(ordered_runs, tuple(row(run) for run in ordered_runs), tuple(missing))
 
 
 def _drive(run: Run) -> tuple[str, str, int]:
@@ -106,8 +106,8 @@ def _rows(document: dict[str, Any], path: Path) -> list[Row]:
     rows = document.get("rows", [])
     if not isinstance(rows, list):
         raise InputError(f"{path}: rows must be a list, got {shown(rows)}")
-    for number, one in enumerate(rows):
-        check_row(one, f"{path}: rows[{number}]")
+    for number, entry in enumerate(rows):
+        check_row(entry, f"{path}: rows[{number}]")
     return rows
 
 

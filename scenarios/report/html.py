@@ -51,8 +51,8 @@ def page(gathered: ReportInput, frames_from: str = "", budget: str = "") -> str:
 
 def first_seeds(runs: Sequence[Run]) -> list[Run]:
     """Runs of the first seed of each scenario and vehicle, which the replay shows."""
-    first: dict[tuple[str, str], int] = {}
-    return [run for run in runs if first.setdefault(_drive(run), run.case.seed) == run.case.seed]
+    first_seed: dict[tuple[str, str], int] = {}
+    return [run for run in runs if first_seed.setdefault(_drive(run), run.case.seed) == run.case.seed]
 
 
 def _drive(run: Run) -> tuple[str, str]:
@@ -61,23 +61,23 @@ def _drive(run: Run) -> tuple[str, str]:
 
 def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
     images = sum(look.image is not None for run in runs for look in run.looks)
-    every = max(1, -(-images // MAX_FRAMES))
+    frame_stride = max(1, -(-images // MAX_FRAMES))
     shown, ladder = [], list(PERCEPTIONS)
     for _, group in groupby(runs, key=_drive):
         members = list(group)
-        notes = {label_of(run): _frames_note(run, frames_from, every) for run in members}
+        notes = {label_of(run): _frames_note(run, frames_from, frame_stride) for run in members}
         start = event_window(members[0], before_s=0.5)[0] / TICKS_PER_SECOND
         best = max(range(len(members)), key=lambda i: ladder.index(members[i].case.perception))
-        shown.append(scene(members, notes, every) | {"start": start, "best": best})
+        shown.append(scene(members, notes, frame_stride) | {"start": start, "best": best})
     return shown
 
 
-def _frames_note(run: Run, frames_from: str, every: int) -> str:
+def _frames_note(run: Run, frames_from: str, frame_stride: int) -> str:
     if not run.looks:
         return "This run drove without a camera."
     if run.looks[0].image is None:
         return "Boxes and tracks only: this run kept no images."
-    thinned = f" Every {every}. exposure is shown." if every > 1 else ""
+    thinned = f" Every {frame_stride}. exposure is shown." if frame_stride > 1 else ""
     return (
         f"{frames_from} Boxes with their scores; lines are tracks, dashed until confirmed.{thinned}".strip()
     )

@@ -18,11 +18,11 @@ def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
         axis.set_visible(False)
     for axis, row in zip(axes.flat, rows, strict=False):
         bins = row["by_distance"]
-        middle = [0.5 * (b["from_m"] + b["to_m"]) for b in bins]
+        centres_m = [0.5 * (b["from_m"] + b["to_m"]) for b in bins]
         axis.axhline(0.0, color="#999999", lw=0.8)
         axis.axvline(EVALUATION_DISTANCE_M, color="#b0413e", lw=0.8, ls="--")
         axis.errorbar(
-            middle,
+            centres_m,
             [b["bias_m"] for b in bins],
             yerr=[b["sigma_m"] for b in bins],
             fmt="o-",

@@ -28,21 +28,21 @@ _QUALITY = 68
 
 def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -> dict[str, Any]:
     """One scenario with one seed: its road and the runs on it. `notes` holds a note on frames by label."""
-    first = runs[0].case.scenario
-    car = first.vehicle.parameters
-    x = np.arange(0.0, first.road.length_m, ROAD_STEP_M)
-    height = first.road.height(x, np.full_like(x, runs[0].track_y_m))
+    scenario = runs[0].case.scenario
+    car = scenario.vehicle.parameters
+    x = np.arange(0.0, scenario.road.length_m, ROAD_STEP_M)
+    height = scenario.road.height(x, np.full_like(x, runs[0].track_y_m))
     side = [i for i, y in enumerate(car.wheel_y_m) if y == runs[0].track_y_m]
     return {
-        "name": printable(first.name),
-        "title": printable(first.title),
-        "vehicle": printable(first.vehicle.model),
+        "name": printable(scenario.name),
+        "title": printable(scenario.title),
+        "vehicle": printable(scenario.vehicle.model),
         "seed": runs[0].case.seed,
         "road": {"step": ROAD_STEP_M, "z": encode_float32(height)},
         "axles": [car.axle_x_m[i] for i in (side[0], side[-1])][: len(side)],
         "radius": car.wheel_radius_m,
         "rate": TICKS_PER_SECOND / STRIDE,
-        "image": [first.camera.intrinsics.width_px, first.camera.intrinsics.height_px],
+        "image": [scenario.camera.intrinsics.width_px, scenario.camera.intrinsics.height_px],
         "classes": [name.replace("_", " ") for name in CLASS_NAMES],
         "runs": [_run(run, side, notes.get(label_of(run), ""), frame_every) for run in runs],
         "psd": spectra(runs),
@@ -92,17 +92,17 @@ def _looks(run: Run, frame_every: int) -> list[dict[str, Any]]:
     """Exposures: time, boxes, tracks, and every `frame_every`-th image as a data URI."""
     shown = []
     for index, (look, tracks) in enumerate(zip(run.looks, track_lines(run), strict=True)):
-        found = look.detections
-        one: dict[str, Any] = {
+        detections = look.detections
+        entry: dict[str, Any] = {
             "t": look.tick / TICKS_PER_SECOND,
-            "boxes": found.boxes.round(1).tolist(),
-            "scores": found.scores.round(2).tolist(),
-            "classes": found.classes.tolist(),
+            "boxes": detections.boxes.round(1).tolist(),
+            "scores": detections.scores.round(2).tolist(),
+            "classes": detections.classes.tolist(),
             "tracks": tracks,
         }
         if look.image is not None and index % frame_every == 0:
-            one["image"] = _data_uri(look.image)
-        shown.append(one)
+            entry["image"] = _data_uri(look.image)
+        shown.append(entry)
     return shown
 
 

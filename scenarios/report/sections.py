@@ -25,29 +25,29 @@ def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
         effect = f"J / {baseline}" if baseline else "J"
         heads: list[str] = ["controller", "preview", "", effect, *(["captured"] if captured else [])]
         heads += [_two_lines(c.name, c.unit) for _, c in columns()] + ["fallbacks", "seeds"]
-        most = max(_effect(v).mean for v in members) or 1.0
+        maximum = max(_effect(v).mean for v in members) or 1.0
         rows = []
         for v in members:
-            bar = bar_of(_effect(v).mean / most)
+            bar = bar_of(_effect(v).mean / maximum)
             row: list[str] = [short_name(v.controller), v.perception, bar, _cell(_effect(v), ".3f")]
             row += [_cell(v.captured, ".1%")] if captured else []
             row += [_cell(v.metrics.get(name), c.style, c.factor) for name, c in columns()]
             rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
         tables.append(f"<h2>{text(scenario)} · {text(vehicle)}</h2>{table(heads, rows, left=2)}")
-    told = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
-    return f'<section><div class="scroll">{"".join(tables)}</div><p class="hint">{told}</p></section>'
+    note = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
+    return f'<section><div class="scroll">{"".join(tables)}</div><p class="hint">{note}</p></section>'
 
 
 def budget_section(variants: Sequence[Variant]) -> str:
     """Fraction of the possible gain of preview over the reactive MPC that each perception keeps."""
     rows = []
     for (scenario, vehicle), group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
-        found = {(v.controller, v.perception): v.metrics["objective"].mean for v in group}
-        reactive, best = found.get(_REACTIVE), found.get(("mpc_preview", "oracle"))
+        objectives = {(v.controller, v.perception): v.metrics["objective"].mean for v in group}
+        reactive, best = objectives.get(_REACTIVE), objectives.get(("mpc_preview", "oracle"))
         if reactive is None or best is None:
             continue
         for perception, entry in PERCEPTIONS.items():
-            objective = found.get(("mpc_preview", perception))
+            objective = objectives.get(("mpc_preview", perception))
             if entry.looks_ahead and objective is not None:
                 share = f"{(reactive - objective) / (reactive - best):.0%}" if reactive > best else "–"
                 rows.append([f"{scenario} · {vehicle}", entry.label, f"{objective:.4f}", share])
@@ -64,8 +64,8 @@ def solver_section(runs: Sequence[Run]) -> str:
     rows = []
     for run in runs:
         reasons, bound = (
-            ", ".join(f"{name} {count}" for name, count in run.solver.get(told, {}).items())
-            for told in ("reasons", "active")
+            ", ".join(f"{name} {count}" for name, count in run.solver.get(key, {}).items())
+            for key in ("reasons", "active")
         )
         rows.append(
             [
@@ -92,8 +92,8 @@ def manifest_section(runs: Sequence[Run]) -> str:
     parts = []
     for run in runs:
         name = f"{run.case.scenario.name} · {label_of(run)} · seed {run.case.seed}"
-        whole = to_json(json.loads(to_json(manifest(run))))
-        parts.append(f"<details><summary>{text(name)}</summary><pre>{escape(whole)}</pre></details>")
+        document = to_json(json.loads(to_json(manifest(run))))
+        parts.append(f"<details><summary>{text(name)}</summary><pre>{escape(document)}</pre></details>")
     return f"<section><h2>Manifests</h2>{''.join(parts)}</section>"
 
 

@@ -19,21 +19,33 @@ def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleStat
     """
     if not estimates:
         return {}
-    when = [ticks(estimate.time_s) for estimate in estimates]
-    ours, true = np.array([estimate.x for estimate in estimates]).T, record.x[:, when]
-    mine, real = equations.motion(car, ours), equations.motion(car, true)
+    tick_indices = [ticks(estimate.time_s) for estimate in estimates]
+    estimated, simulated = np.array([estimate.x for estimate in estimates]).T, record.x[:, tick_indices]
+    estimated_motion, simulated_motion = equations.motion(car, estimated), equations.motion(car, simulated)
     travel, rate = (
-        a - b for a, b in zip(equations.rattle(car, ours), equations.rattle(car, true), strict=True)
+        a - b for a, b in zip(equations.rattle(car, estimated), equations.rattle(car, simulated), strict=True)
     )
-    felt = np.array([estimate.road_height for estimate in estimates]).T - np.array(mine.wheel)
-    deflection = felt - (record.road_height[:, when] - np.array(real.wheel))
-    contact = np.array([estimate.contact for estimate in estimates]).T & (record.tyre_force[:, when] > 0.0)
+    estimated_deflection = np.array([estimate.road_height for estimate in estimates]).T - np.array(
+        estimated_motion.wheel
+    )
+    deflection = estimated_deflection - (
+        record.road_height[:, tick_indices] - np.array(simulated_motion.wheel)
+    )
+    contact = np.array([estimate.contact for estimate in estimates]).T & (
+        record.tyre_force[:, tick_indices] > 0.0
+    )
     motions = ("heave_velocity", "pitch_rate", "roll_rate")[: len(car.generalised_mass)]
     errors = {
         "rattle_m": travel,
         "rattle_velocity": rate,
-        "wheel_velocity": np.array(mine.wheel_velocity) - np.array(real.wheel_velocity),
+        "wheel_velocity": np.array(estimated_motion.wheel_velocity)
+        - np.array(simulated_motion.wheel_velocity),
         "tyre_deflection_m": deflection[contact],
-        "damping_ns_m": np.array(mine.damping) - np.array(real.damping),
-    } | {name: a - b for name, a, b in zip(motions, mine.body_velocity, real.body_velocity, strict=True)}
+        "damping_ns_m": np.array(estimated_motion.damping) - np.array(simulated_motion.damping),
+    } | {
+        name: a - b
+        for name, a, b in zip(
+            motions, estimated_motion.body_velocity, simulated_motion.body_velocity, strict=True
+        )
+    }
     return {name: float(np.sqrt(np.mean(error**2))) if error.size else 0.0 for name, error in errors.items()}

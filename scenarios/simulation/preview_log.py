@@ -34,15 +34,15 @@ def decimated(preview: RoadPreview, wheel: int) -> tuple[float, np.ndarray, np.n
     """Preview of one wheel every 0.1 m: (time_s, distances, [height, position_sigma, existence])."""
     stride = max(1, round(STEP_M / float(preview.distance_m[1] - preview.distance_m[0])))
     rows = (preview.height_m, preview.position_sigma_m, preview.existence)
-    kept = np.array([row[wheel, ::stride] for row in rows], np.float32)
-    return preview.time_s, preview.distance_m[::stride], kept
+    sampled = np.array([row[wheel, ::stride] for row in rows], np.float32)
+    return preview.time_s, preview.distance_m[::stride], sampled
 
 
-def collect(seen: Sequence[tuple[float, np.ndarray, np.ndarray]]) -> PreviewLog:
+def collect(records: Sequence[tuple[float, np.ndarray, np.ndarray]]) -> PreviewLog:
     """Combine decimated previews into one log, which may be empty."""
-    if not seen:
+    if not records:
         none = np.zeros((0, 0), np.float32)
         return PreviewLog(none[:, 0:0].ravel(), none.ravel(), none, none, none)
-    times, distances, rows = zip(*seen, strict=True)
+    times, distances, rows = zip(*records, strict=True)
     height, sigma, existence = np.stack(rows, axis=1)
     return PreviewLog(np.array(times, np.float32), distances[0].astype(np.float32), height, sigma, existence)

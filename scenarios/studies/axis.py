@@ -39,43 +39,43 @@ class Axis(Checked):
         if self.scale == "log" and not 0 < self.low < self.high:
             raise InputError(f"low must be > 0 on a log scale, got {self.low:g}")
 
-    def at(self, share: float) -> Scalar:
-        """Quantile of the axis's distribution at `share`, 0 ... 1."""
+    def quantile(self, probability: float) -> Scalar:
+        """Quantile of the axis's distribution at `probability`, 0 ... 1."""
         if self.values:
-            return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
+            return self.values[min(int(probability * len(self.values)), len(self.values) - 1)]
         if self.sigma > 0:
             from scipy.special import ndtri  # the normal quantile
 
-            value = self.mean + self.sigma * float(ndtri(min(max(share, 1e-12), 1 - 1e-12)))
+            value = self.mean + self.sigma * float(ndtri(min(max(probability, 1e-12), 1 - 1e-12)))
         elif self.scale == "log":
-            value = float(self.low * (self.high / self.low) ** share)
+            value = float(self.low * (self.high / self.low) ** probability)
         else:
-            value = self.low + (self.high - self.low) * share
+            value = self.low + (self.high - self.low) * probability
         return round(value) if self.whole else value
 
 
-def read_axis(given: Any, place: str) -> Axis:
-    """Parse the axis that a study file gives at `place`; InputError for an invalid one."""
-    if isinstance(given, list):
-        given = {"values": given}
-    told = f"{place} must give values, or low and high, or mean and sigma, got {shown(given)}"
-    if not isinstance(given, dict):
-        raise InputError(told)
-    kept = {name: value for name, value in given.items() if name != "values"}
-    if "values" in given:
-        values = given["values"]
-        if kept or not isinstance(values, list) or not values:
-            raise InputError(f"{place}.values must be a list and stand alone, got {shown(given)}")
-        return Axis(tuple(scalar(value, f"{place}.values") for value in values))
-    if not any(keys <= set(kept) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(kept):
-        raise InputError(told)
-    found = strict.structure(Axis, kept, place)
-    assert isinstance(found, Axis)
-    return found
+def read_axis(definition: Any, location: str) -> Axis:
+    """Parse the axis that a study file gives at `location`; InputError for an invalid one."""
+    if isinstance(definition, list):
+        definition = {"values": definition}
+    message = f"{location} must give values, or low and high, or mean and sigma, got {shown(definition)}"
+    if not isinstance(definition, dict):
+        raise InputError(message)
+    range_fields = {name: value for name, value in definition.items() if name != "values"}
+    if "values" in definition:
+        values = definition["values"]
+        if range_fields or not isinstance(values, list) or not values:
+            raise InputError(f"{location}.values must be a list and stand alone, got {shown(definition)}")
+        return Axis(tuple(scalar(value, f"{location}.values") for value in values))
+    if not any(keys <= set(range_fields) for keys in _RANGE_KEYS) or {"low", "mean"} <= set(range_fields):
+        raise InputError(message)
+    axis = strict.structure(Axis, range_fields, location)
+    assert isinstance(axis, Axis)
+    return axis
 
 
-def scalar(value: Any, place: str) -> Scalar:
+def scalar(value: Any, location: str) -> Scalar:
     """Return the value; InputError unless it is a scalar that a field may be set to."""
     if not isinstance(value, bool | int | float | str):
-        raise InputError(f"{place} must hold numbers, texts, true or false, got {shown(value)}")
+        raise InputError(f"{location} must hold numbers, texts, true or false, got {shown(value)}")
     return value

@@ -79,9 +79,9 @@ class Results:
         path = self.folder / _JOURNAL
         if not path.exists():
             return []
-        *lines, rest = read_bytes(path, JSON_LIMIT).split(b"\n")
+        *lines, last_line = read_bytes(path, JSON_LIMIT).split(b"\n")
         rows = []
-        for number, line in enumerate([*lines, rest], 1):
+        for number, line in enumerate([*lines, last_line], 1):
             try:
                 rows.append(_row(line, f"{path}:{number}"))
             except InputError:
@@ -108,18 +108,20 @@ def load_results(folder: Path) -> pa.Table:
         raise InputError(f"{folder}: holds no part-*.parquet")
     with reading(f"{folder}: part-*.parquet"):
         table = pa.concat_tables(parts, promote_options="permissive")
-    latest = {key: place for place, key in enumerate(table["key"].to_pylist())}
+    latest = {key: index for index, key in enumerate(table["key"].to_pylist())}
     return table.take(sorted(latest.values()))
 
 
-def _row(line: bytes, place: str) -> dict[str, Any]:
+def _row(line: bytes, location: str) -> dict[str, Any]:
     """Check one row of a journal: an object of plain values with a key and an error, else InputError."""
-    with reading(place):
-        row = parse_json(line.decode(), place)
+    with reading(location):
+        row = parse_json(line.decode(), location)
     if not (isinstance(row, dict) and isinstance(row.get("key"), str) and "error" in row):
-        raise InputError(f"{place}: is not a row of a study's results, it must hold key and error")
-    if not isinstance(row["error"], str | None) or any(isinstance(one, dict | list) for one in row.values()):
-        raise InputError(f"{place}: is not a row of a study's results, its values must be plain")
+        raise InputError(f"{location}: is not a row of a study's results, it must hold key and error")
+    if not isinstance(row["error"], str | None) or any(
+        isinstance(item, dict | list) for item in row.values()
+    ):
+        raise InputError(f"{location}: is not a row of a study's results, its values must be plain")
     return row
 
 
@@ -131,8 +133,8 @@ def _with_all_columns(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _cast_null_columns(table: pa.Table) -> pa.Table:
     """Cast columns without any value to the type they have in other parts."""
-    for place, field in enumerate(table.schema):
+    for index, field in enumerate(table.schema):
         if pa.types.is_null(field.type):
             kind = pa.string() if field.name in _TEXT else pa.float64()
-            table = table.set_column(place, field.name, table[field.name].cast(kind))
+            table = table.set_column(index, field.name, table[field.name].cast(kind))
     return table

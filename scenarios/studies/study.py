@@ -84,14 +84,16 @@ def read(path: Path) -> list[Sample]:
     mapping = parse(read_text(path), str(path))
     if not isinstance(mapping, dict):
         raise InputError(f"{path}: a study must be a mapping of fields, got {type(mapping).__name__}")
-    fixed, varied = (_named(mapping.pop(name, None) or {}, f"{path}: {name}") for name in ("set", "vary"))
+    constants, variations = (
+        _field_mapping(mapping.pop(name, None) or {}, f"{path}: {name}") for name in ("set", "vary")
+    )
     study = strict.structure(Study, mapping, str(path))
-    axes = {field: read_axis(given, f"{path}: vary.{field}") for field, given in varied.items()}
-    for field, value in fixed.items():
+    axes = {field: read_axis(given, f"{path}: vary.{field}") for field, given in variations.items()}
+    for field, value in constants.items():
         scalar(value, f"{path}: set.{field}")
     try:
         _check_size(study, axes)
-        samples = list(_samples(study, points(study, axes), fixed, path.parent))
+        samples = list(_samples(study, points(study, axes), constants, path.parent))
         for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
             _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIAL_SAMPLES])
     except InputError as error:
@@ -113,13 +115,13 @@ def _try(samples: Sequence[Sample]) -> None:
 
 def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:
     """Reject a study of more than `MAX_DRIVES` by count, before any of its drives is listed."""
-    sight = sum(len(study.perception) if uses_preview(name) else 1 for name in study.controllers)
+    perceptions = sum(len(study.perception) if uses_preview(name) else 1 for name in study.controllers)
     grid = prod(max(len(axis.values), 1) for axis in axes.values())
     drives = (
         (grid if study.sampling == "grid" else study.samples)
         * len(study.scenarios)
         * len(study.seeds)
-        * sight
+        * perceptions
     )
     if drives > MAX_DRIVES:
         raise InputError(f"a study must have at most {MAX_DRIVES} drives, got {shown(drives)}")
@@ -133,12 +135,15 @@ def points(study: Study, axes: Mapping[str, Axis]) -> list[dict[str, Scalar]]:
         for field, axis in axes.items():
             if not axis.values:
                 raise InputError(f"vary.{field} must give values for a grid")
-        every = product(*(axis.values for axis in axes.values()))
-        return [dict(zip(axes, values, strict=True)) for values in every]
+        product_points = product(*(axis.values for axis in axes.values()))
+        return [dict(zip(axes, values, strict=True)) for values in product_points]
     if not axes:
         raise InputError(f"vary must name a field for {study.sampling}")
     return [
-        {field: axis.at(float(share)) for (field, axis), share in zip(axes.items(), row, strict=True)}
+        {
+            field: axis.quantile(float(probability))
+            for (field, axis), probability in zip(axes.items(), row, strict=True)
+        }
         for row in _unit_cube(study, len(axes))
     ]
 
@@ -159,14 +164,14 @@ def _samples(
 ) -> Iterator[Sample]:
     if len({Path(name).name for name in study.scenarios}) < len(set(study.scenarios)):
         raise InputError("scenarios must differ in their files' names, got two of one name")
-    places = [str(folder / name) if os.path.isfile(folder / name) else name for name in study.scenarios]
-    sight = {name: study.perception if uses_preview(name) else ("none",) for name in study.controllers}
-    for point, scenario, seed, controller in product(space, places, study.seeds, study.controllers):
-        for perception in sight[controller]:
+    scenarios = [str(folder / name) if os.path.isfile(folder / name) else name for name in study.scenarios]
+    perceptions = {name: study.perception if uses_preview(name) else ("none",) for name in study.controllers}
+    for point, scenario, seed, controller in product(space, scenarios, study.seeds, study.controllers):
+        for perception in perceptions[controller]:
             yield Sample(scenario, tuple((dict(fixed) | dict(point)).items()), controller, perception, seed)
 
 
-def _named(mapping: Any, place: str) -> dict[str, Any]:
+def _field_mapping(mapping: Any, location: str) -> dict[str, Any]:
     if not isinstance(mapping, dict):
-        raise InputError(f"{place} must be a mapping of path.to.field to values, got {shown(mapping)}")
+        raise InputError(f"{location} must be a mapping of path.to.field to values, got {shown(mapping)}")
     return mapping

@@ -39,8 +39,8 @@ def simulate_sample(sample: Sample) -> dict[str, Any]:
     """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
     try:
         with _SIMULATION_LOCK:
-            found = json.loads(to_json(flat(row(simulate_case(sample.case())))))
-        return sample_columns(sample, None) | found
+            columns = json.loads(to_json(flat(row(simulate_case(sample.case())))))
+        return sample_columns(sample, None) | columns
     except Exception as error:  # any failure of a case is its result
         return sample_columns(
             sample, without_folders(f"{type(error).__name__}: {' '.join(str(error).split())}")
@@ -49,10 +49,10 @@ def simulate_sample(sample: Sample) -> dict[str, Any]:
 
 def sample_columns(sample: Sample, error: str | None) -> dict[str, Any]:
     """Common columns of every row: key, error and inputs."""
-    asked = {f"set.{path}": value for path, value in sample.point}
+    settings = {f"set.{path}": value for path, value in sample.point}
     names = {"scenario": shared_name(sample.scenario), "controller": shared_target(sample.controller)}
     drive = {"perception": sample.perception, "seed": sample.seed}
-    return {"key": sample.key, "error": error, **names, **drive, **asked}
+    return {"key": sample.key, "error": error, **names, **drive, **settings}
 
 
 def run(
@@ -65,23 +65,23 @@ def run(
     """
 
     waiting = iter(samples)
-    asked: dict[str, Sample] = {}
+    submitted: dict[str, Sample] = {}
 
     def hand_out(count: int) -> list[Future]:
-        given = []
+        submitted_futures = []
         for sample in islice(waiting, count):
             future = client.submit(simulate_sample, sample, key=f"foreride-{sample.key}", pure=False)
-            asked[str(future.key)] = sample
-            given.append(future)
-        return given
+            submitted[str(future.key)] = sample
+            submitted_futures.append(future)
+        return submitted_futures
 
     running = set(hand_out(QUEUED_PER_WORKER * max(1, sum(client.nthreads().values()))))
     while running:
         finished, running = _wait(client, running)
         for future in finished:
-            sample, problem = asked.pop(str(future.key)), future.exception()
-            lost = sample_columns(sample, f"{type(problem).__name__}: {problem}")
-            results.add(future.result() if problem is None else lost)
+            sample, problem = submitted.pop(str(future.key)), future.exception()
+            failure_row = sample_columns(sample, f"{type(problem).__name__}: {problem}")
+            results.add(future.result() if problem is None else failure_row)
             advance()
         running |= set(hand_out(len(finished)))
 
@@ -128,8 +128,8 @@ def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Ite
         try:
             client = Client(address, timeout=REACH_S)
         except (OSError, ValueError) as error:
-            told = " ".join(str(error).split()) or type(error).__name__
-            raise InputError(f"--scheduler {address}: cannot be reached ({told})") from None
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise InputError(f"--scheduler {address}: cannot be reached ({reason})") from None
         with client:
             yield client
         return

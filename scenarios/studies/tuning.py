@@ -100,49 +100,53 @@ def tune(
     judge: TuningObjective,
     controller: str,
     spans: dict[str, SearchRange],
-    there: dict[str, float],
+    previous: dict[str, float],
     evaluations: int,
     seed: int,
 ) -> Tuned:
     """Global search with up to half of the evaluations, then local search from the best point with the rest.
 
     Global: a scrambled Sobol sequence; local: a trust-region method on quadratic models (COBYQA: Ragonneau &
-    Zhang, as in SciPy). The previous settings, `there`, are a candidate starting point if they lie within the
+    Zhang, as in SciPy). The `previous` settings are a candidate starting point if they lie within the
     ranges; the result is never worse than they are.
     """
-    before = judge.score(controller, {})
+    previous_score = judge.score(controller, {})
     # Settings outside the ranges cannot be a starting point of the search.
-    inside = all(span.low <= there[name] <= span.high for name, span in spans.items())
-    tried = {tuple(span.share(there[name]) for name, span in spans.items()): before} if inside else {}
+    within_ranges = all(span.low <= previous[name] <= span.high for name, span in spans.items())
+    scores = (
+        {tuple(span.share(previous[name]) for name, span in spans.items()): previous_score}
+        if within_ranges
+        else {}
+    )
 
-    def ask(shares: np.ndarray) -> float:
-        place = tuple(shares.tolist())
-        if place not in tried:
-            values = [span.at(share) for span, share in zip(spans.values(), place, strict=True)]
-            tried[place] = judge.score(controller, dict(zip(spans, values, strict=True)))
-        return tried[place]
+    def evaluate(fractions: np.ndarray) -> float:
+        candidate = tuple(fractions.tolist())
+        if candidate not in scores:
+            values = [span.at(share) for span, share in zip(spans.values(), candidate, strict=True)]
+            scores[candidate] = judge.score(controller, dict(zip(spans, values, strict=True)))
+        return scores[candidate]
 
-    looks = int(np.log2(evaluations / 2))  # a Sobol sequence is balanced at powers of two
-    for point in qmc.Sobol(len(spans), rng=seed).random_base2(looks):
-        ask(point)
+    sobol_exponent = int(np.log2(evaluations / 2))  # a Sobol sequence is balanced at powers of two
+    for point in qmc.Sobol(len(spans), rng=seed).random_base2(sobol_exponent):
+        evaluate(point)
     minimize(
-        ask,
-        min(tried, key=lambda place: tried[place]),
+        evaluate,
+        min(scores, key=lambda candidate: scores[candidate]),
         method="COBYQA",
         bounds=[(0.0, 1.0)] * len(spans),
-        options={"maxfev": max(1, evaluations - len(tried) + 1), "initial_tr_radius": 0.1},
+        options={"maxfev": max(1, evaluations - len(scores) + 1), "initial_tr_radius": 0.1},
     )
-    shares = min(tried, key=lambda place: tried[place])
-    if before <= tried[shares]:
-        return Tuned(controller, {}, before, before)
-    settings = {name: span.at(share) for (name, span), share in zip(spans.items(), shares, strict=True)}
-    return Tuned(controller, settings, tried[shares], before)
+    fractions = min(scores, key=lambda candidate: scores[candidate])
+    if previous_score <= scores[fractions]:
+        return Tuned(controller, {}, previous_score, previous_score)
+    settings = {name: span.at(share) for (name, span), share in zip(spans.items(), fractions, strict=True)}
+    return Tuned(controller, settings, scores[fractions], previous_score)
 
 
 def with_settings(scenario: Scenario, controller: str, settings: dict[str, float]) -> Scenario:
     """Return the scenario with some settings of one controller replaced."""
-    there = scenario.control.settings
-    changed = replace(there, **{controller: replace(getattr(there, controller), **settings)})
+    present = scenario.control.settings
+    changed = replace(present, **{controller: replace(getattr(present, controller), **settings)})
     return replace(scenario, control=replace(scenario.control, settings=changed))
 
 

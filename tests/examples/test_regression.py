@@ -28,7 +28,7 @@ def test_the_example_asks_for_baselines_records_them_and_then_holds(tmp_path: Pa
 
 
 def test_the_committed_baselines_of_the_example_can_be_read() -> None:
-    assert all(read(path).held for path in (EXAMPLE / "ride_baselines").iterdir())
+    assert all(read(path).entries for path in (EXAMPLE / "ride_baselines").iterdir())
 
 
 def test_the_workflow_is_valid_yaml_that_runs_foreride() -> None:

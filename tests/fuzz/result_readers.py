@@ -89,10 +89,10 @@ def _budget(path: Path) -> object:
 
 
 def _comparison(path: Path) -> object:
-    from foreride.scenarios.report.gather import gather
+    from foreride.scenarios.report.gather import collect_input
     from foreride.scenarios.report.html import page
 
-    return page(gather(path))
+    return page(collect_input(path))
 
 
 def _results_row(key: str) -> dict[str, object]:

@@ -73,12 +73,12 @@ def kill(staged: Stage, before: Callable[[], None], after_s: float | None) -> li
 
 def _misread(work: Path) -> list[str]:
     """Scratch that a report takes for runs."""
-    from foreride.scenarios.report.gather import gather
+    from foreride.scenarios.report.gather import collect_input
 
     told = []
     for folder in (work, *(path for path in work.iterdir() if path.is_dir())):
         try:
-            found = gather(folder)
+            found = collect_input(folder)
         except InputError:
             continue
         except Exception as error:

@@ -37,10 +37,10 @@ def execute(arguments: argparse.Namespace) -> int:
     with console.status(f"searching the optimum of {scenario.name}, a minute or a few"):
         optimum = bound(scenario)
         metrics = simulate_case(Case(scenario, CLAIRVOYANT, "none", scenario.seed)).metrics
-        found = headroom(scenario, optimum)
+        headrooms = headroom(scenario, optimum)
     console.print(
         f"{scenario.name}, {scenario.vehicle.model}: J {metrics['objective']:.4f} (m/s²)², "
-        f"{metrics['objective'] / found['passive_objective']:.3f} of passive; "
+        f"{metrics['objective'] / headrooms['passive_objective']:.3f} of passive; "
         f"Wk RMS {metrics['wk_rms']:.3f} m/s²; starts end within {100 * optimum.gap:.2f} %"
     )
     if arguments.json:
@@ -49,7 +49,7 @@ def execute(arguments: argparse.Namespace) -> int:
             "scenario": scenario.name,
             "scenario_hash": scenario_hash(scenario),
             "vehicle": vehicle_name(scenario),
-            **found,
+            **headrooms,
             "objective": metrics["objective"],
             "wk_rms": metrics["wk_rms"],
             "starts": optimum.objectives,

@@ -37,37 +37,37 @@ def configure(command: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run the cases and print their table; `--out` also keeps each run folder as soon as it is complete."""
-    wanted = cases_of(arguments, arguments.scenarios)
-    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    selected = cases_of(arguments, arguments.scenarios)
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in selected])
     jobs = jobs_of(arguments)
-    planned = [folder_name(case) for case in wanted]
+    planned = [folder_name(case) for case in selected]
     if arguments.out:
-        runs_folder(arguments.out, wanted)
+        runs_folder(arguments.out, selected)
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
-    rooms = headroom_by_scenario(wanted) if arguments.bound else {}
+    headrooms = headroom_by_scenario(selected) if arguments.bound else {}
     rows = []
-    for done in simulated(wanted, arguments.frames, jobs):
-        run = replace(done, bound=rooms.get(scenario_hash(done.case.scenario)))
+    for simulated_run in simulated(selected, arguments.frames, jobs):
+        run = replace(simulated_run, bound=headrooms.get(scenario_hash(simulated_run.case.scenario)))
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run.case))
     document = publish(arguments, rows)
-    for scenario, known in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
-        gap = f"starts end within {100 * known['gap_between_starts']:.2f} %"
-        console.print(f"bound of {scenario}: J {known['objective']:.4f} (m/s²)², {gap}", highlight=False)
+    for scenario, bound in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
+        gap = f"starts end within {100 * bound['gap_between_starts']:.2f} %"
+        console.print(f"bound of {scenario}: J {bound['objective']:.4f} (m/s²)², {gap}", highlight=False)
     if arguments.out:
         write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
     return 0
 
 
-def headroom_by_scenario(wanted: Sequence[Case]) -> dict[str, dict[str, float]]:
+def headroom_by_scenario(selected: Sequence[Case]) -> dict[str, dict[str, float]]:
     """Headroom of each scenario of the cases, by the hash of its fields."""
-    scenarios = {scenario_hash(case.scenario): case.scenario for case in wanted}
-    found = {}
+    scenarios = {scenario_hash(case.scenario): case.scenario for case in selected}
+    headrooms = {}
     with progress_bar() as progress:
         bar = progress.add_task("", total=len(scenarios))
         for key, scenario in scenarios.items():
             progress.update(bar, description=f"bound of {scenario.name}, a minute or a few")
-            found[key] = headroom(scenario)
+            headrooms[key] = headroom(scenario)
             progress.advance(bar)
-    return found
+    return headrooms

@@ -30,21 +30,21 @@ def configure(command: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run, print and write everything under `--out` (default runs/demo)."""
     within("--seed", arguments.seed, 0, 2**32 - 1)
-    wanted = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
-    out = runs_folder(arguments.out or runs_folder(None) / "demo", wanted)
-    runs = simulate_all(wanted, keep_images=True)
+    selected = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
+    out = runs_folder(arguments.out or runs_folder(None) / "demo", selected)
+    runs = simulate_all(selected, keep_images=True)
     for run in runs:
         write(run, out / folder_name(run.case))
     publish(arguments, [row(run) for run in runs], "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
     metrics = {folder_name(run.case): run.metrics for run in runs}
     write_text(out / "metrics.json", to_json(metrics) + "\n")
     write_overview(out / "overview.png", runs)
-    written = ["overview.png", "metrics.json"]
+    outputs = ["overview.png", "metrics.json"]
     if not arguments.no_film:
         with console.status("writing the film"):
             write_video(out / "film.mp4", _pairs(runs))
-        written.append("film.mp4")
-    console.print(f"{out}: {', '.join(written)} and {len(runs)} run folders")
+        outputs.append("film.mp4")
+    console.print(f"{out}: {', '.join(outputs)} and {len(runs)} run folders")
     return 0
 
 
@@ -52,4 +52,7 @@ def _pairs(runs: list[Run]) -> list[tuple[Run, Run]]:
     by_scenario: dict[str, dict[str, Run]] = {}
     for run in runs:
         by_scenario.setdefault(run.case.scenario.name, {})[run.case.controller] = run
-    return [(found["passive"], found["mpc_preview"]) for found in by_scenario.values()]
+    return [
+        (runs_by_controller["passive"], runs_by_controller["mpc_preview"])
+        for runs_by_controller in by_scenario.values()
+    ]

@@ -25,7 +25,14 @@ from foreride.scenarios.regression.baseline import (
     relative_name,
     write,
 )
-from foreride.scenarios.regression.tolerances import Change, changes, diff, failed, label, measured
+from foreride.scenarios.regression.tolerances import (
+    Change,
+    baseline_values,
+    change_lines,
+    changes,
+    failed,
+    label,
+)
 from foreride.scenarios.runs.write import to_json
 
 CHECK_FAILED = 1
@@ -51,29 +58,36 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.accept:
         check_files(path)
     baseline = Baseline() if arguments.scenarios and not path.exists() else read(path)
-    held = _named(arguments) if arguments.scenarios else baseline.held
-    if not held:
+    entries = _new_entries(arguments) if arguments.scenarios else baseline.entries
+    if not entries:
         raise InputError(f"{path}: holds no cases; name scenarios and --accept to add some")
-    driven = [one.case(path.parent) for one in held]
-    now = [measured(run) for run in simulated(driven, jobs=jobs_of(arguments))]
+    selected = [entry.case(path.parent) for entry in entries]
+    results = [baseline_values(run) for run in simulated(selected, jobs=jobs_of(arguments))]
     if arguments.accept:
-        write(path, baseline.with_entries([replace(o, metrics=m) for o, m in zip(held, now, strict=True)]))
-        console.print(f"baseline: {path} ({len(held)} cases written)")
+        accepted = [replace(entry, metrics=m) for entry, m in zip(entries, results, strict=True)]
+        write(path, baseline.with_entries(accepted))
+        console.print(f"baseline: {path} ({len(entries)} cases written)")
         return 0
     tolerances = baseline.own_tolerances()
-    found = [changes(one.metrics, metrics, tolerances) for one, metrics in zip(held, now, strict=True)]
-    labels = [label(case, one.override_texts) for case, one in zip(driven, held, strict=True)]
-    _tell(labels, found, baseline.foreride)
+    changes_by_case = [
+        changes(entry.metrics, metrics, tolerances) for entry, metrics in zip(entries, results, strict=True)
+    ]
+    labels = [label(case, entry.override_texts) for case, entry in zip(selected, entries, strict=True)]
+    _print_changes(labels, changes_by_case, baseline.foreride)
     if arguments.json:
         rows = [
-            {"case": name, "failed": failed(moved), "changes": [asdict(c) | _judged(c) for c in moved]}
-            for name, moved in zip(labels, found, strict=True)
+            {
+                "case": name,
+                "failed": failed(case_changes),
+                "changes": [asdict(c) | _judged(c) for c in case_changes],
+            }
+            for name, case_changes in zip(labels, changes_by_case, strict=True)
         ]
         write_text(arguments.json, to_json({"schema": 1, "baseline": str(path), "rows": rows}) + "\n")
-    return CHECK_FAILED if any(failed(moved) for moved in found) else 0
+    return CHECK_FAILED if any(failed(case_changes) for case_changes in changes_by_case) else 0
 
 
-def _named(arguments: argparse.Namespace) -> list[BaselineEntry]:
+def _new_entries(arguments: argparse.Namespace) -> list[BaselineEntry]:
     """Baseline entries for the cases on the command line, without metrics yet."""
     folder, overrides = arguments.baseline.parent, tuple(overrides_of(arguments))
     named = ((name, case) for name in arguments.scenarios for case in cases_of(arguments, [name]))
@@ -94,17 +108,21 @@ def _judged(change: Change) -> dict[str, object]:
     return {"verdict": change.verdict, "of_tolerance": change.used}
 
 
-def _tell(labels: Sequence[str], found: Sequence[Sequence[Change]], wrote: str) -> None:
+def _print_changes(
+    labels: Sequence[str], changes_by_case: Sequence[Sequence[Change]], baseline_version: str
+) -> None:
     """Print the changes case by case, and their total."""
-    for name, moved in zip(labels, found, strict=True):
-        if moved:
-            console.print(f"{'FAILED' if failed(moved) else 'moved '} {name}", highlight=False)
-            for line in diff(moved):
+    for name, case_changes in zip(labels, changes_by_case, strict=True):
+        if case_changes:
+            console.print(f"{'FAILED' if failed(case_changes) else 'moved '} {name}", highlight=False)
+            for line in change_lines(case_changes):
                 console.print(f"         {line}", highlight=False, soft_wrap=True)
-    lost = sum(failed(moved) for moved in found)
-    calm = sum(not moved for moved in found)
-    since = "" if wrote == version("foreride") else f"; the baseline is of foreride {wrote}"
-    other = len(found) - calm - lost
-    console.print(f"{len(found)} cases: {calm} hold, {lost} got worse, {other} moved otherwise{since}")
-    if calm < len(found):
+    worse = sum(failed(case_changes) for case_changes in changes_by_case)
+    unchanged = sum(not case_changes for case_changes in changes_by_case)
+    same_version = baseline_version == version("foreride")
+    version_note = "" if same_version else f"; the baseline is of foreride {baseline_version}"
+    other = len(changes_by_case) - unchanged - worse
+    counts = f"{unchanged} hold, {worse} got worse, {other} moved otherwise"
+    console.print(f"{len(changes_by_case)} cases: {counts}{version_note}")
+    if unchanged < len(changes_by_case):
         console.print("to take what is measured now as the new baseline: --accept")

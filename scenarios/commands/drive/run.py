@@ -28,12 +28,12 @@ def configure(command: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run the cases, print their table, write a folder for each."""
-    wanted = cases_of(arguments, [arguments.scenario])
-    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in wanted])
+    selected = cases_of(arguments, [arguments.scenario])
+    baseline_of(arguments.baseline, [(case.controller, case.perception) for case in selected])
     jobs = jobs_of(arguments)
-    out = runs_folder(arguments.out, wanted)
+    out = runs_folder(arguments.out, selected)
     runs = []
-    for run in simulated(wanted, arguments.frames, jobs):
+    for run in simulated(selected, arguments.frames, jobs):
         write(run, out / folder_name(run.case))
         runs.append(run)
     publish(arguments, [row(run) for run in runs])

@@ -59,27 +59,31 @@ def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: i
                 run(client, missing, results, lambda: progress.advance(bar))
     except WorkerDied as death:
         kept = f"{len(results.done.keys() & samples.keys())} of {len(samples)} drives are kept"
-        raise WorkerDied(f"{death}; {kept}; go on with: {_again(arguments, results.folder)}") from None
+        raise WorkerDied(
+            f"{death}; {kept}; go on with: {_resume_command(arguments, results.folder)}"
+        ) from None
     finally:
         results.flush()
-    _tell(arguments, samples, results)
+    _print_counts(arguments, samples, results)
     return 0
 
 
-def _tell(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> None:
+def _print_counts(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> None:
     """Print the counts of drives and the first errors; write the counts where `--json` asks for them."""
     failed = {key: error for key, error in results.done.items() if error}
-    there = len(results.done.keys() & samples.keys())
-    told = f"{there} of {len(samples)} drives are there, {len(failed)} of them failed: {results.folder}/"
-    console.print(told, highlight=False)
+    finished = len(results.done.keys() & samples.keys())
+    summary = (
+        f"{finished} of {len(samples)} drives are there, {len(failed)} of them failed: {results.folder}/"
+    )
+    console.print(summary, highlight=False)
     for error in list(dict.fromkeys(failed.values()))[:5]:
         console.print(f"failed: {error}", highlight=False, soft_wrap=True)
     if arguments.json:
-        counts = {"drives": there, "failed": len(failed), "folder": shared_name(results.folder)}
+        counts = {"drives": finished, "failed": len(failed), "folder": shared_name(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
 
 
-def _again(arguments: argparse.Namespace, folder: Path) -> str:
+def _resume_command(arguments: argparse.Namespace, folder: Path) -> str:
     """Command line that continues an interrupted sweep."""
     words = ["foreride", "sweep", str(arguments.study), "--out", str(folder)]
     words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []

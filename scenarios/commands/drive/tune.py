@@ -60,31 +60,31 @@ def execute(arguments: argparse.Namespace) -> int:
     searches = {name: search_ranges(name, car.wheels) for name in arguments.controllers}
     out = arguments.out or runs_folder(None) / "tuned" / f"{car.kind}.yaml"
     check_files(out)
-    found = []
+    results = []
     with progress_bar() as progress:
         bar = progress.add_task("passive", total=len(searches) * arguments.evaluations)
         judge = TuningObjective(scenarios, lambda: progress.advance(bar))
         for name, spans in searches.items():
             progress.update(bar, description=name)
-            there = strict.to_mapping(getattr(scenarios[0].control.settings, name))
-            tuned = tune(judge, name, spans, there, arguments.evaluations, arguments.seed)
+            previous = strict.to_mapping(getattr(scenarios[0].control.settings, name))
+            tuned = tune(judge, name, spans, previous, arguments.evaluations, arguments.seed)
             progress.console.print(
                 f"{name}: J / passive {tuned.before:.4f} → {tuned.score:.4f}  {tuned.settings}"
             )
-            found.append(tuned)
+            results.append(tuned)
             scenarios = [with_settings(scenario, name, tuned.settings) for scenario in scenarios]
-    write_text(out, settings_file(scenarios[0], found, _command(arguments)))
+    write_text(out, settings_file(scenarios[0], results, _command(arguments)))
     console.print(f"settings: {out}")
     if arguments.json:
-        rows = [strict.to_mapping(tuned) for tuned in found]
+        rows = [strict.to_mapping(tuned) for tuned in results]
         document = {"schema": 1, "manifest": environment(), "rows": rows}
         write_text(arguments.json, to_json(document) + "\n")
     return 0
 
 
-def settings_file(scenario: Scenario, found: list[Tuned], command: str) -> str:
+def settings_file(scenario: Scenario, results: list[Tuned], command: str) -> str:
     """Settings of all tuned controllers as YAML, with the command that produced them and their scores."""
-    scores = {tuned.controller: tuned.score for tuned in found}
+    scores = {tuned.controller: tuned.score for tuned in results}
     lines = [f"# Made by: {command}", "# After each: mean over the events of J relative to passive."]
     for name, values in strict.to_mapping(scenario.control.settings).items():
         if name in TUNED_CONTROLLERS:

@@ -48,26 +48,26 @@ def configure(command: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Detect the boards, fit the camera, report; return 1 if the reprojection error is large."""
     board = _board(arguments.squares, arguments.square_m)
-    seen, size = _views(arguments.photos, board)
-    missed = [str(path) for path in arguments.photos if path not in seen]
-    if len(seen) < MIN_VIEWS:
+    corners_by_photo, size = _views(arguments.photos, board)
+    missed = [str(path) for path in arguments.photos if path not in corners_by_photo]
+    if len(corners_by_photo) < MIN_VIEWS:
         raise InputError(
-            f"the whole board of {arguments.squares} squares was found in {len(seen)} of "
+            f"the whole board of {arguments.squares} squares was found in {len(corners_by_photo)} of "
             f"{len(arguments.photos)} photographs, {MIN_VIEWS} are needed; not in {', '.join(missed)}"
         )
-    found = calibrate(list(seen.values()), board, *size)
-    mount = None if arguments.ground is None else _mount(arguments.ground, found, board, size)
-    for path, error in zip(seen, found.views_px, strict=True):
+    calibration = calibrate(list(corners_by_photo.values()), board, *size)
+    mount = None if arguments.ground is None else _mount(arguments.ground, calibration, board, size)
+    for path, error in zip(corners_by_photo, calibration.views_px, strict=True):
         console.print(f"{path}: {error:.2f} px")
     for name in missed:
         console.print(f"{name}: no whole board found, left out")
-    console.print(_summary(found, mount))
+    console.print(_summary(calibration, mount))
     if arguments.out:
-        write_text(arguments.out, _block(found, mount))
+        write_text(arguments.out, _block(calibration, mount))
         console.print(f"camera: {arguments.out}")
     if arguments.json:
-        write_text(arguments.json, to_json(_document(found, mount, list(seen))) + "\n")
-    if found.rms_px > _BLURRED_PX:
+        write_text(arguments.json, to_json(_document(calibration, mount, list(corners_by_photo))) + "\n")
+    if calibration.rms_px > _BLURRED_PX:
         console.print(
             f"an error above {_BLURRED_PX:g} px: is the board flat, --squares right, a photo blurred?"
         )
@@ -87,17 +87,19 @@ def _board(squares: str, square_m: float) -> Board:
 
 def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray], tuple[int, int]]:
     """Corners in each photo that shows the whole board, and the common size of all photos (width, height)."""
-    seen, sizes = {}, {}
+    corners_by_photo, sizes = {}, {}
     for path in track(photos, "looking for the board", console=console, transient=True):
         image = _photo(path)
         sizes[path] = image.shape[1::-1]
         if sizes[path] != sizes[photos[0]]:
-            one, other = (f"{width}x{height}" for width, height in (sizes[photos[0]], sizes[path]))
-            raise InputError(f"{path}: is {other} px; must be {one} px as {photos[0]} is")
+            expected_size, actual_size = (
+                f"{width}x{height}" for width, height in (sizes[photos[0]], sizes[path])
+            )
+            raise InputError(f"{path}: is {actual_size} px; must be {expected_size} px as {photos[0]} is")
         corners = find_corners(image, board)
         if corners is not None:
-            seen[path] = corners
-    return seen, sizes[photos[0]]
+            corners_by_photo[path] = corners
+    return corners_by_photo, sizes[photos[0]]
 
 
 def _photo(path: Path) -> np.ndarray:
@@ -105,19 +107,21 @@ def _photo(path: Path) -> np.ndarray:
     return np.asarray(read_pixels(path, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION), np.uint8)
 
 
-def _mount(path: Path, found: Calibration, board: Board, size: tuple[int, int]) -> Mounting:
-    seen, own = _views([path], board)
-    if own != size:
-        raise InputError(f"{path}: is {own[0]}x{own[1]} px; must be {size[0]}x{size[1]} px as the others are")
-    if not seen:
+def _mount(path: Path, calibration: Calibration, board: Board, size: tuple[int, int]) -> Mounting:
+    corners_by_photo, photo_size = _views([path], board)
+    if photo_size != size:
+        raise InputError(
+            f"{path}: is {photo_size[0]}x{photo_size[1]} px; must be {size[0]}x{size[1]} px as the others are"
+        )
+    if not corners_by_photo:
         raise InputError(f"{path}: the whole board was not found")
-    return mounting(found.camera, seen[path], board)
+    return mounting(calibration.camera, corners_by_photo[path], board)
 
 
-def _summary(found: Calibration, mount: Mounting | None) -> str:
-    camera, (focal, across, down) = found.camera, found.sigma_px
+def _summary(calibration: Calibration, mount: Mounting | None) -> str:
+    camera, (focal, across, down) = calibration.camera, calibration.sigma_px
     text = (
-        f"{len(found.views_px)} views, reprojection error {found.rms_px:.3f} px (RMS)\n"
+        f"{len(calibration.views_px)} views, reprojection error {calibration.rms_px:.3f} px (RMS)\n"
         f"focal length {camera.focal_px:.2f} ± {focal:.2f} px, principal point "
         f"{camera.cx:.2f} ± {across:.2f}, {camera.cy:.2f} ± {down:.2f} px\n"
         f"distortion k1, k2, p1, p2, k3: {', '.join(f'{value:.5f}' for value in camera.distortion)}"
@@ -130,22 +134,24 @@ def _summary(found: Calibration, mount: Mounting | None) -> str:
     )
 
 
-def _block(found: Calibration, mount: Mounting | None) -> str:
-    camera = {"intrinsics": strict.to_mapping(found.camera)}
+def _block(calibration: Calibration, mount: Mounting | None) -> str:
+    camera = {"intrinsics": strict.to_mapping(calibration.camera)}
     placed = {} if mount is None else {"height_m": mount.height_m, "pitch_deg": mount.pitch_deg}
     camera |= {name: round(value, 4) for name, value in placed.items()}
-    told = f"# {len(found.views_px)} views of a checkerboard, reprojection error {found.rms_px:.3f} px\n"
-    return told + yaml.safe_dump({"camera": camera}, sort_keys=False, default_flow_style=None)
+    views, rms_px = len(calibration.views_px), calibration.rms_px
+    header = f"# {views} views of a checkerboard, reprojection error {rms_px:.3f} px\n"
+    return header + yaml.safe_dump({"camera": camera}, sort_keys=False, default_flow_style=None)
 
 
-def _document(found: Calibration, mount: Mounting | None, seen: list[Path]) -> dict:
+def _document(calibration: Calibration, mount: Mounting | None, photos: list[Path]) -> dict:
     return {
         "schema": 1,
-        "camera": strict.to_mapping(found.camera),
-        "rms_px": found.rms_px,
+        "camera": strict.to_mapping(calibration.camera),
+        "rms_px": calibration.rms_px,
         "views": [
-            {"photo": str(path), "rms_px": error} for path, error in zip(seen, found.views_px, strict=True)
+            {"photo": str(path), "rms_px": error}
+            for path, error in zip(photos, calibration.views_px, strict=True)
         ],
-        "sigma_px": dict(zip(("focal", "cx", "cy"), found.sigma_px, strict=True)),
+        "sigma_px": dict(zip(("focal", "cx", "cy"), calibration.sigma_px, strict=True)),
         "mounting": None if mount is None else mount._asdict(),
     }

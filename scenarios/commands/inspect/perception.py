@@ -93,9 +93,9 @@ def _scenarios(arguments: argparse.Namespace) -> list[tuple[str, list[Case]]]:
     """Name and cases of each scenario."""
     if not arguments.scenarios:
         raise InputError(f"name a SCENARIO, or --courses of {', '.join(COURSES)}")
-    given = [f"--{name}" for name in _COURSE_OPTIONS if getattr(arguments, name) is not None]
-    if given:
-        raise InputError(f"{', '.join(given)} must come with --courses, got SCENARIO alone")
+    course_options = [f"--{name}" for name in _COURSE_OPTIONS if getattr(arguments, name) is not None]
+    if course_options:
+        raise InputError(f"{', '.join(course_options)} must come with --courses, got SCENARIO alone")
     loaded = [load(name, overrides_of(arguments)) for name in arguments.scenarios]
     seeds = seeds_of(arguments)
     return [

@@ -51,30 +51,30 @@ def execute(arguments: argparse.Namespace) -> int:
     end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
     if (end - scenario.start_m) / arguments.every > MOST_IMAGES:
         raise InputError(f"--every must give at most {MOST_IMAGES} images, got {arguments.every:g} m")
-    places = np.arange(scenario.start_m, end, arguments.every)
+    positions_m = np.arange(scenario.start_m, end, arguments.every)
     scene = Scene(scenario.road, scenario.appearance, scenario.seed)
-    found = {}
+    boxes_by_image = {}
     with atomic_folder(out, KIND) as draft:
-        for index, x in enumerate(track(places, "rendering", console=console, transient=True)):
+        for index, x in enumerate(track(positions_m, "rendering", console=console, transient=True)):
             name = f"{index:04d}-{x:06.1f}m.png"
             image, detections = render_frame(scenario, scene, float(x), index, detector)
             draft.write(name, _png(mark(image, detections)))
-            found[name] = {
+            boxes_by_image[name] = {
                 "x_m": x,
                 "boxes": detections.boxes,
                 "scores": detections.scores,
                 "classes": detections.classes,
             }
-        draft.write("boxes.json", to_json(found) + "\n")
-    console.print(f"{len(places)} images: {out}/")
+        draft.write("boxes.json", to_json(boxes_by_image) + "\n")
+    console.print(f"{len(positions_m)} images: {out}/")
     if arguments.json:
-        write_text(arguments.json, to_json(found) + "\n")
+        write_text(arguments.json, to_json(boxes_by_image) + "\n")
     return 0
 
 
 def _png(image: np.ndarray) -> bytes:
-    done, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
-    assert done
+    encoded, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+    assert encoded
     return data.tobytes()
 
 

@@ -15,7 +15,7 @@ from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.budget import error_budget_section
 from foreride.scenarios.report.film import write_video
 from foreride.scenarios.report.frames import has_frames, with_frames
-from foreride.scenarios.report.gather import gather
+from foreride.scenarios.report.gather import collect_input
 from foreride.scenarios.report.html import first_seeds, page
 from foreride.scenarios.simulation.simulate import Run
 
@@ -40,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
     source: Path = arguments.source
     out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
     check_files(out, arguments.film, inputs=[source])
-    gathered = gather(source)
+    gathered = collect_input(source)
     budget = error_budget_section(arguments.budget) if arguments.budget else ""
     shown = first_seeds(gathered.runs)
     rendered = any(run.looks and not has_frames(run) for run in shown) and not arguments.no_render
@@ -60,8 +60,8 @@ def execute(arguments: argparse.Namespace) -> int:
 
 def _with_frames(runs: Sequence[Run]) -> list[Run]:
     with progress_bar() as progress:
-        wanted = sum(len(run.looks) for run in runs if not has_frames(run))
-        bar = progress.add_task("camera images", total=wanted)
+        missing_images = sum(len(run.looks) for run in runs if not has_frames(run))
+        bar = progress.add_task("camera images", total=missing_images)
         return [with_frames(run, lambda: progress.advance(bar)) for run in runs]
 
 

@@ -26,8 +26,8 @@ def configure(command: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print a table of the wheel tracks and one of the features."""
-    road, places = _road(arguments.road)
-    tracks, features = [summarise_track(road, y) for y in places], list_features(road)
+    road, lateral_m = _road(arguments.road)
+    tracks, features = [summarise_track(road, y) for y in lateral_m], list_features(road)
     console.print(f"{arguments.road}: {road.length_m:g} m")
     console.print(_track_table(tracks))
     if features:

@@ -24,7 +24,7 @@ from foreride.scenarios.commands.drive.bound import ACTUATORS, with_actuator
 from foreride.scenarios.definition.faults import LateAnswers
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.report.gather import gather
+from foreride.scenarios.report.gather import collect_input
 
 
 @pytest.fixture(autouse=True)
@@ -118,7 +118,7 @@ def test_a_comparison_tells_what_is_captured_without_driving_the_bound(
         share = won / (room["passive_objective"] - room["objective"])
         assert line["captured"]["mean"] == pytest.approx(share)
     assert document["summary"][0]["captured"]["mean"] > 0.9
-    assert gather(out).rows[0]["bound"] == room
+    assert collect_input(out).rows[0]["bound"] == room
 
 
 def test_what_works_beside_the_dampers_lowers_the_bound() -> None:

@@ -10,7 +10,7 @@ from foreride.files.errors import InputError
 from foreride.scenarios.cli import main
 from foreride.scenarios.pytest_plugin import RideComfort
 from foreride.scenarios.regression.baseline import read
-from foreride.scenarios.regression.tolerances import Tolerance, changes, diff, failed, tolerance_of
+from foreride.scenarios.regression.tolerances import Tolerance, change_lines, changes, failed, tolerance_of
 
 SHORT = """
 title: A short drive
@@ -76,7 +76,7 @@ def test_a_metric_that_is_gone_or_no_number_fails(after: dict[str, float]) -> No
 
 def test_the_worst_is_told_first_with_its_share_of_the_tolerance() -> None:
     before = {"wk_rms": 1.0, "rattle_peak": 0.05, "vdv": 2.0}
-    lines = diff(changes(before, {"wk_rms": 1.02, "rattle_peak": 0.06, "vdv": 1.0}, {}))
+    lines = change_lines(changes(before, {"wk_rms": 1.02, "rattle_peak": 0.06, "vdv": 1.0}, {}))
     assert lines[0] == "worse   rattle_peak   50 → 60 mm (+10: 10.0 × its tolerance of 1)"
     assert [line.split()[1] for line in lines] == ["rattle_peak", "wk_rms", "vdv"]
 
@@ -117,7 +117,7 @@ def test_the_scenario_is_found_from_wherever_the_check_is_started(
 ) -> None:
     monkeypatch.chdir(folder)
     accepted(Path())
-    assert read(Path("ride.json")).held[0].scenario == "short.yaml"
+    assert read(Path("ride.json")).entries[0].scenario == "short.yaml"
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
     assert main(["regress", "--baseline", str(folder / "ride.json")]) == 0
 
@@ -161,7 +161,7 @@ def test_a_metric_that_is_no_number_is_a_failure_and_told_first(before: float, a
     found = changes({"vdv": before, "wk_rms": 1.0}, {"vdv": after, "wk_rms": 9.0}, {})
     assert [(change.metric, change.verdict) for change in found] == [("vdv", "worse"), ("wk_rms", "worse")]
     assert failed(found)
-    assert len(diff(found)) == 2
+    assert len(change_lines(found)) == 2
 
 
 def test_a_missing_baseline_is_refused(tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_the_fixture_accepts_then_holds_then_tells_what_got_worse(folder: Path) 
         RideComfort(file, accept=False)("short.yaml", "passive")
     RideComfort(file, accept=True)("short.yaml", "passive")
     run = RideComfort(file, accept=False)("short.yaml", "passive")
-    assert run.metrics == {n: v for n, v in read(file).held[0].metrics.items() if n != "fallbacks"}
+    assert run.metrics == {n: v for n, v in read(file).entries[0].metrics.items() if n != "fallbacks"}
     edited(file, tyre_load_rms=0.8)
     with pytest.raises(pytest.fail.Exception, match=r"worse +tyre_load_rms"):
         RideComfort(file, accept=False)("short.yaml", "passive")
