@@ -71,7 +71,7 @@ class Baseline:
     def with_entries(self, entries: Sequence[BaselineEntry]) -> "Baseline":
         """Replace the cases of the same key by these, and append new ones."""
         by_key = {entry.key: entry for entry in self.entries} | {entry.key: entry for entry in entries}
-        return replace(self, held=tuple(by_key.values()))
+        return replace(self, entries=tuple(by_key.values()))
 
 
 @dataclass(frozen=True)
