@@ -13,7 +13,7 @@ def report(source: Result | Comparison | Path | str, out: Path | str) -> Path:
     source: a result, a comparison, or the path of a run folder or of a folder of them.
     """
     from foreride.files.writing.atomic import write_text
-    from foreride.scenarios.report.gather import ReportInput
+    from foreride.scenarios.report.gather import ReportInput, collect_input
     from foreride.scenarios.report.html import page
 
     if isinstance(source, Result):
