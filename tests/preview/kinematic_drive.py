@@ -112,8 +112,8 @@ def drive(
             boxes = true_boxes(road, camera, pose, conditions.errors.range_m)
             waiting.append((t + conditions.latency_s, t, degrade(boxes, camera, conditions.errors, rng)))
         while waiting and waiting[0][0] <= t + 1e-9:
-            _, exposure, found = waiting.pop(0)
-            estimator.update_boxes(exposure, found)
+            _, exposure, detections = waiting.pop(0)
+            estimator.update_boxes(exposure, detections)
         for number, feature in enumerate(road.features):
             if not taken[number] and feature.start_m - (x + AXLES_M[0]) <= before_m:
                 taken[number] = True

@@ -65,8 +65,10 @@ def edge_of(estimator):
 def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     shots, _ = drive(Road(60.0, (feature,)), PERFECT)
     assert shots[0].error_m == pytest.approx(0.0, abs=0.03)
-    believed = unbiased().precision(1 if feature is POTHOLE else 0)  # a stain may have such boxes, too
-    assert shots[0].existence > 0.98 * believed
+    real_probability = unbiased().precision(
+        1 if feature is POTHOLE else 0
+    )  # a stain may have such boxes, too
+    assert shots[0].existence > 0.98 * real_probability
 
 
 WHITE_PIXELS = unbiased(relative_sigma=1e-6)
@@ -170,12 +172,12 @@ def test_the_preview_shows_the_tyre_profile_where_it_will_be():
     assert preview.existence[0, preview.distance_m > 6.0].max() == 0.0
 
 
-@pytest.mark.parametrize(("y_m", "felt"), [(0.75, True), (0.0, False), (-0.75, False)])
-def test_only_the_wheel_that_meets_the_hole_gets_it(y_m, felt):
+@pytest.mark.parametrize(("y_m", "meets_hole"), [(0.75, True), (0.0, False), (-0.75, False)])
+def test_only_the_wheel_that_meets_the_hole_gets_it(y_m, meets_hole):
     hole = Pothole(40.0, 0.08, 0.60, 0.6, y_m=y_m)
     estimator, now = approach(Road(60.0, (hole,)), until_x=36.0)
     depth = -estimator.preview(now).height_m.min()
-    assert depth > 0.03 if felt else depth < 0.005
+    assert depth > 0.03 if meets_hole else depth < 0.005
 
 
 def test_false_boxes_seldom_become_objects():
@@ -202,9 +204,11 @@ def test_one_false_box_fades():
 
 
 @pytest.mark.parametrize(
-    ("score", "by_scores", "believed"), [(0.8, True, 1), (0.25, True, 0), (0.25, False, 1)]
+    ("score", "by_scores", "real_probability"), [(0.8, True, 1), (0.25, True, 0), (0.25, False, 1)]
 )
-def test_a_stain_that_looks_like_a_hole_in_every_frame_is_told_by_its_scores(score, by_scores, believed):
+def test_a_stain_that_looks_like_a_hole_in_every_frame_is_told_by_its_scores(
+    score, by_scores, real_probability
+):
     camera, mount = Camera(), CameraMount()
     settings = replace(unbiased(), score_evidence=by_scores)
     estimator = Estimator(camera, mount, AXLES_M, WHEEL_Y_M, settings)
@@ -214,7 +218,7 @@ def test_a_stain_that_looks_like_a_hole_in_every_frame_is_told_by_its_scores(sco
         if tick % 10 == 0:
             seen = true_boxes(road, camera, pose_of(mount, tick * 0.05, 0.0, 0.0))
             estimator.update_boxes(tick * 0.005, replace(seen, scores=np.full(len(seen), score)))
-    assert sum(row["confirmed"] for row in estimator.stats()) == believed
+    assert sum(row["confirmed"] for row in estimator.stats()) == real_probability
 
 
 def test_a_third_of_the_frames_missed_is_survived():

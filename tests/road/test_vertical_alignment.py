@@ -22,7 +22,7 @@ UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
 
 def test_the_curve_is_a_parabola_between_straight_lines() -> None:
     height = grade_height((UP, LEVEL), [0.0, 10.0, 11.0, 12.0, 20.0, 24.0, 100.0])
-    # y = (g2 - g1) x^2 / (2 L) on the curve, half of the change of grade times L at its end
+    # The curve is a parabola: at its end it has risen by half of the change of grade times its length.
     np.testing.assert_allclose(height, [0, 0, 0.005, 0.02, 0.18, 0.22, 0.22], atol=1e-12)
 
 

@@ -32,7 +32,7 @@ def test_ciou_by_hand() -> None:
 
 def test_nwd_by_hand() -> None:
     a, b = torch.tensor([0.0, 0, 4, 2]), torch.tensor([3.0, 4, 9, 10])
-    # centres (2, 1) and (6, 7), sizes (4, 2) and (6, 6)
+    # The centres lie 4 and 6 apart, the sides differ by 2 and 4.
     squared = 4**2 + 6**2 + (2**2 + 4**2) / 4
     assert nwd(a, b, 12.8).item() == pytest.approx(math.exp(-math.sqrt(squared) / 12.8), rel=1e-5)
 

@@ -64,13 +64,13 @@ def test_sigma_is_the_scatter_of_noisy_rows():
 
 def test_sigma_grows_towards_the_horizon_and_is_finite_wherever_the_distance_is():
     rows = np.arange(HORIZON - 3.0, HORIZON + 60.0, 0.137)
-    away = distance(MARKS, rows)
+    distance_m = distance(MARKS, rows)
     sigma = np.array([distance_sigma(MARKS, row, 1.0) for row in rows])
     below = rows > HORIZON
-    np.testing.assert_array_equal(np.isfinite(away), below)
+    np.testing.assert_array_equal(np.isfinite(distance_m), below)
     assert np.isfinite(sigma[below]).all()
     assert (np.diff(sigma[below]) < 0).all()
-    moved = distance(MARKS, rows[below] + 1e-6) - away[below]
+    moved = distance(MARKS, rows[below] + 1e-6) - distance_m[below]
     np.testing.assert_allclose(sigma[below], -1e6 * moved, rtol=1e-3)
 
 
@@ -91,9 +91,9 @@ def test_an_estimator_may_be_told_to_use_it(driven):
     """One pixel is (d² + h²) / h f times the squared cosine to the optical axis: 8.1 cm of road at 6.85 m."""
     (row,) = driven.stats()
     assert row["x_m"] == pytest.approx(40.0, abs=0.02)
-    away, height = 6.85, MOUNT.height_m
-    to_axis = np.arctan2(height, away) - np.deg2rad(MOUNT.pitch_deg)
-    pixel_m = (away**2 + height**2) / (height * CAMERA.focal_px) * np.cos(to_axis) ** 2
+    distance_m, height = 6.85, MOUNT.height_m
+    to_axis = np.arctan2(height, distance_m) - np.deg2rad(MOUNT.pitch_deg)
+    pixel_m = (distance_m**2 + height**2) / (height * CAMERA.focal_px) * np.cos(to_axis) ** 2
     assert row["sigma_m"] == pytest.approx(Settings().pixel_sigma * pixel_m, rel=0.01)
 
 
@@ -110,9 +110,9 @@ def test_a_box_without_a_near_edge_leaves_the_last_place(driven):
     (track,) = driven.tracker.tracks
     before = track.start_m
     box = [[0.0, 200.0, 640.0, 384.0]]
-    seen = Detections(np.array(box, np.float32), np.ones(1, np.float32), np.zeros(1, np.int64))
-    view = rectify_frame(3.4, CAMERA, pose_of(MOUNT, 34.0, 0.0, 0.0), seen, driven.settings)
-    driven.tracker._associate(track, view, 0, seen)
+    detections = Detections(np.array(box, np.float32), np.ones(1, np.float32), np.zeros(1, np.int64))
+    view = rectify_frame(3.4, CAMERA, pose_of(MOUNT, 34.0, 0.0, 0.0), detections, driven.settings)
+    driven.tracker._associate(track, view, 0, detections)
     assert track.start_m == before
 
 

@@ -18,9 +18,9 @@ angles = st.floats(-0.03, 0.03)
 
 def test_the_optical_axis_meets_the_road_at_height_over_tangent():
     pose = CameraPose(0.0, 0.0, 1.3, 0.0, np.deg2rad(6.0), 0.0)
-    found = locate(CAMERA, pose, [[CAMERA.cx, CAMERA.cy]], 1.0, 0.0, 0.0)
-    assert found.position[0, 0] == pytest.approx(1.3 / np.tan(np.deg2rad(6.0)))
-    assert distance_of(1.3, np.deg2rad(6.0)) == pytest.approx(found.position[0, 0])
+    located = locate(CAMERA, pose, [[CAMERA.cx, CAMERA.cy]], 1.0, 0.0, 0.0)
+    assert located.position[0, 0] == pytest.approx(1.3 / np.tan(np.deg2rad(6.0)))
+    assert distance_of(1.3, np.deg2rad(6.0)) == pytest.approx(located.position[0, 0])
 
 
 def test_a_line_across_the_road_falls_on_one_row_without_roll():
@@ -36,8 +36,8 @@ def test_a_line_across_the_road_falls_on_one_row_without_roll():
 def test_projecting_a_road_point_and_locating_it_returns_it(ahead, left, roll, pitch, yaw, z):
     pose = CameraPose(3.0, 0.2, 1.3, roll, pitch, yaw)
     point = np.array([[3.0 + ahead, left, z]])
-    found = locate(CAMERA, pose, project(CAMERA, pose, point), 1.0, 0.0, 0.0, z=z)
-    np.testing.assert_allclose(found.position, point[:, :2], rtol=1e-8, atol=1e-8)
+    located = locate(CAMERA, pose, project(CAMERA, pose, point), 1.0, 0.0, 0.0, z=z)
+    np.testing.assert_allclose(located.position, point[:, :2], rtol=1e-8, atol=1e-8)
 
 
 @given(st.floats(-150.0, 570.0))

@@ -55,11 +55,11 @@ def test_a_pair_measures_edge_and_height(feature: Feature, height: float, share:
 
 def test_a_pair_does_not_care_for_a_wrong_pitch() -> None:
     tilted = CameraMount(pitch_deg=MOUNT.pitch_deg + 0.4)
-    alone, pair = (drive(BUMP, unbiased(), base, tilted).stats()[0] for base in (0.0, BASE_M))
+    mono, pair = (drive(BUMP, unbiased(), base, tilted).stats()[0] for base in (0.0, BASE_M))
     assert pair["x_m"] == pytest.approx(BUMP.start_m, abs=min(0.07, 3.0 * pair["sigma_m"]))
-    assert pair["sigma_m"] < alone["sigma_m"]
+    assert pair["sigma_m"] < mono["sigma_m"]
     steady = drive(BUMP, unbiased(stereo_shift_sigma_m=0.02), BASE_M, tilted).stats()[0]
-    assert steady["sigma_m"] < 0.5 * alone["sigma_m"]
+    assert steady["sigma_m"] < 0.5 * mono["sigma_m"]
 
 
 def test_an_object_that_is_only_remembered_is_measured_without_a_box() -> None:

@@ -29,9 +29,9 @@ def photographs() -> tuple[CameraPose, CameraPose, Frame, Frame]:
     """Left and right image of a hump ahead."""
     road = Road(60.0, (WattsHump(30.0, HEIGHT_M, 3.6, paint="white_stripes"),))
     scene = Scene(road, Appearance(light="noon", weather="dry", wear=0.3), 1)
-    here = pose_of(MOUNT, 26.0, 0.01, np.deg2rad(0.2))
-    right = second_pose(here, 0.2)
-    return here, right, scene.render(CAMERA, here, 0), scene.render(CAMERA, right, 1)
+    reference = pose_of(MOUNT, 26.0, 0.01, np.deg2rad(0.2))
+    right = second_pose(reference, 0.2)
+    return reference, right, scene.render(CAMERA, reference, 0), scene.render(CAMERA, right, 1)
 
 
 def true_structure(view: ImageBand, frame: Frame) -> np.ndarray:
@@ -39,21 +39,21 @@ def true_structure(view: ImageBand, frame: Frame) -> np.ndarray:
 
 
 def test_place_projects_points_of_the_plane_and_above_it() -> None:
-    here, other = pose_of(MOUNT, 20.0, 0.02, 0.01, roll=0.02), pose_of(MOUNT, 19.0, 0.0, -0.005)
-    view = band(CAMERA, here, other, (250, 251), (200, 201))
+    reference, partner = pose_of(MOUNT, 20.0, 0.02, 0.01, roll=0.02), pose_of(MOUNT, 19.0, 0.0, -0.005)
+    view = band(CAMERA, reference, partner, (250, 251), (200, 201))
     for z in (0.0, 0.05):
-        q = np.full((1, 1), 1.0 / (1.0 - z / here.z), np.float32)
+        q = np.full((1, 1), 1.0 / (1.0 - z / reference.z), np.float32)
         ray = np.array([view.ahead[0, 0], view.side[0, 0], view.up[0, 0]]) / q[0, 0]
-        point = here.position + here.rotation @ ray
+        point = reference.position + reference.rotation @ ray
         assert point[2] == pytest.approx(z, abs=1e-5)
         u, v, _ = project_structure(CAMERA, view, q)
-        expected = project(CAMERA, other, point)[0]
+        expected = project(CAMERA, partner, point)[0]
         assert (u[0, 0] + 0.5, v[0, 0] + 0.5) == pytest.approx(tuple(expected), abs=2e-3)
 
 
 def test_a_pair_sees_depth_to_a_tenth_of_a_pixel(photographs: tuple) -> None:
-    here, right, first, second = photographs
-    view = band(CAMERA, here, right, ROWS, COLUMNS)
+    reference, right, first, second = photographs
+    view = band(CAMERA, reference, right, ROWS, COLUMNS)
     images = grey(first), grey(second)
     field = match(CAMERA, view, *images, coarse(CAMERA, view, *images))
     error = (field.q - true_structure(view, first)) * field.pixels
@@ -74,18 +74,18 @@ def test_structure_beyond_the_reach_of_refinement_is_found_by_the_coarse_search(
 
 
 def test_plane_of_a_wrong_pitch_is_taken_out(photographs: tuple) -> None:
-    here, right, first, second = photographs
-    wrong = replace(here, pitch=here.pitch + np.deg2rad(0.4))
+    reference, right, first, second = photographs
+    wrong = replace(reference, pitch=reference.pitch + np.deg2rad(0.4))
     view = band(CAMERA, wrong, second_pose(wrong, 0.2), ROWS, COLUMNS)
     images = grey(first), grey(second)
     field = match(CAMERA, view, *images, coarse(CAMERA, view, *images))
-    truth = band(CAMERA, here, right, ROWS, COLUMNS)
-    ground = here.x + here.rotation[0, 0] * truth.ahead + here.rotation[0, 2] * truth.up
+    truth = band(CAMERA, reference, right, ROWS, COLUMNS)
+    ground = reference.x + reference.rotation[0, 0] * truth.ahead + reference.rotation[0, 2] * truth.up
     bare = (ground < 29.8) | (ground > 34.0)
     plane, turned = fit_plane(CAMERA, view, field, bare, turns=False)
     assert not turned.any()
-    height = here.z * (1.0 - plane / field.q)
-    true = here.z * (1.0 - 1.0 / true_structure(truth, first))
+    height = reference.z * (1.0 - plane / field.q)
+    true = reference.z * (1.0 - 1.0 / true_structure(truth, first))
     assert np.median(height[bare]) == pytest.approx(0.0, abs=0.005)
     crest = true > 0.8 * HEIGHT_M
     assert np.median(height[crest]) == pytest.approx(np.median(true[crest]), rel=0.12)

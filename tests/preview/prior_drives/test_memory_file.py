@@ -161,7 +161,7 @@ def test_one_box_of_the_wrong_class_does_not_turn_what_is_remembered():
     for seen_as in (1, 0, 1):
         track.classify(seen_as, calibration.prior(seen_as), settings)
         assert (track.cls, track.best.kind.name) == (0, "bump")
-    assert {known.entry for known in track.direct_measurements} == {X, LENGTH, HEIGHT}
+    assert {measurement.entry for measurement in track.direct_measurements} == {X, LENGTH, HEIGHT}
 
 
 def test_what_has_turned_forgets_the_size_of_its_old_class_but_not_its_place():
@@ -170,7 +170,7 @@ def test_what_has_turned_forgets_the_size_of_its_old_class_but_not_its_place():
         track.classify(1, calibration.prior(1), settings)
     track.refit(calibration.prior(1), settings)
     assert track.cls == 1
-    assert [known.entry for known in track.direct_measurements] == [X]
+    assert [measurement.entry for measurement in track.direct_measurements] == [X]
     assert track.start_m == pytest.approx(BUMP.x_m, abs=1e-3)
     kind = track.best.kind
     assert track.best.state[[LENGTH, HEIGHT]].tolist() == pytest.approx([kind.length_m, kind.height_m])

@@ -25,14 +25,14 @@ def test_a_map_of_a_road_previews_that_road(tmp_path: Path) -> None:
     path = written(
         tmp_path / "map.csv", "x_m,z_m", [f"{a:.2f},{z:.6f}" for a, z in zip(x, heights, strict=True)]
     )
-    known = read(path)
-    tracks = wheel_tracks(known, [-0.75, 0.75], 0.31)
-    seen = map_preview(known, tracks, np.array([26.0, 23.0]), 0.0, 1.5)
+    road_map = read(path)
+    tracks = wheel_tracks(road_map, [-0.75, 0.75], 0.31)
+    preview = map_preview(road_map, tracks, np.array([26.0, 23.0]), 0.0, 1.5)
     true = wheel_profile(HUMP, 0.0)
     for wheel, at in enumerate((26.0, 23.0)):
-        np.testing.assert_allclose(seen.height_m[wheel], true.height(at + seen.distance_m), atol=2e-3)
-    assert seen.time_s == 1.5
-    assert seen.existence.min() == 1.0
+        np.testing.assert_allclose(preview.height_m[wheel], true.height(at + preview.distance_m), atol=2e-3)
+    assert preview.time_s == 1.5
+    assert preview.existence.min() == 1.0
 
 
 def test_uncertainty_is_that_of_the_file_and_of_the_place(tmp_path: Path) -> None:
@@ -42,15 +42,15 @@ def test_uncertainty_is_that_of_the_file_and_of_the_place(tmp_path: Path) -> Non
         header,
         ["0,0,0,0.5,0.03,0.01", "10,0.1,0,0.5,0.03,0.01", "20,0,0,0.9,0.03,0.02"],
     )
-    known = read(path)
-    tracks = wheel_tracks(known, [0.75, -0.75], 0.31)
-    seen = map_preview(known, tracks, np.array([15.0, 15.0]), 0.04, 0.0)
-    assert seen.height(0, -0.3) > 0.04
-    assert seen.height(1, -0.3) == pytest.approx(0.0, abs=1e-9)
-    on_map = seen.distance_m <= 5.0
-    np.testing.assert_allclose(seen.position_sigma_m[:, on_map], 0.05)
-    np.testing.assert_allclose(seen.existence[0, on_map], 0.7 + 0.04 * seen.distance_m[on_map])
-    assert seen.existence[:, ~on_map].max() == 0.0
+    road_map = read(path)
+    tracks = wheel_tracks(road_map, [0.75, -0.75], 0.31)
+    preview = map_preview(road_map, tracks, np.array([15.0, 15.0]), 0.04, 0.0)
+    assert preview.height(0, -0.3) > 0.04
+    assert preview.height(1, -0.3) == pytest.approx(0.0, abs=1e-9)
+    on_map = preview.distance_m <= 5.0
+    np.testing.assert_allclose(preview.position_sigma_m[:, on_map], 0.05)
+    np.testing.assert_allclose(preview.existence[0, on_map], 0.7 + 0.04 * preview.distance_m[on_map])
+    assert preview.existence[:, ~on_map].max() == 0.0
 
 
 def test_stations_are_odometer_positions_wherever_the_map_begins(tmp_path: Path) -> None:
@@ -58,9 +58,11 @@ def test_stations_are_odometer_positions_wherever_the_map_begins(tmp_path: Path)
     x = np.arange(100.0, 129.01, 0.05)
     heights = Road(140.0, (WattsHump(110.0, 0.09, 3.6),)).height(x, 0.0)
     lines = [f"{a:.2f},{z:.6f},{0.001 * a:.5f}" for a, z in zip(x, heights, strict=True)]
-    known = read(written(tmp_path / "map.csv", "x_m,z_m,height_sigma_m", lines))
-    tracks = wheel_tracks(known, [0.0], 0.31)
-    before, on, after = (map_preview(known, tracks, np.array([at]), 0.0, 0.0) for at in (5.0, 105.0, 127.0))
+    road_map = read(written(tmp_path / "map.csv", "x_m,z_m,height_sigma_m", lines))
+    tracks = wheel_tracks(road_map, [0.0], 0.31)
+    before, on, after = (
+        map_preview(road_map, tracks, np.array([at]), 0.0, 0.0) for at in (5.0, 105.0, 127.0)
+    )
     assert before.existence.max() == 0.0
     np.testing.assert_allclose(before.height_m, 0.0, atol=1e-12)
     assert on.height(0, 6.8) == pytest.approx(0.09, abs=2e-3)
@@ -69,22 +71,22 @@ def test_stations_are_odometer_positions_wherever_the_map_begins(tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("header", "told"),
+    ("header", "message"),
     [
         ("x_m,z_m,existence,existence", "must be named once, got existence twice"),
         ("x_m,z_m,existence", "has a header, but no stations"),
         ("x_m,z_m", "has a header, but no stations"),
     ],
 )
-def test_a_header_alone_or_with_a_column_twice_is_refused(tmp_path: Path, header: str, told: str) -> None:
-    path = written(tmp_path / "map.csv", header, ["0" + ",0" * header.count(",")] * ("twice" in told))
-    with pytest.raises(InputError, match=told) as caught:
+def test_a_header_alone_or_with_a_column_twice_is_refused(tmp_path: Path, header: str, message: str) -> None:
+    path = written(tmp_path / "map.csv", header, ["0" + ",0" * header.count(",")] * ("twice" in message))
+    with pytest.raises(InputError, match=message) as caught:
         read(path)
     assert str(caught.value).startswith(str(path))
 
 
 @pytest.mark.parametrize(
-    ("header", "line", "told"),
+    ("header", "line", "message"),
     [
         ("x_m,z_m,existence", "1,0,1.5", "existence must lie in 0 ... 1"),
         ("x_m,z_m,height_sigma_m", "1,0,-1", "height_sigma_m must lie in 0 ... 10"),
@@ -92,10 +94,10 @@ def test_a_header_alone_or_with_a_column_twice_is_refused(tmp_path: Path, header
         ("x_m,z_m,existence", "1,0,nan", "existence must be a finite number"),
     ],
 )
-def test_bad_maps_are_told_with_their_file(tmp_path: Path, header: str, line: str, told: str) -> None:
+def test_bad_maps_are_told_with_their_file(tmp_path: Path, header: str, line: str, message: str) -> None:
     zeros = ",".join("0" * len(header.split(",")))
     path = written(tmp_path / "map.csv", header, [zeros, line])
-    with pytest.raises(InputError, match=told) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         read(path)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)

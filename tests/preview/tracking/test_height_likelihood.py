@@ -31,15 +31,15 @@ def measured(
 ) -> HeightSamples:
     """Six frames, ever nearer, of an exact shape."""
     rng = np.random.default_rng(4)
-    found = HeightSamples(0.02)
+    samples = HeightSamples(0.02)
     x = np.arange(start - 1.5, start + length + 1.5, 0.05)
     for slant in np.linspace(6.0, 3.0, 6):
         rows = HeightRows(
             x, np.zeros(len(x)), np.full(len(x), 0.005), np.full(len(x), 0.02), np.full(len(x), slant)
         )
         z = visible_height(kind, rows, start, length, height) + noise * rng.standard_normal(len(x))
-        found.add(rows._replace(z_m=z))
-    return found
+        samples.add(rows._replace(z_m=z))
+    return samples
 
 
 def fitted(kind: ObstacleTemplate, elevation: HeightSamples, near: float) -> Fit:

@@ -18,8 +18,8 @@ def posterior_of(prior, value, alone):
     """Posterior of an object whose boxes alone give `value` with covariance `alone`."""
     information = np.linalg.inv(prior.covariance) + np.linalg.inv(alone)
     covariance = np.linalg.inv(information)
-    known = np.linalg.solve(prior.covariance, prior.mean) + np.linalg.solve(alone, value)
-    return Gaussian(covariance @ known, covariance)
+    weighted_mean = np.linalg.solve(prior.covariance, prior.mean) + np.linalg.solve(alone, value)
+    return Gaussian(covariance @ weighted_mean, covariance)
 
 
 def strike(calibration, cls, mounting, too_low_px, alone=ALONE / 100):

@@ -70,8 +70,8 @@ def test_boxes_alone_never_make_an_object_certain():
 def test_the_class_follows_bayes_rule_and_turns_with_the_evidence():
     t = track()
     prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
-    for seen in (1, 1, 0, 0):
-        t.classify(seen, prior, SETTINGS)
+    for detected_class in (1, 1, 0, 0):
+        t.classify(detected_class, prior, SETTINGS)
     assert (t.cls, t.class_log_odds) == (1, pytest.approx(0.0, abs=1e-12))
     t.classify(0, prior, SETTINGS)
     assert (t.cls, t.best.kind.cls) == (0, 0)
@@ -100,24 +100,24 @@ def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, 
     A rotation by `pitch` moves points forward by as much as the camera is high: 2 cm at 1.2 m and 1 deg.
     """
     camera_x, camera_z, x = 10.0, 1.2, 10.0 + away
-    seen = track()
+    turned = track()
     ray = np.arctan2(camera_z, away)
-    seen.bearings = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
+    turned.bearings = [EdgeBearings(0.0, camera_x, camera_z, ray, ray, 0.001, 0.001)]
     now = camera_x + driven
-    seen.turn(now, PlaneUpdate(heave, pitch))
-    (sight,) = seen.bearings
+    turned.turn(now, PlaneUpdate(heave, pitch))
+    (bearing,) = turned.bearings
     ground = heave + (now - x) * pitch
-    met = sight.camera_x + (sight.camera_z - ground) / np.tan(sight.bottom)
+    met = bearing.camera_x + (bearing.camera_z - ground) / np.tan(bearing.bottom)
     assert abs(met - x) <= abs(pitch) * (camera_z + 2 * abs(pitch) * away**2 / camera_z) + 1e-9
-    assert sight.top == sight.bottom
-    assert seen.is_of_one_plane == (abs(pitch) < 0.002)
+    assert bearing.top == bearing.bottom
+    assert turned.is_of_one_plane == (abs(pitch) < 0.002)
 
 
 def rated(scores, height_px, cls=1):
-    thing = replace(track(), cls=cls, real_probability=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
+    rated_track = replace(track(), cls=cls, real_probability=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
     for score in scores:
-        thing.update_score(score, height_px, SETTINGS)
-    return thing
+        rated_track.update_score(score, height_px, SETTINGS)
+    return rated_track
 
 
 def test_what_scores_like_a_stain_is_not_believed_however_often_it_is_seen():
@@ -133,7 +133,7 @@ def test_scores_alone_never_make_an_object_certain():
 
 
 def test_what_a_wheel_has_felt_needs_no_score():
-    thing = rated([0.8], 20.0)
-    thing.real_probability = 1.0
-    thing.update_score(0.0, 20.0, SETTINGS)
-    assert thing.real_probability == 1.0
+    rated_track = rated([0.8], 20.0)
+    rated_track.real_probability = 1.0
+    rated_track.update_score(0.0, 20.0, SETTINGS)
+    assert rated_track.real_probability == 1.0

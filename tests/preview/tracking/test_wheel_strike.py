@@ -16,12 +16,12 @@ SETTINGS = Settings()
 def track(kind, x, sigma=0.06):
     prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
     fits = [f for f in first_fits(kind.cls, x, sigma, prior) if f.kind is kind]
-    found = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
-    found.confirmed = True
-    return found
+    match = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
+    match.confirmed = True
+    return match
 
 
-def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
+def driven_over(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
     """Wheel that has rolled over an object at `true_x` on a road `level` high."""
     rng = np.random.default_rng(4)
     wheel = WheelStrikeDetector(0.75, SETTINGS)
@@ -36,13 +36,13 @@ def felt(kind, true_x, noise=0.0, step=0.05, level=0.02, hang=np.inf):
 @pytest.mark.parametrize("shift", [-0.15, 0.0, 0.1])
 def test_a_strike_tells_where_the_edge_is(kind, shift):
     assumed = track(kind, 20.0 - shift)
-    wheel = felt(kind, 20.0, noise=0.001)
+    wheel = driven_over(kind, 20.0, noise=0.001)
     assert wheel.due(assumed)
     assert wheel.compare(assumed).value == pytest.approx(20.0, abs=0.03)
 
 
 def test_a_wheel_that_hangs_over_the_hole_still_tells():
-    assert felt(POTHOLE, 20.0, hang=0.025).compare(track(POTHOLE, 19.9)).value == pytest.approx(
+    assert driven_over(POTHOLE, 20.0, hang=0.025).compare(track(POTHOLE, 19.9)).value == pytest.approx(
         20.0, abs=0.03
     )
 
@@ -56,7 +56,7 @@ def test_no_strike_no_correction():
 
 
 def test_a_strike_too_far_away_is_another_object():
-    assert felt(BUMP, 20.0).compare(track(BUMP, 20.6)) is None
+    assert driven_over(BUMP, 20.0).compare(track(BUMP, 20.6)) is None
 
 
 def test_nothing_is_due_before_the_wheel_has_passed():
