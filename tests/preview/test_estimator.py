@@ -71,7 +71,7 @@ def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     assert shots[0].existence > 0.98 * real_probability
 
 
-WHITE_PIXELS = unbiased(relative_sigma=1e-6)
+WHITE_PIXELS = unbiased(relative_sigma=1e-4)
 """A true belief of the simulated boxes: white noise of the pixels, none that grows with the box."""
 
 
