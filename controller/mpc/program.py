@@ -1,4 +1,4 @@
-"""The quadratic program of a plan over one horizon: condensed about the plan, solved, and told what binds."""
+"""Quadratic program of a plan over one horizon: condensed about the plan, solved, constraints reported."""
 
 import numpy as np
 
@@ -16,9 +16,9 @@ from foreride.vehicle.load import Car
 
 
 class Program:
-    """The program of a horizon of `length_s`.
+    """Quadratic program of a horizon of `length_s`.
 
-    shift: carries a plan on by one period. node_times_s: from the asking on, when the ends of its steps are.
+    shift: carries a plan on by one period. node_times_s: ends of its steps, from the sampling instant on.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Program:
     ) -> Condensed:
         """The program's cost, its expectation where there are several roads (roads, wheels, nodes).
 
-        The most_likely road comes last, so that the states which the condenser keeps are those on it.
+        The most likely road comes last, so that the states which the condenser keeps are those on it.
         """
         most_likely = int(weights.argmax())
         other_roads = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]

@@ -1,4 +1,4 @@
-"""Correlation of felt and claimed road of one wheel: the height differences over a short distance."""
+"""Correlation of measured and previewed road of one wheel: height differences over a short distance."""
 
 from collections import deque
 
@@ -11,11 +11,11 @@ CLIP_M = 0.01
 `controller.supervision.residual`.
 """
 CLAIMED_M = 0.001
-"""Claimed differences below this are ignored."""
+"""Previewed differences below this are ignored."""
 WIDTH_M = 0.1
 """Position error that reduces the correlation to exp(-1/2) of its value."""
 ENERGY_M, FORGOTTEN_M = 0.002, 0.0006
-"""RMS claimed difference from which on the correlation is tested, and below which the result is cleared."""
+"""RMS previewed difference from which on the correlation is tested, and below which it is cleared."""
 HYSTERESIS = 0.15
 
 
@@ -32,7 +32,7 @@ class Correlation:
     def feel(
         self, felt_m: float, contact: bool, claimed_m: float, sigma_m: float, travelled_m: float
     ) -> bool:
-        """Add felt and claimed height, known to `sigma_m` along the road; return whether they correlate."""
+        """Add measured and previewed height, known to `sigma_m` along the road; return if they correlate."""
         self._travelled_m += travelled_m
         keep = float(np.exp(-travelled_m / self._memory_m))
         self._moments *= keep

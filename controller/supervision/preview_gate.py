@@ -1,4 +1,4 @@
-"""Consistency gate of the preview: trust in it, from the comparison with the road felt by the front wheels.
+"""Consistency gate of the preview: trust in it, by comparison with the road measured at the front wheels.
 
 Obstacles are compared by `controller.supervision.residual`, the road's texture by
 `controller.supervision.correlation`. Comparison continues while the preview is dropped, so that trust can

@@ -1,6 +1,6 @@
-"""Residual between felt and claimed road height of one wheel, with unknown but bounded errors of the claim.
+"""Residual between measured and previewed road height of one wheel, with bounded errors of the preview.
 
-A set-membership test: the preview with its tolerances bounds what may be felt (Milanese & Vicino, Automatica
+A set-membership test: the preview with its tolerances bounds what may be measured (Milanese & Vicino, Automatica
 27(6), 1991); what lies outside is summed with forgetting, as in the CUSUM test (Page, Biometrika 41, 1954).
 """
 
@@ -14,7 +14,7 @@ from foreride.preview.road_preview import RoadPreview
 FORGET_M = 0.1
 """Distance constant of the sums."""
 PLAIN_M = 0.01
-"""Height below which a claim announces nothing."""
+"""Height below which a preview announces nothing."""
 LEVEL_M = 1.5
 """Distance constant of the high pass of both heights, as observers know no absolute height of the road."""
 ROUGH_M = 10.0
@@ -47,7 +47,7 @@ class Residual:
         self._unannounced, self._contradicted, self._late = 0.0, 0.0, False
 
     def feel(self, felt_m: float, contact: bool, preview: RoadPreview, travelled_m: float) -> Strike:
-        """Add the road height felt now, `travelled_m` after the last one; ignored while in the air."""
+        """Add the road height measured now, `travelled_m` after the last one; ignored while in the air."""
         fade = float(np.exp(-travelled_m / FORGET_M))
         self._unannounced *= fade
         self._contradicted *= fade
@@ -80,7 +80,7 @@ class Residual:
         self._levels = felt_level + share * height, claimed_level + share * (claimed - claimed_level)
 
     def _claims(self, preview: RoadPreview) -> tuple[float, float, float]:
-        """Height claimed here, and lowest and highest claim within the tolerated position error."""
+        """Previewed height here, and its lowest and highest value within the tolerated position error."""
         settings, wheel = self._settings, self._wheel
         sigma = np.interp(0.0, preview.distance_m, preview.position_sigma_m[wheel])
         reach = min(float(np.hypot(settings.reach_m, sigma)), settings.widest_m)
@@ -89,13 +89,13 @@ class Residual:
         return float(near[len(near) // 2]), float(near.min()), float(near.max())
 
     def _gains(self, preview: RoadPreview, size_m: float) -> tuple[float, float]:
-        """Smallest and largest tolerated ratio of felt to claimed height."""
+        """Smallest and largest tolerated ratio of measured to previewed height."""
         sigma = float(np.interp(0.0, preview.distance_m, preview.height_sigma_m[self._wheel]))
         doubt = self._settings.gain + 2.0 * sigma / max(size_m, _LEAST_SIZE_M)
         return max(self._settings.least_gain, 1.0 - doubt), 1.0 + doubt
 
     def _follows(self, preview: RoadPreview, height_m: float) -> bool:
-        """Whether an obstacle like the one felt is claimed close ahead."""
+        """Whether an obstacle like the one measured is previewed close ahead."""
         close = (preview.distance_m > 0.0) & (preview.distance_m < LATE_M)
         claims = (preview.existence[self._wheel] * preview.height_m[self._wheel])[close]
         return bool((claims * np.sign(height_m)).max(initial=0.0) > LATE_SHARE * abs(height_m))
