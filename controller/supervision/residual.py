@@ -1,7 +1,8 @@
 """Residual between measured and previewed road height of one wheel, with bounded errors of the preview.
 
 A set-membership test: the preview with its tolerances bounds what may be measured (Milanese & Vicino,
-Automatica 27(6), 1991); what lies outside is summed with forgetting, as in the CUSUM test (Page, Biometrika 41, 1954).
+Automatica 27(6), 1991); what lies outside is summed with forgetting, as in the CUSUM test (Page,
+Biometrika 41, 1954).
 """
 
 from enum import Enum
