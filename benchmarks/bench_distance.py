@@ -19,18 +19,19 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from foreride.detector.box_errors import BoxErrors, degrade  # noqa: E402
+from foreride.detector.calibration import edge_bias  # noqa: E402
+from foreride.detector.detections import exact  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
-from foreride.preview.edge_bias import edge_bias  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
 from foreride.preview.geometry.cross_ratio import distance, marks_of  # noqa: E402
 from foreride.preview.geometry.ground_distance import locate  # noqa: E402
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of  # noqa: E402
 from foreride.road.features.feature import HalfSineBump  # noqa: E402
+from foreride.road.render.outline_boxes import outline_boxes  # noqa: E402
 from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
-from foreride.scenarios.definition.box_errors import BoxErrors  # noqa: E402
-from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes  # noqa: E402
 from foreride.vehicle.load import load_vehicle  # noqa: E402
 from foreride.vehicle.plant.plant import Plant  # noqa: E402
 from foreride.vehicle.plant.sensors import Sensors  # noqa: E402
@@ -56,6 +57,7 @@ def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[f
     )
     plant, sensors = Plant(car), Sensors(2, rng)
     plant.reset([wheel_profile(road, WHEEL_Y_M)] * 2, START_M, _motion(speed, braking_m_s2))
+    size_px = camera.width_px, camera.height_px
     estimator = Estimator(camera, nominal, car.axle_x_m, (WHEEL_Y_M,) * 2, x_m=START_M)
     marks, passive = marks_of(camera, nominal), np.array(car.damping_passive_ns_m)
     rows: list[list[float]] = []
@@ -66,7 +68,7 @@ def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[f
             return rows
         if tick % 50 == 0:
             pose = pose_of(mount, state.x_m, state.heave_m, state.pitch_rad)
-            boxes = degrade(true_boxes(road, camera, pose, faults.range_m), camera, faults, rng)
+            boxes = degrade(exact(*outline_boxes(road, camera, pose, faults.range_m)), size_px, faults, rng)
             estimator.update_boxes(state.time_s, boxes)
             shift = edge_bias(boxes.classes, faults.top_bias_px, faults.bottom_bias_px)
             tracks = [row for row in estimator.stats() if row["confirmed"]]

@@ -19,17 +19,17 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from foreride.detector.detections import Detections  # noqa: E402
+from foreride.detector.box_errors import BoxErrors, degrade  # noqa: E402
+from foreride.detector.detections import Detections, exact  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
 from foreride.preview.settings import Settings  # noqa: E402
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of  # noqa: E402
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump  # noqa: E402
+from foreride.road.render.outline_boxes import outline_boxes  # noqa: E402
 from foreride.road.road import Road  # noqa: E402
 from foreride.road.roughness.iso8608 import Roughness  # noqa: E402
 from foreride.road.tyre.wheel_profile import wheel_profile  # noqa: E402
-from foreride.scenarios.definition.box_errors import BoxErrors  # noqa: E402
-from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes  # noqa: E402
 from foreride.vehicle.load import load_vehicle  # noqa: E402
 from foreride.vehicle.plant.plant import Plant  # noqa: E402
 from foreride.vehicle.plant.sensors import Sensors  # noqa: E402
@@ -79,6 +79,7 @@ def approach(
         height_m=mount.height_m + 0.01 * rng.standard_normal(),
         pitch_deg=mount.pitch_deg + 0.2 * rng.standard_normal(),
     )
+    size_px = camera.width_px, camera.height_px
     estimator = Estimator(camera, mount, car.axle_x_m, (WHEEL_Y_M,) * 2, settings, x_m=START_M)
     waiting: list[tuple[int, Detections]] = []
     cost = []
@@ -88,7 +89,7 @@ def approach(
         estimator.update_motion(state.time_s, sensors.measure(state))
         if tick % 50 == 0:
             pose = pose_of(true_mount, state.x_m, state.heave_m, state.pitch_rad)
-            boxes = degrade(true_boxes(road, camera, pose, errors.range_m), camera, errors, rng)
+            boxes = degrade(exact(*outline_boxes(road, camera, pose, errors.range_m)), size_px, errors, rng)
             waiting.append((tick, boxes))
         while waiting and waiting[0][0] + latency_ticks <= tick:
             exposed, boxes = waiting.pop(0)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.detector.detections import Detections
+from foreride.road.obstacle_classes import HOLES
 
-STRAIGHT_EDGE_CLASSES = (0,)  # speed bumps; the rim of a pothole is not straight
 MIN_WIDTH_PX, MIN_ASPECT = 48.0, 3.0
 SEGMENTS = 16
 STEP_PX, RISE_STEP_PX = 0.5, 1.0
@@ -34,7 +34,7 @@ def refine(image: NDArray[np.uint8], detections: Detections) -> Detections:
     boxes = detections.boxes.copy()
     for box, cls in zip(boxes, detections.classes, strict=True):
         width, height = box[2] - box[0], box[3] - box[1]
-        if cls in STRAIGHT_EDGE_CLASSES and width >= max(MIN_WIDTH_PX, MIN_ASPECT * height):
+        if cls not in HOLES and width >= max(MIN_WIDTH_PX, MIN_ASPECT * height):
             box[1], box[3] = np.clip(_edges(image, box), 0, len(image))
     return Detections(boxes, detections.scores, detections.classes)
 

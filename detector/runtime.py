@@ -10,10 +10,12 @@ import onnxruntime as ort
 from numpy.typing import NDArray
 
 from foreride.detector.backends import Run, open_network, open_session, require
+from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration, read_calibration
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.edge_refinement import refine
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
+from foreride.files.own_code import say_once
 from foreride.files.reading.numbers import parse_integer
 from foreride.files.reading.regular_file import read_bytes, reading
 
@@ -85,6 +87,15 @@ class Detector:
         detections = select(boxes / transform.scale, scores, self.confidence, self.iou)
         detections.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=detections.boxes)
         return refine(image, detections)
+
+    @property
+    def calibration(self) -> Calibration:
+        """Edge biases and score curves of these weights; those of the shipped ones if the file has none."""
+        calibration = read_calibration(self.metadata, str(self.path))
+        if calibration is None:
+            lacks = f"{self.path}: metadata lack a calibration"
+            say_once(lacks, f"{lacks}: edge biases and score curves of the shipped weights are assumed")
+        return calibration or DEFAULT_CALIBRATION
 
     def candidates(self, image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Raw network output: boxes (K, 4) in pixels and scores (K, classes) of an image of a valid size."""
@@ -163,5 +174,6 @@ def _metadata(path: Path, session: ort.InferenceSession) -> dict[str, str]:
         raise InputError(
             f"{path}: metadata names must be {','.join(CLASS_NAMES)}, got {shown(metadata.get('names'))}"
         )
+    read_calibration(metadata, str(path))
     parse_integer(metadata.get("width", ""), f"{path}: metadata width (px)", STRIDE, MAX_WIDTH)
     return metadata

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from foreride.detector.detections import CLASS_NAMES, Detections
+from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.preview.compose import compose
 from foreride.preview.ego_motion.ego_motion import EgoMotion, Measurement
@@ -22,6 +23,7 @@ from foreride.preview.tracking.track import Track
 from foreride.preview.tracking.tracker import Tracker
 from foreride.preview.tracking.wheel_strike import WheelStrikeDetector
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.obstacle_classes import CLASS_NAMES
 
 _OBJECT_MARGIN_M = 0.3  # margin around an object within which a wheel may be on it
 
@@ -34,6 +36,7 @@ class Estimator:
     the previews. x_m: first reading of the odometer at the centre of gravity; positions in `stats()`,
     `events` and `memory()` are of that odometer. memory: result of an earlier drive over the same road.
     stereo_base_m: baseline to a second, equal camera, right of the first and parallel to it; 0 for none.
+    calibration: of the detector that the boxes are from; its edge biases apply unless the settings have some.
     """
 
     def __init__(
@@ -47,6 +50,7 @@ class Estimator:
         x_m: float = 0.0,
         memory: Memory | None = None,
         stereo_base_m: float = 0.0,
+        calibration: Calibration = DEFAULT_CALIBRATION,
     ) -> None:
         if len(axle_x_m) != len(wheel_y_m):
             raise InputError(
@@ -54,12 +58,12 @@ class Estimator:
             )
         self.camera, self.mount = camera, mount
         self.axle_x_m, self.wheel_y_m = axle_x_m, wheel_y_m
-        self.settings = Settings() if settings is None else settings
+        self.settings = (Settings() if settings is None else settings).calibrated(calibration)
         self.distance_m = distance_grid() if distance_m is None else distance_m
         self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
         uses_marks = self.settings.distance == "cross_ratio"
         marks = marks_of(camera, mount) if uses_marks else None
-        self.tracker = Tracker(self.settings, camera.focal_px, marks)
+        self.tracker = Tracker(self.settings, camera.focal_px, marks, calibration)
         if memory is not None:
             recall(self.tracker.calibration, memory)
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))

@@ -1,19 +1,20 @@
 """Settings of the estimator: sensor error model, object priors and thresholds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal, get_args
 
 from annotated_types import Interval
 
+from foreride.detector.calibration import DEFAULT_CALIBRATION, Bias, Calibration, Probability
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_choice
 from foreride.files.reading.ranges import Checked
-from foreride.preview.edge_bias import BOTTOM_BIAS_PX, TOP_BIAS_PX, Bias
+from foreride.preview.obstacle_classes import EDGE_SIGMA_PX, REAL_PROBABILITY
+from foreride.road.obstacle_classes import check_per_class
 
 Angle = Annotated[float, Interval(ge=1e-3, le=30.0), "degrees"]
 EdgeSigma = Annotated[float, Interval(ge=1e-3, le=100.0), "px"]
 HeightSigma = Annotated[float, Interval(ge=1e-5, le=1.0), "m"]
-Probability = Annotated[float, Interval(ge=1e-6, le=1.0 - 1e-6), "1"]
 Distance = Literal["fit", "cross_ratio"]
 
 
@@ -31,11 +32,12 @@ class Settings(Checked):
     relative_sigma: Annotated[float, Interval(ge=1e-4, le=1.0), "1"] = 0.02
     # Variance inflation: errors of successive boxes are correlated
     correlation: Annotated[float, Interval(ge=0.01, le=1000.0), "1"] = 2.0
-    # Systematic box edge minus true edge of bumps and of potholes, rows counted downwards
-    bottom_bias_px: tuple[Bias, Bias] = BOTTOM_BIAS_PX
-    top_bias_px: tuple[Bias, Bias] = TOP_BIAS_PX
+    # Systematic box edge minus true edge of each class, rows counted downwards; None: as calibrated with the
+    # weights of the detector
+    bottom_bias_px: tuple[Bias, ...] | None = None
+    top_bias_px: tuple[Bias, ...] | None = None
     # Prior sigma of bottom_bias_px, beyond errors that shift the boxes of all classes alike
-    edge_sigma_px: tuple[EdgeSigma, EdgeSigma] = (0.3, 0.5)
+    edge_sigma_px: tuple[EdgeSigma, ...] = EDGE_SIGMA_PX
     # Edges this close to the image border or bonnet count as cut
     border_px: Annotated[float, Interval(ge=0.01, le=1000.0), "px"] = 2.0
     # First image row hidden by the bonnet
@@ -57,9 +59,8 @@ class Settings(Checked):
     detection_probability: Probability = 0.8
     false_repeat_probability: Probability = 0.1  # of a false box on an existing track
     confusion_probability: Probability = 0.1  # of a wrong class
-    bump_real_probability: Probability = 0.99  # that a repeatedly detected bump is real
-    pothole_real_probability: Probability = 0.97  # of a pothole: stains and patches look like holes
-    score_evidence: bool = True  # use scores as evidence of realness; calibrated for the shipped weights
+    real_probability: tuple[Probability, ...] = REAL_PROBABILITY  # of a repeatedly detected object, by class
+    score_evidence: bool = True  # use scores as evidence of realness, as calibrated with the weights
     birth_range_m: Annotated[float, Interval(ge=1.0, le=500.0), "m"] = 35.0
     confirm_existence: Probability = 0.8
     death_existence: Probability = 0.05
@@ -103,13 +104,24 @@ class Settings(Checked):
     # Road height without a detected object
     background_sigma_m: Annotated[float, Interval(ge=1e-5, le=1.0), "m"] = 0.01
 
-    def precision(self, cls: int) -> float:
-        """Probability that a repeatedly detected object of class `cls` is real."""
-        return (self.bump_real_probability, self.pothole_real_probability)[cls]
+    def calibrated(self, calibration: Calibration) -> "Settings":
+        """Settings with the edge biases of a calibrated detector where they have none of their own."""
+        top_px = self.top_bias_px or tuple(one.top_bias_px for one in calibration)
+        bottom_px = self.bottom_bias_px or tuple(one.bottom_bias_px for one in calibration)
+        return replace(self, top_bias_px=top_px, bottom_bias_px=bottom_px)
+
+    @property
+    def edge_bias_px(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Edge bias of each class, top and bottom; that of the shipped weights where none is set."""
+        known = self.calibrated(DEFAULT_CALIBRATION)
+        assert known.top_bias_px is not None
+        assert known.bottom_bias_px is not None
+        return known.top_bias_px, known.bottom_bias_px
 
     def __post_init__(self) -> None:
         check_choice("distance", self.distance, get_args(Distance))
         super().__post_init__()
+        check_per_class(self, "top_bias_px", "bottom_bias_px", "edge_sigma_px", "real_probability")
         if not self.gauge_near_m < self.gauge_far_m:
             raise InputError(
                 f"gauge_near_m must be < gauge_far_m ({self.gauge_far_m:g} m), got {self.gauge_near_m:g}"

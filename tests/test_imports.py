@@ -17,7 +17,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "files": set(),
     "road": set(),
     "comfort": set(),
-    "detector": set(),
+    "detector": {"road"},
     "vehicle": {"road"},
     "preview": {"road", "detector"},
     "controller": {"preview", "vehicle", "comfort"},
@@ -121,9 +121,41 @@ def test_the_estimator_does_not_see_the_true_road() -> None:
     assert not seen
 
 
-def test_preview_takes_only_the_detection_type_from_the_detector() -> None:
+def test_preview_takes_only_detections_and_calibration_from_the_detector() -> None:
     taken = {name for path in files_of("preview") for name in imported(path) if inside(name, {"detector"})}
-    assert all(inside(name, {"detector.detections"}) for name in taken)
+    assert all(inside(name, {"detector.detections", "detector.calibration"}) for name in taken)
+
+
+def test_detector_takes_only_the_obstacle_classes_from_the_road() -> None:
+    taken = {name for path in files_of("detector") for name in imported(path) if inside(name, {"road"})}
+    assert all(inside(name, {"road.obstacle_classes"}) for name in taken)
+
+
+CLASS_FILES = {"road/obstacle_classes.py", "detector/calibration.py", "preview/obstacle_classes.py"}
+"""What a new obstacle class needs an entry in; everything else reads them."""
+
+
+def test_obstacle_classes_are_named_in_their_tables_alone() -> None:
+    naming = {
+        str(path.relative_to(ROOT))
+        for package in MAY_IMPORT
+        for path in files_of(package)
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Constant) and node.value == "speed_bump"
+    }
+    assert naming == CLASS_FILES
+
+
+def test_no_package_below_the_scenarios_needs_them_in_its_tests() -> None:
+    below = [package for package in MAY_IMPORT if package != "scenarios"]
+    wrong = [
+        f"{path.relative_to(ROOT)} imports {name}"
+        for package in below
+        for path in files_of(f"tests/{package}")
+        for name in imported(path)
+        if inside(name, {"scenarios", "benchmarks"})
+    ]
+    assert not wrong
 
 
 def test_layers_and_objects_of_the_renderer_know_nothing_of_the_renderer() -> None:

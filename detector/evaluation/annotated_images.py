@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.detector.evaluation.average_precision import ImageResult
+from foreride.road.obstacle_classes import OBSTACLE_CLASSES
 
 TRUE, MISSED, RIGHT, FALSE = (255, 255, 255), (255, 210, 0), (60, 230, 90), (255, 60, 60)
 CAPTION_PX, MARGIN_PX = 20, 4
-SHORT_NAMES = ("bump", "pothole")
 KEY = "true: white, missed: yellow; found: green, false: red"
 
 
@@ -38,7 +38,7 @@ def tile(
     for i in np.flatnonzero(confident)[::-1]:
         colour = RIGHT if is_hit[i] else FALSE
         _rectangle(picture, detections.boxes[i] * scale, colour)
-        label = f"{SHORT_NAMES[detections.classes[i]]} {detections.scores[i]:.2f}"
+        label = f"{OBSTACLE_CLASSES[detections.classes[i]].label} {detections.scores[i]:.2f}"
         _text(picture, label, detections.boxes[i, :2] * scale - (0, 3), colour)
     counts = f"{missed.sum()} missed, {int((confident & ~is_hit).sum())} false of {len(boxes)}"
     caption = np.full((CAPTION_PX, width, 3), 24, np.uint8)

@@ -21,6 +21,7 @@ import torch
 from torch import nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
+from foreride.detector.calibration import KEY, Calibration, read_calibration, read_file, to_text
 from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import image_paths
 from foreride.detector.detections import CLASS_NAMES
@@ -81,10 +82,12 @@ def export(
     images: Sequence[np.ndarray],
     plain: bool = False,
     precision: str = "fp32",
+    calibration: Calibration | None = None,
 ) -> dict[str, str]:
     """Export weights to an ONNX file that agrees with torch on `images`; returns its metadata.
 
     8-bit graphs are calibrated on the images, and are less precise: judge them by an evaluation.
+    calibration: of edge biases and scores, instead of that in the weights' metadata.
     """
     model, training_metadata = load_network(weights)
     metadata = {
@@ -99,6 +102,8 @@ def export(
         "passes": str(training_metadata.get("passes", 0)),
         "version": version,
     }
+    if calibration := calibration or read_calibration(training_metadata, str(weights)):
+        metadata[KEY] = to_text(calibration)
     graph = to_onnx(model, metadata, published=plain)
     if not plain and precision != "int8-conv":  # joining maps gains nothing with OpenVINO
         graph = rewrite(graph, join=precision == "int8")
@@ -119,6 +124,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--weights", type=Path, required=True, help="weights file of `detector train`")
     p.add_argument("--out", type=Path, required=True, help="ONNX file to write")
     p.add_argument("--data", type=Path, help="folder with images/, for comparison with torch and calibration")
+    p.add_argument("--calibration", type=Path, help="JSON file of edge biases and score curves, by class")
     kind = p.add_mutually_exclusive_group()
     kind.add_argument("--optimised", action="store_true", help="graph optimised for inference (default)")
     kind.add_argument("--plain", action="store_true", help="graph as published")
@@ -142,7 +148,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 f"--precision {args.precision}: needs --data, a folder with images/ to calibrate on"
             )
         images = check_images(args.data, CALIBRATION_IMAGES if needs_calibration else 4)
-        metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision)
+        calibration = None if args.calibration is None else read_file(args.calibration)
+        metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision, calibration)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

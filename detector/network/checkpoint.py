@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
+from foreride.detector.calibration import read_calibration
 from foreride.detector.detections import CLASS_NAMES
 from foreride.detector.network.models import Network, build
 from foreride.files.errors import InputError, shown
@@ -114,6 +115,7 @@ def _weights_of(path: Path) -> tuple[dict[str, Tensor], dict[str, Any]]:
     names = metadata.get("names", list(CLASS_NAMES))
     if names != list(CLASS_NAMES):
         raise InputError(f"{path}: classes must be {', '.join(CLASS_NAMES)}, got {shown(names)}")
+    read_calibration(metadata, str(path))
     check_weights(weights, str(path))
     return weights, metadata
 

@@ -8,6 +8,7 @@ from torch.nn.functional import interpolate
 from foreride.detector.network.blocks import C2PSA, SPPF, C3k2, Conv, GhostConv, VoVGSCSPC
 from foreride.detector.network.heads import LEDH, DecoupledHead, Predictions
 from foreride.files.errors import InputError
+from foreride.road.obstacle_classes import CLASS_NAMES
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ MODELS = {
 class Network(nn.Module):
     """Detection network: (B, 3, H, W) in 0..1, H and W multiples of 32, to the head's `Predictions`."""
 
-    def __init__(self, layout: Layout = SBP_YOLO, classes: int = 2):
+    def __init__(self, layout: Layout = SBP_YOLO, classes: int = len(CLASS_NAMES)):
         super().__init__()
 
         def c(channels: int) -> int:
@@ -96,7 +97,7 @@ def _upsample2(x: Tensor) -> Tensor:
     return interpolate(x, scale_factor=2.0, mode="nearest")
 
 
-def build(name: str, classes: int = 2) -> Network:
+def build(name: str, classes: int = len(CLASS_NAMES)) -> Network:
     """Untrained network by its name in `MODELS`. Raises InputError listing the names."""
     if name not in MODELS:
         raise InputError(f"model must be one of {', '.join(MODELS)}, got {name!r}")

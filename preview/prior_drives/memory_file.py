@@ -12,12 +12,12 @@ import numpy as np
 import yaml
 from annotated_types import Interval
 
+from foreride.detector.calibration import Bias
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked
 from foreride.files.writing.atomic import write_text
-from foreride.preview.edge_bias import Bias
-from foreride.preview.tracking.obstacle_templates import KINDS
+from foreride.preview.obstacle_classes import KINDS
 
 RowVariance = Annotated[float, Interval(ge=1e-12, le=1e6), "px²"]
 WithMounting = Annotated[float, Interval(ge=-1e4, le=1e4), "rad·px or m·px"]

@@ -15,7 +15,6 @@ from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import DirectMeasurement, fit, start_state
 from foreride.preview.tracking.mounting_filter import MOUNTING, ROWS, Calibration
 from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import POTHOLE
 from foreride.preview.tracking.track import LOG_ODDS_LIMIT, Edge, Track
 
 _MIN_INFORMATION_RATIO = (
@@ -59,7 +58,7 @@ def expectations(
 def _to_memory(track: Track) -> RememberedObject:
     best = track.best
     (length, length_sigma), (height, height_sigma) = _measured(track, LENGTH), _measured(track, HEIGHT)
-    if best.kind is POTHOLE and not track.depth_is_measured:
+    if best.kind.sign < 0 and not track.depth_is_measured:
         height = height_sigma = None
     return RememberedObject(
         best.kind.name,

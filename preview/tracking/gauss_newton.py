@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from foreride.preview.obstacle_classes import ObstacleTemplate
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.height_likelihood import HeightSamples, equations
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
-from foreride.preview.tracking.obstacle_templates import ObstacleTemplate, unit_profile
+from foreride.preview.tracking.obstacle_templates import unit_profile
 
 Array = np.ndarray
 SHARED = np.array([OFFSET, GROUND, EDGE_BIAS])  # states with a component common to all objects

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from foreride.preview.obstacle_classes import TABLE, ObstacleTemplate
 from foreride.preview.tracking.object_state import EDGE_BIAS, HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import RAMP, TABLE, ObstacleTemplate, unit_profile
+from foreride.preview.tracking.obstacle_templates import RAMP, unit_profile
 
 Array = np.ndarray
 _FRAMES = 8

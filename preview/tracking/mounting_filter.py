@@ -16,7 +16,7 @@ from foreride.preview.settings import Settings
 
 Array = np.ndarray
 MOUNTING = slice(0, 2)
-ROWS = slice(2, 4)  # bottom-edge bias of speed bumps and of potholes
+ROWS = slice(2, None)  # bottom-edge bias of each class
 _EDGE_BIAS = 2  # index among the shared states of an object
 
 
@@ -28,7 +28,7 @@ class Gaussian(NamedTuple):
 
 
 class Calibration:
-    """Kalman filter of mounting and detector bias, mean (4,) and covariance (4, 4), one step per object.
+    """Kalman filter of mounting and detector bias, mean (n,) and covariance (n, n), one step per object.
 
     Each object adds deviations of its own (road grade and roughness there, the detector's edge convention),
     so the prior of an object is wider than the uncertainty of the mounting. focal_px: of the camera.
@@ -39,8 +39,9 @@ class Calibration:
         own_pitch, own_height = np.deg2rad(settings.offset_track_sigma_deg), settings.edge_height_sigma_m
         self._object_covariance = np.diag([own_pitch, own_height, 0.0]) ** 2
         self._rad_per_px = 1.0 / focal_px
-        self._subtracted_bias_px = np.array(settings.bottom_bias_px)  # bias already subtracted from every box
-        self.mean = np.array([0.0, 0.0, *settings.bottom_bias_px])
+        _, bottom_px = settings.edge_bias_px
+        self._subtracted_bias_px = np.array(bottom_px)  # bias already subtracted from every box
+        self.mean = np.array([0.0, 0.0, *bottom_px])
         self.covariance = np.diag([pitch, height, *settings.edge_sigma_px]) ** 2
 
     def prior(self, cls: int) -> Gaussian:
@@ -74,7 +75,7 @@ class Calibration:
 
     def _observation(self, cls: int) -> tuple[Array, Array]:
         """(H, k): H states + k are the shared states seen by boxes of class `cls`, as in `Gaussian`."""
-        observation, offset = np.eye(3, 4), np.zeros(3)
+        observation, offset = np.eye(3, len(self.mean)), np.zeros(3)
         observation[_EDGE_BIAS] = 0.0
         observation[_EDGE_BIAS, ROWS.start + cls] = self._rad_per_px
         offset[_EDGE_BIAS] = -self._rad_per_px * self._subtracted_bias_px[cls]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from foreride.detector.calibration import edge_bias
 from foreride.detector.detections import Detections
-from foreride.preview.edge_bias import edge_bias
 from foreride.preview.ego_motion.path import STRAIGHT, Path
 from foreride.preview.geometry.ground_distance import depression, depression_sigma, locate, row_of
 from foreride.preview.settings import Settings
@@ -58,7 +58,7 @@ def rectify_frame(
     path: Path = STRAIGHT,
 ) -> RectifiedFrame:
     """Rectified frame for the tracker."""
-    biases = edge_bias(detections.classes, settings.top_bias_px, settings.bottom_bias_px)
+    biases = edge_bias(detections.classes, *settings.edge_bias_px)
     boxes = detections.boxes.astype(float) - biases
     border, limit = settings.border_px, min(float(camera.height_px), settings.bonnet_row_px)
     upper = np.array([np.inf, limit, camera.width_px, limit]) - border

@@ -9,13 +9,12 @@ near the middle.
 
 import numpy as np
 
-from foreride.detector.detections import CLASS_NAMES
 from foreride.road.camera.pinhole import Camera, CameraPose, rotation_matrix
+from foreride.road.obstacle_classes import HOLES
 
 Array = np.ndarray
 _SAMPLES = 9
 _PASSES = 3
-_POTHOLE = CLASS_NAMES.index("pothole")
 
 
 def rectify_boxes(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, classes: Array) -> Array:
@@ -27,7 +26,7 @@ def rectify_boxes(camera: Camera, pose: CameraPose, boxes: Array, cut: Array, cl
     if len(boxes) == 0 or (camera.is_pinhole and pose.roll == 0.0):
         return boxes
     left, top, right, bottom = boxes.T[..., None]
-    hole, middle = classes == _POTHOLE, _SAMPLES // 2
+    hole, middle = np.isin(classes, HOLES), _SAMPLES // 2
     low = _rectify_row(camera, pose.roll, left, right, bottom)[1]
     side_columns = _rectify_row(camera, pose.roll, left, right, (top + bottom) / 2)[0]
     bottom_row = np.where(hole, low[:, middle], low.min(axis=1))

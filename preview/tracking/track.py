@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from foreride.detector.calibration import ClassCalibration
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
+from foreride.preview.obstacle_classes import ObstacleTemplate, templates_of
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import (
     SHARED,
@@ -20,7 +22,7 @@ from foreride.preview.tracking.gauss_newton import (
 from foreride.preview.tracking.height_likelihood import HeightSamples
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import POTHOLE, ObstacleTemplate, chord, templates_of
+from foreride.preview.tracking.obstacle_templates import chord
 from foreride.preview.tracking.plane_residual import residual_variance_ratio
 from foreride.preview.tracking.realness import mean_surplus, probability, surplus
 
@@ -159,16 +161,17 @@ class Track:
         ratio = p_detection / p_false if detected else (1.0 - p_detection) / (1.0 - p_false)
         self.log_odds = float(np.clip(self.log_odds + np.log(ratio), -LOG_ODDS_LIMIT, LOG_ODDS_LIMIT))
 
-    def update_score(self, score: float, height_px: float, settings: Settings) -> None:
+    def update_score(
+        self, score: float, height_px: float, settings: Settings, calibration: ClassCalibration
+    ) -> None:
         """Update of the score evidence.
 
         It is skipped for an object proved real by a wheel strike, in this drive or an earlier one.
         """
         if self.real_probability < 1.0:
-            self.score_surplus = mean_surplus(self.score_surplus, surplus(score, height_px, self.cls))
-            self.real_probability = min(
-                settings.precision(self.cls), probability(self.score_surplus, self.cls)
-            )
+            self.score_surplus = mean_surplus(self.score_surplus, surplus(score, height_px, calibration))
+            prior = settings.real_probability[self.cls]
+            self.real_probability = min(prior, probability(self.score_surplus, calibration))
 
     def classify(self, detected_class: int, shared: Gaussian, settings: Settings) -> None:
         """Bayesian update of the class; a change of class restarts the fits."""
@@ -177,7 +180,7 @@ class Track:
         self.class_log_odds = min(self.class_log_odds + evidence, LOG_ODDS_LIMIT)
         if self.class_log_odds < 0:
             self.cls, self.class_log_odds = detected_class, -self.class_log_odds
-            self.score_surplus, self.real_probability = 0.0, settings.precision(detected_class)
+            self.score_surplus, self.real_probability = 0.0, settings.real_probability[detected_class]
             self.fits = first_fits(detected_class, self.start_m, self.best.sigma_m, shared)
             # The position remains valid; remembered sizes belong to the other class.
             self.direct_measurements = [
@@ -240,7 +243,7 @@ class Track:
     def section(self, y_m: float) -> Section:
         """Section on the line y = `y_m`; a hole is an ellipse."""
         length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
-        if self.best.kind is not POTHOLE:
+        if self.best.kind.sign > 0:
             return Section(self.start_m, length, height)
         beside = y_m - self.centre_y_m
         cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)

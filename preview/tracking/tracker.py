@@ -5,7 +5,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from foreride.detector.detections import CLASS_NAMES, Detections
+from foreride.detector.calibration import DEFAULT_CALIBRATION
+from foreride.detector.calibration import Calibration as DetectorCalibration
+from foreride.detector.detections import Detections
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.geometry.cross_ratio import Marks, distance, distance_sigma
 from foreride.preview.settings import Settings
@@ -20,6 +22,7 @@ from foreride.preview.tracking.observation import (
     predict_box,
 )
 from foreride.preview.tracking.track import Edge, Track, first_fits
+from foreride.road.obstacle_classes import CLASS_NAMES
 
 _GATE = 20.0  # association gate: sum of squared normalised row differences; four sigmas on one row
 _LATERAL_GATE_M = 0.5
@@ -36,8 +39,14 @@ class Tracker:
     `preview.geometry.cross_ratio`.
     """
 
-    def __init__(self, settings: Settings, focal_px: float, marks: Marks | None = None) -> None:
-        self.settings, self.marks = settings, marks
+    def __init__(
+        self,
+        settings: Settings,
+        focal_px: float,
+        marks: Marks | None = None,
+        detector: DetectorCalibration = DEFAULT_CALIBRATION,
+    ) -> None:
+        self.settings, self.marks, self.detector = settings, marks, detector
         self.tracks: list[Track] = []
         self.passed: list[Track] = []
         self.calibration = Calibration(settings, focal_px)
@@ -170,7 +179,7 @@ class Tracker:
         unknown = Edge(0.0, np.inf)
         track = Track(self._next_identity, cls, view.time_s, log_odds, unknown, unknown, fits, [bearings])
         track.last_seen_s, track.last_seen_x_m = view.time_s, view.pose.x
-        track.real_probability, track.mark_position = self.settings.precision(cls), mark_position
+        track.real_probability, track.mark_position = self.settings.real_probability[cls], mark_position
         track.classify(cls, prior, self.settings)
         self._rate(track, view, box_index, detections)
         self.refit(track)
@@ -186,7 +195,8 @@ class Tracker:
         """Score update, except by a box of the wrong class, which says nothing of the right one."""
         if self.settings.score_evidence and int(detections.classes[box_index]) == track.cls:
             box = view.boxes[box_index]
-            track.update_score(float(detections.scores[box_index]), float(box[3] - box[1]), self.settings)
+            score, height_px = float(detections.scores[box_index]), float(box[3] - box[1])
+            track.update_score(score, height_px, self.settings, self.detector[track.cls])
 
     def _is_part(self, view: RectifiedFrame, box_index: int, cls: int, x_m: float) -> bool:
         """True if a box that meets the road at `x_m` shows a part of a known bump: a ramp, its paint."""
@@ -202,7 +212,7 @@ class Tracker:
     def _sides(self, track: Track, view: RectifiedFrame, box_index: int) -> tuple[Edge, Edge]:
         """Sides of the box: a bump is widest at its near edge, a hole in its middle."""
         state = track.best.state
-        share = 0.5 if CLASS_NAMES[track.cls] == "pothole" else 0.0
+        share = 0.5 if track.best.kind.sign < 0 else 0.0
         return box_sides(view, box_index, max(float(state[X] + share * state[LENGTH]) - view.pose.x, 1.0))
 
     def _delete_dead(self, time_s: float) -> None:

@@ -12,7 +12,8 @@ from foreride.files.reading.regular_file import reading
 from foreride.files.reading.strict_json import read_json, read_json_lines
 from foreride.files.writing import marker
 from foreride.files.writing.atomic import write_text
-from foreride.road.dataset.label_statistics import NAMES, box_statistics, table
+from foreride.road.dataset.label_statistics import box_statistics, table
+from foreride.road.obstacle_classes import CLASS_NAMES
 from foreride.road.render.scene import MAX_HIDDEN
 
 REAL_BOXES = Path(__file__).parent / "real_boxes.json"
@@ -30,7 +31,7 @@ number of workers; hash of images and labels: `{hash}`.
 
 A box is the tight one around the visible part of an object, counted from the ray of each pixel. It is listed
 from {height_px} px of height, {width_px} px of width and {pixels} visible pixels on, and while vehicles,
-people, trees and poles hide at most {hidden:.0%} of it. `labels/` is YOLO text (0 speed_bump, 1 pothole);
+people, trees and poles hide at most {hidden:.0%} of it. `labels/` is YOLO text ({classes});
 `objects.jsonl` adds, per image, its road, camera, pose and condition and, per object, kind, paint, distance
 of the near edge from the camera along the road (m), whether it reaches into the ego lane, and the share
 hidden.
@@ -74,6 +75,7 @@ def _introduction(manifest: dict) -> str:
     numbers = {name: manifest["label_minimum"][name] for name in ("height_px", "width_px", "pixels")}
     numbers |= {name: manifest["counts"][name] for name in _SPLITS} | {"seed": manifest["seed"]}
     return _INTRODUCTION.format(
+        classes=", ".join(f"{number} {name}" for number, name in enumerate(CLASS_NAMES)),
         **{name: int(value) for name, value in numbers.items()},
         hash=shortened(printable(manifest["hash"])),
         hidden=MAX_HIDDEN,
@@ -135,9 +137,9 @@ def _kinds(rows: dict[str, list[dict]]) -> str:
 
 def _distances(rows: dict[str, list[dict]]) -> str:
     """Table of objects by class and distance."""
-    counts: dict[str, dict[str, Counter[str]]] = {name: {} for name in NAMES}
+    counts: dict[str, dict[str, Counter[str]]] = {name: {} for name in CLASS_NAMES}
     for split, images in rows.items():
-        for cls, name in enumerate(NAMES):
+        for cls, name in enumerate(CLASS_NAMES):
             objects = [obj for obj in _objects(images) if obj["class"] == cls]
             counts[name][split] = Counter(_bin(obj["distance_m"]) for obj in objects)
     return _split_table("## Objects by distance of the near edge", counts, list(rows))

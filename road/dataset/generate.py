@@ -18,8 +18,8 @@ from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim
 from foreride.road.dataset.dataset_card import real_statistics, write_card
-from foreride.road.dataset.label_statistics import NAMES
 from foreride.road.dataset.label_views import SPLITS, VIEWS_PER_ROAD, Job, render_road
+from foreride.road.obstacle_classes import CLASS_NAMES
 from foreride.road.render.visible_boxes import MIN_BOX_HEIGHT_PX, MIN_BOX_WIDTH_PX, MIN_VISIBLE_PX
 
 FORMAT = 1
@@ -70,7 +70,7 @@ def write_dataset(
         write_text(out / split / "objects.jsonl", "".join(lines))
     summary = {
         "format": FORMAT,
-        "names": list(NAMES),
+        "names": list(CLASS_NAMES),
         "counts": {split: counts.get(split, 0) for split in SPLITS},
         "seed": seed,
         "views_per_road": VIEWS_PER_ROAD,

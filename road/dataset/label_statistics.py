@@ -13,8 +13,8 @@ from foreride.files.reading.images import read_pixels
 from foreride.files.reading.regular_file import read_text
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
+from foreride.road.obstacle_classes import CLASS_NAMES
 
-NAMES = ("speed_bump", "pothole")
 WIDTH_PX = 640  # reference width: box sizes are scaled to an image of this width
 QUANTILES = (10, 25, 50, 75, 90)
 SMALL_PX = 32  # COCO's small objects are under 32 x 32 px
@@ -31,7 +31,7 @@ def box_statistics(folder: Path) -> dict:
     paths = sorted(p for p in (folder / "images").glob("*") if p.suffix.lower() in _IMAGES and p.is_file())
     if not paths or not (folder / "labels").is_dir():
         raise InputError(f"{folder}: must hold images/ with at least one image, and labels/")
-    sizes: list[list[tuple[float, float]]] = [[] for _ in NAMES]
+    sizes: list[list[tuple[float, float]]] = [[] for _ in CLASS_NAMES]
     empty, faults = 0, []
     for path in paths:
         try:
@@ -44,7 +44,7 @@ def box_statistics(folder: Path) -> dict:
             sizes[cls].append((width, height))
     if faults:
         raise InputError(f"{len(faults)} of {len(paths)} images cannot be used: {'; '.join(faults)}")
-    classes = {name: _sizes(rows) for name, rows in zip(NAMES, sizes, strict=True) if rows}
+    classes = {name: _sizes(rows) for name, rows in zip(CLASS_NAMES, sizes, strict=True) if rows}
     return {"images": len(paths), "without_object": empty, "classes": classes}
 
 
@@ -76,8 +76,9 @@ def _boxes(path: Path) -> list[tuple[int, float, float]]:
             cls, _, _, width, height = (float(word) for word in line.split())
         except ValueError:
             raise InputError(f"{label}:{number}: must be `class cx cy w h`, got {shown(line)}") from None
-        if cls not in range(len(NAMES)) or not (0 < width <= 1 and 0 < height <= 1):
-            raise InputError(f"{label}:{number}: class must be 0 or 1, w and h in (0, 1], got {shown(line)}")
+        if cls not in range(len(CLASS_NAMES)) or not (0 < width <= 1 and 0 < height <= 1):
+            allowed = f"class must be 0 ... {len(CLASS_NAMES) - 1}, w and h in (0, 1]"
+            raise InputError(f"{label}:{number}: {allowed}, got {shown(line)}")
         rows.append((int(cls), width * WIDTH_PX, height * rows_px / columns_px * WIDTH_PX))
     return rows
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.obstacle_classes import HOLES
 from foreride.road.render.appearance import Appearance
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
@@ -157,10 +158,10 @@ def random_positions(rng: np.random.Generator, road: Road, count: int) -> list[f
     for _ in range(count):
         x = rng.uniform(FIRST_VIEW_M, LAST_VIEW_M)
         if road.features and rng.random() < 0.9:
-            holes = [f for f in road.features if f.cls == 1]
+            holes = [f for f in road.features if f.cls in HOLES]
             pool = holes if holes and rng.random() < 0.55 else road.features
             target = pool[int(rng.integers(len(pool)))]
-            reach = 6.5 if target.cls == 1 else 12
+            reach = 6.5 if target.cls in HOLES else 12
             position = target.start_m - np.exp(rng.uniform(np.log(2.0), np.log(reach)))
             x = position if FIRST_VIEW_M < position < LAST_VIEW_M else x
         positions.append(float(x))
@@ -173,7 +174,7 @@ def approach_positions(rng: np.random.Generator, road: Road, count: int) -> list
     targets = [f for f in in_path if f.start_m - MIN_APPROACH_M > FIRST_VIEW_M]
     if not targets:
         return random_positions(rng, road, count)
-    bumps = [f for f in targets if f.cls == 0]
+    bumps = [f for f in targets if f.cls is not None and f.cls not in HOLES]
     pool = bumps if bumps and rng.random() < 0.7 else targets
     start = pool[int(rng.integers(len(pool)))].start_m
     distances = np.exp(rng.uniform(np.log(MIN_APPROACH_M), np.log(MAX_APPROACH_M), count))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Interval
 
 from foreride.controller.settings import ControllerSettings
+from foreride.detector.box_errors import BoxErrors
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Seed
@@ -17,7 +18,6 @@ from foreride.road.render.appearance import Appearance
 from foreride.road.road import Road
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 from foreride.scenarios.definition.applicability import require_applicable
-from foreride.scenarios.definition.box_errors import BoxErrors
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.faults import Fault
 from foreride.scenarios.definition.oracle_errors import OracleErrors

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foreride.preview.obstacle_classes import TEMPLATE_OF_FEATURE
 from foreride.road.features.feature import Feature
+from foreride.road.obstacle_classes import CLASS_NAMES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.perceptions.interface import Event
 from foreride.scenarios.simulation.simulate import Run
@@ -15,7 +17,6 @@ EVALUATION_DISTANCE_M = 2.5
 
 _MAX_AGE_S = 0.2  # an estimate dropped earlier than this is not used
 _GATE_M, _GATE_SHARE = 1.2, 0.12
-_KIND_OF = {"half_sine_bump": "bump", "watts_hump": "hump", "flat_top_hump": "table", "pothole": "pothole"}
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ class Encounter:
     @property
     def true_kind(self) -> str:
         """Name of the kind as in the estimator."""
-        return _KIND_OF.get(self.feature.kind, self.feature.kind)
+        template = TEMPLATE_OF_FEATURE.get(self.feature.kind)
+        return self.feature.kind if template is None else template.name
 
 
 def encounters(run: Run) -> list[Encounter]:
@@ -132,7 +134,7 @@ def _all_estimates(run: Run, feature: Feature, axle: float) -> Iterator[TrackEst
         for row in event["tracks"]:
             error = (row["x_m"] - event["odometer_m"] - axle) - distance
             gate_m = _GATE_M + _GATE_SHARE * distance
-            if row["class"] == ("pothole" if feature.cls else "speed_bump") and abs(error) < gate_m:
+            if feature.cls is not None and row["class"] == CLASS_NAMES[feature.cls] and abs(error) < gate_m:
                 yield TrackEstimate(
                     event["time_s"], distance, error, row["sigma_m"], row["height_m"], row["kind"],
                     row["track"], row["confirmed"],

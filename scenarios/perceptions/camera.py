@@ -8,18 +8,21 @@ from time import perf_counter
 
 import numpy as np
 
+from foreride.detector.box_errors import degrade
+from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
+from foreride.detector.detections import exact
 from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
+from foreride.road.render.outline_boxes import outline_boxes
 from foreride.road.render.scene import Scene
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.detector_perception import DetectorPerception
 from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
 from foreride.scenarios.perceptions.interface import Drive, Exposure, ReferencedFile
-from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 from foreride.vehicle.state import VehicleState
 
 BoxSource = Callable[[int, VehicleState], Exposure]
@@ -35,11 +38,14 @@ def build_boxes(drive: Drive) -> DetectorPerception:
 def build_camera(drive: Drive) -> DetectorPerception:
     """Build the perception `camera` of a drive."""
     scenario, mount = drive.scenario, true_mount(drive.scenario, drive.random_stream("mounting"))
-    eye = rendered_box_source(scenario, mount, load_detector(scenario), drive.random_stream("image"))
-    return _with_estimator(drive, eye)
+    detector = load_detector(scenario)
+    eye = rendered_box_source(scenario, mount, detector, drive.random_stream("image"))
+    return _with_estimator(drive, eye, detector.calibration)
 
 
-def _with_estimator(drive: Drive, eye: BoxSource) -> DetectorPerception:
+def _with_estimator(
+    drive: Drive, eye: BoxSource, calibration: Calibration = DEFAULT_CALIBRATION
+) -> DetectorPerception:
     """Perception from the boxes of `eye` by the scenario's estimator."""
     scenario, car, setup = drive.scenario, drive.scenario.vehicle.parameters, drive.scenario.camera
     estimator = Estimator(
@@ -51,6 +57,7 @@ def _with_estimator(drive: Drive, eye: BoxSource) -> DetectorPerception:
         x_m=scenario.start_m,
         memory=_memory(scenario),
         stereo_base_m=setup.stereo_base_m,
+        calibration=calibration,
     )
     correct = track_corrector(scenario.road.features, scenario.told)
     return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
@@ -106,10 +113,11 @@ def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
 def true_box_source(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> BoxSource:
     """Box source: true outlines with the scenario's box errors."""
     camera, errors = scenario.camera.intrinsics, scenario.boxes
+    size_px = camera.width_px, camera.height_px
 
     def look(tick: int, state: VehicleState) -> Exposure:
-        exact = true_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
-        return Exposure(tick, degrade(exact, camera, errors, rng))
+        outlines = outline_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
+        return Exposure(tick, degrade(exact(*outlines), size_px, errors, rng))
 
     return look
 

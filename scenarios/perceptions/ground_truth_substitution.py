@@ -3,19 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from foreride.preview.obstacle_classes import TEMPLATE_OF_FEATURE
 from foreride.preview.tracking.height_likelihood import HeightSamples
 from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
 from foreride.preview.tracking.track import Track
-from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.features.feature import Feature
 
 _NEAR_M = 2.0
-_KINDS: dict[type, ObstacleTemplate] = {
-    HalfSineBump: BUMP,
-    WattsHump: HUMP,
-    FlatTopHump: TABLE,
-    Pothole: POTHOLE,
-}
 
 TrackCorrection = Callable[[Track, float], Track]
 """Maps a track and the odometer error (odometer minus truth, m) to the corrected track."""
@@ -44,8 +38,8 @@ def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[st
     state, kind = best.state.copy(), best.kind
     if "distance" in told:
         state[X] = feature.start_m + drift_m
-    if "shape" in told and type(feature) in _KINDS:
-        kind = _KINDS[type(feature)]
+    if "shape" in told and feature.kind in TEMPLATE_OF_FEATURE:
+        kind = TEMPLATE_OF_FEATURE[feature.kind]
         state[LENGTH] = feature.end_m - feature.start_m
         state[HEIGHT] = abs(feature.crest_m)
         elevation = elevation or HeightSamples(1.0)  # a pothole keeps its measured depth

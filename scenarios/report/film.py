@@ -6,9 +6,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.detector.detections import CLASS_NAMES, Detections
+from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import replaced
+from foreride.road.obstacle_classes import OBSTACLE_CLASSES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.sideview import View, draw
 from foreride.scenarios.report.traces import Traces
@@ -17,7 +18,6 @@ from foreride.scenarios.simulation.simulate import Run
 WIDTH, HEIGHT = 1280, 720
 _CAMERA_SIZE = (640, 384)
 _SIDE = View(640, 192)
-_BOX = ((255, 196, 0), (255, 86, 60))
 PASSIVE_COLOUR = (120, 126, 134)
 PREVIEW_COLOUR = (28, 110, 190)
 
@@ -29,10 +29,11 @@ def mark(image: np.ndarray, detections: Detections) -> np.ndarray:
         detections.boxes, detections.scores, detections.classes, strict=True
     ):
         corner, opposite = (round(float(x0)), round(float(y0))), (round(float(x1)), round(float(y1)))
-        cv2.rectangle(marked, corner, opposite, _BOX[cls], 1, cv2.LINE_AA)
-        label = f"{CLASS_NAMES[cls].replace('_', ' ')} {score:.2f}"
+        obstacle = OBSTACLE_CLASSES[cls]
+        cv2.rectangle(marked, corner, opposite, obstacle.colour, 1, cv2.LINE_AA)
+        label = f"{obstacle.name.replace('_', ' ')} {score:.2f}"
         at = (corner[0], max(corner[1] - 5, 10))
-        cv2.putText(marked, label, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, _BOX[cls], 1, cv2.LINE_AA)
+        cv2.putText(marked, label, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, obstacle.colour, 1, cv2.LINE_AA)
     return marked
 
 

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from scipy.signal import welch
 
 from foreride.comfort import frequency_weighting
-from foreride.detector.detections import CLASS_NAMES
 from foreride.files.errors import printable
+from foreride.road.obstacle_classes import CLASS_NAMES, OBSTACLE_CLASSES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.frames import track_lines
@@ -44,6 +44,7 @@ def scene(runs: Sequence[Run], notes: Mapping[str, str], frame_every: int = 1) -
         "rate": TICKS_PER_SECOND / STRIDE,
         "image": [scenario.camera.intrinsics.width_px, scenario.camera.intrinsics.height_px],
         "classes": [name.replace("_", " ") for name in CLASS_NAMES],
+        "inks": ["hole" if obstacle.is_hole else "bump" for obstacle in OBSTACLE_CLASSES],
         "runs": [_run(run, side, notes.get(label_of(run), ""), frame_every) for run in runs],
         "psd": spectra(runs),
     }

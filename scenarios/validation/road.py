@@ -1,70 +1,19 @@
 """Validation of the road: ISO 8608 roughness, tyre enveloping, IRI."""
 
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.signal import csd, welch
-from scipy.special import k1
 
 from foreride.road.roughness.iri import iri, response, transition
-from foreride.road.roughness.iso8608 import REFERENCE_N0, STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.road.roughness.iso8608 import STEP_M, Roughness, displacement_psd, rough_surface
+from foreride.road.roughness.realisation_statistics import BAND, LENGTH_M, coherence, line_through_psd
+from foreride.road.roughness.world_bank_46 import WORLD_BANK_46
 from foreride.road.tyre.contact_models import RigidWheel, TandemCam
 from foreride.scenarios.validation.check import Check, Checks, relative
 
-LENGTH_M = 8000.0
 ROADS = (Roughness("A", 5), Roughness("C", 6), Roughness("H", 7))
-BAND = (0.02, 5.0)  # cycles/m
-COHERENCE_BANDS = (0.03, 0.06, 0.1, 0.15, 0.25, 0.5, 1.0, 3.0)  # cycles/m
 IRI_WAVELENGTHS_M = (1.5, 2.4, 5.0, 15.4, 40.0)
 RADIUS_M = 0.31
-
-# Sayers, Gillespie, Paterson, World Bank Technical Paper 46 (1986): coefficients by sample interval in m.
-WORLD_BANK_46 = {
-    0.25: (
-        (
-            (0.9966071, 1.091514e-2, -2.083274e-3, 3.190145e-4),
-            (-0.5563044, 0.9438768, -0.8324718, 5.064701e-2),
-            (2.153176e-2, 2.126763e-3, 0.7508714, 8.221888e-3),
-            (3.335013, 0.3376467, -39.12762, 0.4347564),
-        ),
-        (5.476107e-3, 1.388776, 0.2275968, 35.79262),
-    ),
-    0.1: (
-        (
-            (0.9994014, 4.442351e-3, 2.188854e-4, 5.72179e-5),
-            (-0.2570548, 0.975036, 7.966216e-3, 2.458427e-2),
-            (3.960378e-3, 3.814527e-4, 0.9548048, 4.055587e-3),
-            (1.687312, 0.1638951, -19.34264, 0.7948701),
-        ),
-        (3.793992e-4, 0.2490886, 4.123478e-2, 17.65532),
-    ),
-}
-
-
-def line_through_psd(roughness: Roughness) -> tuple[float, float]:
-    """G_d(n0) (m³) and waviness of a realisation: Welch's PSD in third octaves, fitted over BAND."""
-    z = rough_surface(roughness, LENGTH_M).heights[4]
-    n, psd = welch(z, 1 / STEP_M, nperseg=round(200 / STEP_M), detrend="linear")
-    bands = [(n >= low) & (n < high) for low, high in pairwise(np.geomspace(*BAND, 25))]
-    centres = [float(np.exp(np.log(n[band]).mean())) for band in bands]
-    means = [np.mean(psd[band] * (n[band] / at) ** 2) for band, at in zip(bands, centres, strict=True)]
-    slope, level = np.polyfit(np.log(np.divide(centres, REFERENCE_N0)), np.log(means), 1)
-    return float(np.exp(level)), float(-slope)
-
-
-def coherence(roughness: Roughness) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Real coherence between tracks 1.5 m apart in COHERENCE_BANDS: measured, and u K_1(u)."""
-    surface = rough_surface(roughness, LENGTH_M)
-    left, right = surface.height(STEP_M * np.arange(400_000), np.array([[0.75], [-0.75]]))
-    n, cross = csd(left, right, 1 / STEP_M, nperseg=5000)
-    power = welch(left, 1 / STEP_M, nperseg=5000)[1]
-    u = np.maximum(2 * np.pi * n * 1.5, 1e-9)
-    bands = [(n > low) & (n < high) for low, high in pairwise(COHERENCE_BANDS)]
-    measured = [cross[band].real.sum() / power[band].sum() for band in bands]
-    theory = [np.sum((power * u * k1(u))[band]) / power[band].sum() for band in bands]
-    return np.array(measured), np.array(theory)
 
 
 @cache

@@ -5,19 +5,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foreride.detector.detections import Detections
+from foreride.detector.box_errors import BoxErrors, degrade
+from foreride.detector.detections import Detections, exact
 from foreride.preview.estimator import Estimator
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
-from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
+from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of
+from foreride.road.render.outline_boxes import outline_boxes
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
-from foreride.scenarios.definition.box_errors import BoxErrors
-from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
 
 AXLES_M = (1.25, -1.45)
 WHEEL_Y_M = (0.75, 0.75)
+
+
+def true_boxes(road: Road, camera: Camera, pose: CameraPose, range_m: float = 30.0) -> Detections:
+    """Exact detections of the features in sight."""
+    return exact(*outline_boxes(road, camera, pose, range_m))
 
 
 def box_errors(**more: float) -> BoxErrors:
@@ -87,6 +92,7 @@ def drive(
     """Drive over the whole road; return one snapshot a feature (None: not tracked) and the estimator."""
     rng = np.random.default_rng(conditions.seed)
     camera, mount = Camera(), CameraMount()
+    size_px = camera.width_px, camera.height_px
     true_mount = CameraMount(
         height_m=mount.height_m + conditions.mount_height_error_m * rng.standard_normal(),
         pitch_deg=mount.pitch_deg + conditions.mount_pitch_error_deg * rng.standard_normal(),
@@ -110,7 +116,7 @@ def drive(
         if tick % frame_every == 0:
             pose = pose_of(true_mount, x, body.heave(t), body.pitch(t))
             boxes = true_boxes(road, camera, pose, conditions.errors.range_m)
-            waiting.append((t + conditions.latency_s, t, degrade(boxes, camera, conditions.errors, rng)))
+            waiting.append((t + conditions.latency_s, t, degrade(boxes, size_px, conditions.errors, rng)))
         while waiting and waiting[0][0] <= t + 1e-9:
             _, exposure, detections = waiting.pop(0)
             estimator.update_boxes(exposure, detections)

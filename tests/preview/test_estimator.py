@@ -3,14 +3,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from foreride.detector.box_errors import degrade
 from foreride.detector.detections import Detections, no_detections
 from foreride.files.errors import InputError
 from foreride.preview.estimator import Estimator
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.true_boxes import degrade, true_boxes
-from tests.preview.kinematic_drive import AXLES_M, WHEEL_Y_M, Drive, Reading, box_errors, drive, unbiased
+from tests.preview.kinematic_drive import (
+    AXLES_M,
+    WHEEL_Y_M,
+    Drive,
+    Reading,
+    box_errors,
+    drive,
+    true_boxes,
+    unbiased,
+)
 
 EXACT = box_errors(pixel_sigma=0.0, miss_probability=0.0)
 PERFECT = Drive(
@@ -48,7 +57,9 @@ def approach(road, *, until_x, latency_s=0.0, frames=lambda x: True, false=None,
         estimator.update_motion(t, rolling(speed))
         if tick % 10 == 0 and frames(x):
             boxes = true_boxes(road, camera, pose_of(mount, x, 0.0, 0.0))
-            boxes = boxes if false is None else degrade(boxes, camera, false, rng)
+            boxes = (
+                boxes if false is None else degrade(boxes, (camera.width_px, camera.height_px), false, rng)
+            )
             waiting.append((t, boxes))
         while waiting and waiting[0][0] + latency_s <= t + 1e-9:
             estimator.update_boxes(*waiting.pop(0))
@@ -65,9 +76,7 @@ def edge_of(estimator):
 def test_with_perfect_sensors_the_edge_is_nearly_exact(feature):
     shots, _ = drive(Road(60.0, (feature,)), PERFECT)
     assert shots[0].error_m == pytest.approx(0.0, abs=0.03)
-    real_probability = unbiased().precision(
-        1 if feature is POTHOLE else 0
-    )  # a stain may have such boxes, too
+    real_probability = unbiased().real_probability[feature is POTHOLE]  # a stain may have such boxes, too
     assert shots[0].existence > 0.98 * real_probability
 
 

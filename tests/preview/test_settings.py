@@ -1,5 +1,8 @@
+from dataclasses import replace
+
 import pytest
 
+from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.files.errors import InputError
 from foreride.preview.settings import Settings
 
@@ -26,3 +29,16 @@ def test_names_the_field_out_of_range(field, value):
 def test_an_unknown_way_to_the_distance_is_refused():
     with pytest.raises(InputError, match="distance must be one of fit, cross_ratio, got 'crossratio'"):
         Settings(distance="crossratio")
+
+
+def test_biases_come_from_the_detector_unless_set():
+    own = tuple(replace(one, top_bias_px=1.5, bottom_bias_px=-1.5) for one in DEFAULT_CALIBRATION)
+    settings = Settings(bottom_bias_px=(0.0, 0.5)).calibrated(own)
+    assert settings.edge_bias_px == ((1.5, 1.5), (0.0, 0.5))
+    assert Settings().edge_bias_px == Settings().calibrated(DEFAULT_CALIBRATION).edge_bias_px
+
+
+@pytest.mark.parametrize("field", ["top_bias_px", "bottom_bias_px", "edge_sigma_px", "real_probability"])
+def test_values_by_class_must_be_one_per_class(field):
+    with pytest.raises(InputError, match=f"^{field} must hold 2 values, of speed_bump, pothole, got 1$"):
+        Settings(**{field: (0.5,)})

@@ -11,11 +11,11 @@ from foreride.files.errors import InputError
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, horizon_row, pose_of, project, rays
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.render.appearance import Appearance
+from foreride.road.render.outline_boxes import outline_boxes
 from foreride.road.render.raycast import FAR_M
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
 from foreride.road.vertical_alignment import MAX_GRADE, GradeChange, grade_at, grade_height
-from foreride.scenarios.perceptions.true_boxes import true_boxes
 
 UP, LEVEL = GradeChange(10.0, 0.02, 2.0), GradeChange(20.0, 0.0, 4.0)
 
@@ -119,7 +119,7 @@ def test_a_bump_up_the_road_is_seen_in_the_box_that_geometry_gives() -> None:
     road = Road(60.0, (bump,), grades=(GradeChange(10.0, 0.1),))
     camera, pose = Camera(1280, 768, 914.0), pose_of(CameraMount(), 3.0, 0.0, 0.0)
     (box,) = Scene(road, Appearance(), 1).render(camera, pose, 0).boxes
-    (true,) = true_boxes(road, camera, pose).boxes
+    ((true,), _) = outline_boxes(road, camera, pose)
     np.testing.assert_allclose(box[[1, 3]], true[[1, 3]], atol=1.0)
     np.testing.assert_allclose(box[[0, 2]], true[[0, 2]], atol=2.0)  # as on a level road: its ends run out
 

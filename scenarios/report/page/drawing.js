@@ -31,7 +31,7 @@ function drawCamera(canvas, scene, run, t) {
   const picture = imageOf(run, index, () => drawCamera(canvas, scene, run, t));
   if (picture) pen.drawImage(picture, 0, 0, width, height);
   for (const track of look.tracks) {
-    pen.strokeStyle = colour(track.class === "pothole" ? "hole" : "bump");
+    pen.strokeStyle = colour(scene.inks[scene.classes.indexOf(track.class.replace("_", " "))]);
     pen.setLineDash(track.confirmed ? [] : [4, 4]);
     pen.lineWidth = 2;
     pen.beginPath();
@@ -41,7 +41,7 @@ function drawCamera(canvas, scene, run, t) {
   }
   pen.setLineDash([]);
   look.boxes.forEach((box, i) => {
-    pen.strokeStyle = pen.fillStyle = colour(look.classes[i] === 1 ? "hole" : "bump");
+    pen.strokeStyle = pen.fillStyle = colour(scene.inks[look.classes[i]]);
     pen.lineWidth = 1.5;
     pen.strokeRect(box[0] * scale, box[1] * scale, (box[2] - box[0]) * scale, (box[3] - box[1]) * scale);
     pen.fillText(`${scene.classes[look.classes[i]]} ${look.scores[i].toFixed(2)}`, box[0] * scale + 2, Math.max(box[1] * scale - 4, 12));

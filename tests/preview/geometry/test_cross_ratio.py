@@ -14,8 +14,7 @@ from foreride.preview.tracking.observation import rectify_frame
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of, project
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.true_boxes import true_boxes
-from tests.preview.kinematic_drive import Reading, unbiased
+from tests.preview.kinematic_drive import Reading, true_boxes, unbiased
 
 CAMERA, MOUNT = Camera(), CameraMount()
 MARKS = marks_of(CAMERA, MOUNT)

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from foreride.detector.box_errors import BoxErrors
 from foreride.files.errors import InputError
+from foreride.preview.obstacle_classes import POTHOLE
 from foreride.preview.prior_drives.memory_file import Memory, Mounting, RememberedObject, RowBias, read, write
 from foreride.preview.prior_drives.recall import expectations, recall, remember
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.mounting_filter import Calibration
 from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import POTHOLE
 from foreride.preview.tracking.tracker import Tracker
 from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
-from foreride.scenarios.definition.box_errors import BoxErrors
 from tests.preview.kinematic_drive import Drive, drive
 
 BUMP = RememberedObject("bump", 60.0, 0.03, 0.5, 0.05, 0.08, 0.01, -3.0, 3.0, 0.1, 0.95)
@@ -96,7 +96,7 @@ def test_a_file_from_before_the_rows_were_learned_still_tells_the_mounting(tmp_p
     calibration = Calibration(Settings(), FOCAL_PX)
     fresh = calibration.covariance.copy()
     recall(calibration, read(path))
-    assert calibration.mean.tolist() == [0.003, -0.01, *Settings().bottom_bias_px]
+    assert calibration.mean.tolist() == [0.003, -0.01, *Settings().edge_bias_px[1]]
     np.testing.assert_array_equal(calibration.covariance[2:], fresh[2:])
     assert calibration.covariance[0, 0] == 1e-6
 

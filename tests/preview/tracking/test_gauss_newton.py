@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from foreride.preview.obstacle_classes import BUMP, HUMP, POTHOLE, TABLE, templates_of
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import (
     DirectMeasurement,
@@ -11,14 +12,7 @@ from foreride.preview.tracking.gauss_newton import (
 )
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
-from foreride.preview.tracking.obstacle_templates import (
-    BUMP,
-    HUMP,
-    POTHOLE,
-    TABLE,
-    templates_of,
-    unit_profile,
-)
+from foreride.preview.tracking.obstacle_templates import unit_profile
 
 SETTINGS = Settings()
 SIGMA = 1.0 / 457.0

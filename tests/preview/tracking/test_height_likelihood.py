@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from foreride.preview.obstacle_classes import BUMP, HUMP, POTHOLE, TABLE, ObstacleTemplate
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import Fit, fit, start_state
 from foreride.preview.tracking.height_likelihood import (
@@ -13,15 +14,7 @@ from foreride.preview.tracking.height_likelihood import (
     visible_height,
 )
 from foreride.preview.tracking.mounting_filter import Calibration
-from foreride.preview.tracking.obstacle_templates import (
-    BUMP,
-    HUMP,
-    POTHOLE,
-    RAMP,
-    TABLE,
-    ObstacleTemplate,
-    unit_profile,
-)
+from foreride.preview.tracking.obstacle_templates import RAMP, unit_profile
 
 SETTINGS = Settings()
 

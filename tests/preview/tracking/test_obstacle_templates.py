@@ -1,17 +1,8 @@
 import numpy as np
 import pytest
 
-from foreride.preview.tracking.obstacle_templates import (
-    BUMP,
-    HUMP,
-    KINDS,
-    POTHOLE,
-    TABLE,
-    chord,
-    templates_of,
-    tyre_profile,
-    unit_profile,
-)
+from foreride.preview.obstacle_classes import BUMP, HUMP, KINDS, POTHOLE, TABLE, templates_of
+from foreride.preview.tracking.obstacle_templates import chord, tyre_profile, unit_profile
 from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, WattsHump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from foreride.preview.obstacle_classes import BUMP
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import EdgeBearings, fit
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import OFFSET, X
-from foreride.preview.tracking.obstacle_templates import BUMP
 from foreride.preview.tracking.plane_residual import residual_variance_ratio
 from foreride.preview.tracking.track import Edge, Track, first_fits
 

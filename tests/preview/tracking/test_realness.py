@@ -5,16 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.preview.tracking.realness import mean_surplus, probability, surplus
 
-CLASSES = (0, 1)
+BUMP, POTHOLE = DEFAULT_CALIBRATION
 
 
-@pytest.mark.parametrize("cls", CLASSES)
+@pytest.mark.parametrize("calibration", DEFAULT_CALIBRATION)
 @given(mean=st.floats(-0.5, 0.5), other=st.floats(-0.5, 0.5))
-def test_log_odds_are_linear_in_the_mean(cls, mean, other):
+def test_log_odds_are_linear_in_the_mean(calibration, mean, other):
     def log_odds(value):
-        p = probability(value, cls)
+        p = probability(value, calibration)
         return np.log(p / (1.0 - p))
 
     middle = log_odds(0.5 * (mean + other))
@@ -22,16 +23,16 @@ def test_log_odds_are_linear_in_the_mean(cls, mean, other):
     assert (mean < other) == (log_odds(mean) < log_odds(other)) or abs(mean - other) < 1e-9
 
 
-@pytest.mark.parametrize("cls", CLASSES)
-def test_a_taller_box_must_score_more(cls):
-    left = [surplus(0.5, height, cls) for height in (2.0, 4.0, 6.0, 10.0, 16.0, 100.0)]
+@pytest.mark.parametrize("calibration", DEFAULT_CALIBRATION)
+def test_a_taller_box_must_score_more(calibration):
+    left = [surplus(0.5, height, calibration) for height in (2.0, 4.0, 6.0, 10.0, 16.0, 100.0)]
     assert left == sorted(left, reverse=True)
     assert left[0] > 0.2
-    assert surplus(0.9, 100.0, cls) > 0.3 > 0.0 > surplus(0.3, 100.0, cls)
+    assert surplus(0.9, 100.0, calibration) > 0.3 > 0.0 > surplus(0.3, 100.0, calibration)
 
 
 def test_bumps_have_less_that_looks_like_them():
-    assert probability(0.0, 0) > probability(0.0, 1)
+    assert probability(0.0, BUMP) > probability(0.0, POTHOLE)
 
 
 @given(st.lists(st.floats(-0.6, 0.7), min_size=1, max_size=60))

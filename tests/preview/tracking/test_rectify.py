@@ -7,8 +7,7 @@ from foreride.road.camera.distortion import NO_DISTORTION
 from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
 from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.true_boxes import true_boxes
-from tests.preview.kinematic_drive import Reading, unbiased
+from tests.preview.kinematic_drive import Reading, true_boxes, unbiased
 
 BARREL = (-0.3, 0.1, 0.001, -0.0005, -0.01)
 PINCUSHION = (0.1, -0.02, 0.0, 0.0, 0.0)

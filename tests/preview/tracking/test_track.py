@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
+from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.gauss_newton import EdgeBearings
@@ -59,10 +60,10 @@ def test_overlap_is_the_chance_that_the_wheel_runs_between_the_sides():
 def test_boxes_alone_never_make_an_object_certain():
     """A stain is detected in every frame like a hole; only a wheel strike proves it real."""
     t = track()
-    t.real_probability = SETTINGS.precision(1)
+    t.real_probability = SETTINGS.real_probability[1]
     for _ in range(200):
         t.update_existence(True, SETTINGS)
-    assert t.existence == pytest.approx(SETTINGS.pothole_real_probability, abs=1e-3)
+    assert t.existence == pytest.approx(SETTINGS.real_probability[1], abs=1e-3)
     t.real_probability = 1.0
     assert t.existence > 0.999
 
@@ -114,9 +115,11 @@ def test_a_turned_plane_leaves_an_object_where_it_was_seen(away, driven, heave, 
 
 
 def rated(scores, height_px, cls=1):
-    rated_track = replace(track(), cls=cls, real_probability=SETTINGS.precision(cls), log_odds=LOG_ODDS_LIMIT)
+    rated_track = replace(
+        track(), cls=cls, real_probability=SETTINGS.real_probability[cls], log_odds=LOG_ODDS_LIMIT
+    )
     for score in scores:
-        rated_track.update_score(score, height_px, SETTINGS)
+        rated_track.update_score(score, height_px, SETTINGS, DEFAULT_CALIBRATION[cls])
     return rated_track
 
 
@@ -128,12 +131,12 @@ def test_what_scores_like_a_stain_is_not_believed_however_often_it_is_seen():
 
 
 def test_scores_alone_never_make_an_object_certain():
-    assert rated([1.0] * 100, 20.0).existence <= SETTINGS.pothole_real_probability
-    assert rated([1.0] * 100, 20.0, cls=0).existence <= SETTINGS.bump_real_probability
+    assert rated([1.0] * 100, 20.0).existence <= SETTINGS.real_probability[1]
+    assert rated([1.0] * 100, 20.0, cls=0).existence <= SETTINGS.real_probability[0]
 
 
 def test_what_a_wheel_has_felt_needs_no_score():
     rated_track = rated([0.8], 20.0)
     rated_track.real_probability = 1.0
-    rated_track.update_score(0.0, 20.0, SETTINGS)
+    rated_track.update_score(0.0, 20.0, SETTINGS, DEFAULT_CALIBRATION[1])
     assert rated_track.real_probability == 1.0

@@ -6,8 +6,7 @@ from foreride.preview.estimator import Estimator
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
 from foreride.road.road import Road
-from foreride.scenarios.perceptions.true_boxes import true_boxes
-from tests.preview.kinematic_drive import Reading, unbiased
+from tests.preview.kinematic_drive import Reading, true_boxes, unbiased
 
 BUMP = HalfSineBump(40.0, 0.08, 0.4, -1.2, 1.2)
 HOLE = Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
+from foreride.preview.obstacle_classes import BUMP, POTHOLE, TABLE
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.mounting_filter import Calibration
-from foreride.preview.tracking.obstacle_templates import BUMP, POTHOLE, TABLE, tyre_profile
+from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Edge, Track, first_fits
 from foreride.preview.tracking.wheel_strike import WheelStrikeDetector
 from foreride.road.features.feature import HalfSineBump, Pothole

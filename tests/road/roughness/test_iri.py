@@ -5,7 +5,7 @@ from scipy.integrate import solve_ivp
 from foreride.files.errors import InputError
 from foreride.road.roughness.iri import SPEED_M_S, iri, rectified_slope, response, transition
 from foreride.road.roughness.iso8608 import STEP_M, Roughness, displacement_psd, rough_surface
-from foreride.scenarios.validation.road import WORLD_BANK_46
+from foreride.road.roughness.world_bank_46 import WORLD_BANK_46
 
 
 @pytest.mark.parametrize("step", sorted(WORLD_BANK_46))

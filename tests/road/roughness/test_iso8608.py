@@ -12,7 +12,7 @@ from foreride.road.roughness.iso8608 import (
     isotropic_coherence,
     rough_surface,
 )
-from foreride.scenarios.validation.road import coherence, line_through_psd
+from foreride.road.roughness.realisation_statistics import coherence, line_through_psd
 
 LENGTH_M = 8000.0
 
