@@ -53,13 +53,15 @@ if (_CHECKOUT / "pyproject.toml").is_file() and (_CHECKOUT / "road").is_dir():
     __path__.append(str(_CHECKOUT))
 
 
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used (PEP 562)."""
-    if name not in _PLACES:
-        raise AttributeError(f"module 'foreride' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"foreride.{_PLACES[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # or a type checker would take every name for a public one
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name when it is first used (PEP 562)."""
+        if name not in _PLACES:
+            raise AttributeError(f"module 'foreride' has no attribute {name!r}")
+        value = getattr(importlib.import_module(f"foreride.{_PLACES[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -2,7 +2,7 @@
 
 In Python they are a mapping, nested (`{"camera": {"latency_s": 0.1}}`) or with dotted keys
 (`{"camera.latency_s": 0.1}`); on the command line a text (`camera.latency_s=0.1`). An entry of a list
-is named by its index, `road.features.0.height_m` or `road.features[0].height_m`.
+is named by its index, `features.0.height_m` or `features[0].height_m`.
 """
 
 import json
