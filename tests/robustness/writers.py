@@ -24,11 +24,13 @@ class Writer:
     """arguments: of the command, started in `WORK`; inputs lie in the folder above, under `old` and `new`.
 
     In each argument `{}` stands for one of these two, so that both runs have the same targets.
-    prepare: changes to the program that make it quick, in the process of the command.
+    prepare: changes to the program that make it quick, in the process of the command. once: whether it
+    refuses a target that is there.
     """
 
     arguments: tuple[str, ...]
     prepare: Callable[[], None] = lambda: None
+    once: bool = False
 
     def command(self, version: str) -> list[str]:
         """The arguments with the inputs of that version."""
@@ -98,7 +100,7 @@ WRITERS: dict[str, Writer] = {
     "detector data": Writer(("detector", "data", "--out", "set", "--train", "1", "--val", "1", "--test",
                              "1")),
     "detector boxes": Writer(("detector", "boxes", "{}/images", "--json", "a.json")),
-    "detector convert": Writer(("detector", "convert", "{}/images", "converted")),
+    "detector convert": Writer(("detector", "convert", "{}/images", "converted"), once=True),
     "detector convert to COCO": Writer(("detector", "convert", "{}/images", "coco.json")),
     "detector eval": Writer(("detector", "eval", "--data", "{}/images", "--json", "a.json", "--out",
                              "scores")),
