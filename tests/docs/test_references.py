@@ -20,7 +20,8 @@ PAGES = [
     *ROOT.glob("*.md"),
     *(page for folder in ("docs", "examples", "detector") for page in (ROOT / folder).rglob("*.md")),
 ]
-WRITTEN = [page for page in PAGES if page.name != "CHANGELOG.md" and "reference" not in page.parts]
+OF_OLD_NAMES = ("CHANGELOG.md", "migration.md")
+WRITTEN = [page for page in PAGES if page.name not in OF_OLD_NAMES and "reference" not in page.parts]
 MODULES = [path for folder in (*PACKAGES, "docs", "examples") for path in (ROOT / folder).rglob("*.py")]
 PATH = re.compile(r"[\w./-]+/[\w.-]+\.(py|md|yaml|csv|toml)")
 DOTTED = re.compile(rf"(?:foreride\.)?(?:{'|'.join(PACKAGES)})(?:\.\w+)+")
@@ -78,3 +79,10 @@ def test_files_and_modules_that_are_named_exist(path: Path) -> None:
 def test_links_lead_somewhere(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#:\s]+)(?:#[\w-]+)?\)", page.read_text(encoding="utf-8")):
         assert "reference/" in link or (page.parent / link).exists(), link
+
+
+def test_the_new_place_of_every_old_import_exists() -> None:
+    page = (ROOT / "docs" / "migration.md").read_text()
+    rows = re.findall(r"^\| `([\w.]+)` \| `([\w.]+)` \|", page, re.MULTILINE)
+    assert len(rows) > 200
+    assert not [new for _, new in rows if not is_module(new)]
