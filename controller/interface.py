@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Annotated, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from annotated_types import Interval
@@ -59,8 +59,38 @@ class Controller(Protocol):
         """Return the command: the requested damping coefficient of each wheel's damper, (wheels,) N·s/m."""
 
 
-class Stateless:
-    """Base class of controllers without internal state: the command depends on the present inputs alone."""
+class MonitoredController(Controller, Protocol):
+    """Protocol of a controller that also reports on itself, as supervisor, loop and statistics need it."""
+
+    @property
+    def problem(self) -> str | None:
+        """Reason why the last answer is invalid, or None."""
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """Names of the constraints active in the last step."""
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Counts and run times, as in `FallbackSupervisor.stats`; empty where none are kept."""
+
+    def acted(self, command: np.ndarray) -> None:
+        """Receive the command issued, which need not be its own."""
+
+
+class BaseController:
+    """Base class of controllers: no internal state, no problems, no constraints, no statistics."""
+
+    problem: str | None = None
+    active: tuple[str, ...] = ()
 
     def reset(self) -> None:
         """Do nothing: there is no internal state."""
+
+    @property
+    def stats(self) -> dict[str, Any]:
+        """Return no statistics."""
+        return {}
+
+    def acted(self, command: np.ndarray) -> None:
+        """Do nothing with the command issued."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from foreride.controller.interface import Controller, Timing
+from foreride.controller.interface import Controller, MonitoredController, Timing
 from foreride.controller.laws.damper_inverse import EquivalentDamping, is_linear
 from foreride.controller.laws.hybrid import Hybrid
 from foreride.controller.laws.lqr_clipped import ClippedLqr
@@ -21,7 +21,7 @@ from foreride.controller.user_controller import build_user_controller, is_user_c
 from foreride.files.errors import InputError
 from foreride.vehicle.load import Car, control_model
 
-Factory = Callable[..., Controller]
+Factory = Callable[..., MonitoredController]
 """(vehicle, settings, timing) → controller."""
 
 
@@ -67,7 +67,7 @@ UNSUPERVISED = ("passive", "fixed")
 
 def build(
     name: str, vehicle: Car, settings: ControllerSettings | None = None, timing: Timing | None = None
-) -> Controller:
+) -> MonitoredController:
     """Build the controller called `name`, or a user-defined one named as `path/to/file.py:name`.
 
     Without settings it is tuned as shipped for the vehicle's kind. It is given the vehicle's control model
@@ -82,7 +82,7 @@ def build(
 
 def build_object(
     controller: Controller | UserFactory, vehicle: Car, settings: ControllerSettings, timing: Timing
-) -> Controller:
+) -> MonitoredController:
     """Supervise a controller given as an object, or as a class or function that is called to build it.
 
     Its failures are treated like those of a controller from a file. Raises InputError if it cannot be built.
@@ -93,14 +93,14 @@ def build_object(
 
 
 def _supervised(
-    controller: Controller, vehicle: Car, settings: ControllerSettings, timing: Timing
-) -> Controller:
+    controller: MonitoredController, vehicle: Car, settings: ControllerSettings, timing: Timing
+) -> MonitoredController:
     reactive = _make(settings.supervisor.reactive, vehicle, settings, timing)
     safe = _make("fixed", vehicle, settings, timing)
     return FallbackSupervisor(controller, reactive, safe, vehicle, settings.supervisor, timing)
 
 
-def _make(name: str, vehicle: Car, settings: ControllerSettings, timing: Timing) -> Controller:
+def _make(name: str, vehicle: Car, settings: ControllerSettings, timing: Timing) -> MonitoredController:
     if is_user_controller(name):
         return build_user_controller(name, vehicle, settings.user, timing)
     entry = _entry(name)

@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from foreride.controller.command_limits import command_limits
-from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.controller.interface import BaseController, Controller, Estimate, Timing
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.own_code import error_text, load, location, say_once, waiting_for
 from foreride.preview.road_preview import RoadPreview
@@ -86,20 +86,19 @@ def _parts(target: str) -> tuple[Path, str]:
     return Path(path), name
 
 
-class UserController:
+class UserController(BaseController):
     """Wrapper of a user-defined controller that treats its failures like those of a solver.
 
     problem: reason why the last step gave no answer, with file and line, or None. The first time, the whole
     message is printed on stderr. Ctrl-C passes. `step` receives copies, so that user code cannot change the
-    loop's data.
+    loop's data. What the user's
+    controller lacks beside `reset` and `step` has the defaults of `BaseController`.
     """
 
     def __init__(self, controller: Controller, path: Path, name: str, vehicle: Car) -> None:
         self._controller, self._path, self._name = controller, path, name
         self._zeros = np.zeros(len(command_limits(vehicle)[0]))
         self._shapes = sorted({(vehicle.wheels,), self._zeros.shape})
-        self.problem: str | None = None
-        self.active: tuple[str, ...] = ()
         self._acted_problem: str | None = None
 
     def reset(self) -> None:

@@ -14,7 +14,7 @@ from scipy.optimize import minimize
 
 from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
 from foreride.controller.command_limits import KILO, plan_limits
-from foreride.controller.interface import Estimate, Stateless
+from foreride.controller.interface import BaseController, Estimate
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
@@ -72,7 +72,7 @@ def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.n
     return Optimum(best.reshape(drive.intervals, -1), min(objectives.values()), objectives)
 
 
-class PlanReplay(Stateless):
+class PlanReplay(BaseController):
     """Open-loop controller that issues the commands of a plan in turn and then holds the last one."""
 
     def __init__(self, plan: np.ndarray):

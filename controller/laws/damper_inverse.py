@@ -8,7 +8,7 @@ Semi-Active Suspension Control Design for Vehicles, 2010, ch. 2).
 
 import numpy as np
 
-from foreride.controller.interface import Controller, Estimate
+from foreride.controller.interface import BaseController, Controller, Estimate
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.corner import Corner
@@ -40,7 +40,7 @@ def equivalent_settings(vehicle: Car, damping_ns_m: np.ndarray) -> np.ndarray:
     return np.array([_equivalent_setting(corner, coefficient, stroke) for corner, coefficient in pairs])
 
 
-class EquivalentDamping:
+class EquivalentDamping(BaseController):
     """Wrapper of a law that requests coefficients, for dampers whose setting is not a coefficient."""
 
     def __init__(self, law: Controller, vehicle: Car):

@@ -8,14 +8,14 @@ zero otherwise, and σ_ground likewise the wheel velocity.
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import HybridSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
 
-class Hybrid(Stateless):
+class Hybrid(BaseController):
     """c = gain·(alpha·σ_sky + (1 − alpha)·σ_ground) / (v_s − v_u), clipped to floor and damper range."""
 
     def __init__(self, vehicle: Car, settings: HybridSettings | None = None, timing: Timing | None = None):

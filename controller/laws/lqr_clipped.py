@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import DampingLimits
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.settings import LqrSettings
@@ -26,7 +26,7 @@ _FORCE_SCALE_N = 1e3
 """Forces in the cost are in kN, so that their weight is of the order of the other terms."""
 
 
-class ClippedLqr(Stateless):
+class ClippedLqr(BaseController):
     """c = nominal − f·v / (v² + smoothing²), f the regulator's force on the body, v the suspension rate."""
 
     def __init__(self, vehicle: Car, settings: LqrSettings | None = None, timing: Timing | None = None):

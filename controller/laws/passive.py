@@ -3,7 +3,7 @@
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits, front_wheels
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.damper_inverse import equivalent_settings
 from foreride.controller.settings import FixedSettings, PassiveSettings
 from foreride.files.errors import InputError
@@ -11,7 +11,7 @@ from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
 
-class Constant(Stateless):
+class Constant(BaseController):
     """Constant settings `command` (wheels,), N·s/m, equivalent to linear dampers of the given coefficients.
 
     Raises InputError for a coefficient outside the dampers' range.

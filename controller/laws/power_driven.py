@@ -8,7 +8,7 @@ damper is soft if p(soft) >= 0, hard if p(hard) < 0, and between them such that 
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import TwoStateSettings
 from foreride.preview.road_preview import RoadPreview
@@ -17,7 +17,7 @@ from foreride.vehicle.load import Car
 _RATE_TOLERANCE_M_S = 1e-9
 
 
-class PowerDriven(Stateless):
+class PowerDriven(BaseController):
     """c = −k·z/v between soft and hard; their mean if the suspension is deflected but at rest."""
 
     def __init__(self, vehicle: Car, settings: TwoStateSettings | None = None, timing: Timing | None = None):

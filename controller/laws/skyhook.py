@@ -8,14 +8,14 @@ Suspension Control Design for Vehicles*, 2010, ch. 6: virtual dampers `sky`, bet
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import SkyhookSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
 
-class Skyhook(Stateless):
+class Skyhook(BaseController):
     """c = (sky·v_s − ground·v_u) / (v_s − v_u), clipped to floor and damper range."""
 
     def __init__(self, vehicle: Car, settings: SkyhookSettings | None = None, timing: Timing | None = None):

@@ -14,7 +14,7 @@ from math import tau
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
-from foreride.controller.interface import Estimate, Stateless, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
 from foreride.controller.settings import ShAddSettings, TwoStateSettings
 from foreride.preview.road_preview import RoadPreview
@@ -41,7 +41,7 @@ def add(vehicle: Car, estimate: Estimate) -> np.ndarray:
     return np.array(body_acceleration(vehicle, estimate.x.tolist(), height, velocity, xp=FLOATS))
 
 
-class TwoState(Stateless):
+class TwoState(BaseController):
     """Hard if `law` and suspension velocity have the same sign, soft otherwise."""
 
     def __init__(

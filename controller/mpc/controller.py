@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from foreride.controller.command_limits import KILO, command_limits, passive_command, plan_limits
-from foreride.controller.interface import Estimate, Timing
+from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
 from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
@@ -25,7 +25,7 @@ from foreride.vehicle.load import Car
 PreviewSource = Literal["none", "wheelbase", "preview"]
 
 
-class PredictiveController:
+class PredictiveController(BaseController):
     """Model predictive controller; `preview_source` selects its preview, and with "none" it is reactive.
 
     Without a preview it plans on the reactive controller's horizon and gives the same answer.
@@ -70,8 +70,7 @@ class PredictiveController:
         self._road.reset()
         if self._wheelbase is not None:
             self._wheelbase.reset()
-        self.problem: str | None = None
-        self.active: tuple[str, ...] = ()
+        self.problem, self.active = None, ()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the command (inputs,), N·s/m and N, for the time at which it acts.

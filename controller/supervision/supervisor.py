@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.command_limits import command_limits, full_command
-from foreride.controller.interface import ALL_SILENT, Controller, Estimate, Timing
+from foreride.controller.interface import ALL_SILENT, Controller, Estimate, MonitoredController, Timing
 from foreride.controller.settings import SupervisorSettings
 from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.controller.supervision.step_statistics import ControllerStatistics
@@ -22,14 +22,12 @@ class FallbackSupervisor:
     """Controller with a reactive law and fixed damping as fallbacks, effective in the sample that fails.
 
     Changes from one to the other are bumpless: the command starts at the last one and the difference decays
-    with the time constant `transfer_s`. A controller may have `problem` (the reason why its last answer is
-    invalid, or None), `active` (names of the active constraints) and `acted(command)`, which is given the
-    command issued in place of its own.
+    with the time constant `transfer_s`.
     """
 
     def __init__(
         self,
-        controller: Controller,
+        controller: MonitoredController,
         reactive: Controller,
         safe: Controller,
         vehicle: Car,
@@ -84,11 +82,13 @@ class FallbackSupervisor:
             blind = ALL_SILENT in estimate.faults or not estimate.is_finite()
             acting = self._safe if blind else self._reactive
             command = self._transfer(acting, full_command(self._vehicle, acting.step(estimate, None)))
-        if hasattr(self._controller, "acted"):
-            self._controller.acted(command)
-        active = getattr(self._controller, "active", ()) if problem is None else ()
+        self._controller.acted(command)
+        active = self._controller.active if problem is None else ()
         self._statistics.finish(problem or unseen, active)
         return command
+
+    def acted(self, command: np.ndarray) -> None:
+        """Do nothing: the command issued is its own."""
 
     def _evaluate(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
         """Evaluate the controller; return the reason to reject its answer, or None, and the answer."""
@@ -101,7 +101,7 @@ class FallbackSupervisor:
             raise InputError(f"a controller's command must have shape {allowed}, got {answer.shape}")
         if estimate.faults:
             return "; ".join(estimate.faults), nothing
-        if problem := getattr(self._controller, "problem", None):
+        if problem := self._controller.problem:
             return problem, nothing
         if not np.isfinite(answer).all():
             return "command not finite", nothing

@@ -103,7 +103,7 @@ def _solver() -> str:
     for _ in range(5):
         controller.step(exact_estimate(plant.state), flat_preview(1, plant.state.time_s))
         plant.step(np.array([1500.0]), 10)
-    stats = getattr(controller, "stats")  # noqa: B009 - not every controller keeps them
+    stats = controller.stats
     assert stats["fallbacks"] == 0, f"fallbacks: {stats['reasons']}"
     return f"{stats['solves']} solves, no fallback"
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.controller.interface import Controller, Estimate, Timing
+from foreride.controller.interface import Estimate, MonitoredController, Timing
 from foreride.controller.laws.passive import Constant
 from foreride.controller.observer.observer import Observer, exact_estimate
 from foreride.controller.observer.sensor_monitor import SensorMonitor
@@ -40,7 +40,7 @@ class MultirateLoop:
         sensors: Sensors,
         perception: Perception,
         faults: Faults,
-        controller: Controller | None = None,
+        controller: MonitoredController | None = None,
     ) -> None:
         """Build the controller named by the case unless `controller` is given."""
         scenario, car = case.scenario, case.scenario.vehicle.parameters
@@ -85,7 +85,7 @@ class MultirateLoop:
             self._plant.step(self._command, following - tick)
             advance(following - tick)
             tick = following
-        stats = dict(getattr(self._controller, "stats", {}))
+        stats = dict(self._controller.stats)
         self.timing = {
             name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
         }
@@ -109,9 +109,9 @@ class MultirateLoop:
         if self._faults.late(time_s):
             estimate = replace(estimate, faults=(*estimate.faults, LATE_ANSWER))
         command = self._controller.step(estimate, preview)
-        if problem := getattr(self._controller, "problem", None):
+        if problem := self._controller.problem:
             self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
-        active = getattr(self._controller, "active", ())
+        active = self._controller.active
         if active != self._active:
             self.events.append({"time_s": time_s, "event": "constraints", "active": list(active)})
             self._active = active

@@ -9,7 +9,7 @@ import numpy as np
 
 from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.registry import added_metrics
-from foreride.controller.interface import Controller
+from foreride.controller.interface import MonitoredController
 from foreride.files.errors import InputError
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.cases import Case
@@ -66,7 +66,7 @@ def simulate(
     case: Case,
     keep_images: bool = False,
     advance: Callable[[int], None] = lambda ticks: None,
-    controller: Controller | None = None,
+    controller: MonitoredController | None = None,
 ) -> Run:
     """Simulate one case; `advance` is called with every number of completed ticks (for progress bars).
 

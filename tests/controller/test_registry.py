@@ -133,3 +133,13 @@ def test_files_that_do_not_load_are_told(tmp_path: Path) -> None:
     bad.write_text("def f(:\n")
     with pytest.raises(InputError, match=r"bad\.py does not load .SyntaxError"):
         load_user_controller(f"{bad}:f")
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_every_controller_reports_on_itself(name: str) -> None:
+    """What supervisor, loop and statistics read is declared, not asked for by name."""
+    controller = build(name, load_vehicle("half"))
+    assert controller.problem is None
+    assert controller.active == ()
+    assert isinstance(controller.stats, dict)
+    controller.acted(np.zeros(2))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import foreride.controller.mpc.program as program
-from foreride.controller.interface import ALL_SILENT, Controller, Estimate, Timing
+from foreride.controller.interface import ALL_SILENT, BaseController, Estimate, MonitoredController, Timing
 from foreride.controller.mpc.qp import Solution
 from foreride.controller.registry import build
 from foreride.controller.settings import ControllerSettings, SupervisorSettings
@@ -23,11 +23,11 @@ AT_ONCE = replace(tuned_settings("quarter_car"), supervisor=SupervisorSettings(t
 MOVING = estimate(CAR, np.array([0.01, 0.3, -0.01, -0.4, 1500.0]))
 
 
-class Told:
+class Told(BaseController):
     """Controller stub with prescribed answers, which records its inputs."""
 
     def __init__(self, answer: float) -> None:
-        self.answer, self.problem = answer, None
+        self.answer = answer
         self.previews: list[RoadPreview | None] = []
         self.took_over: list[float] = []
 
@@ -42,7 +42,7 @@ class Told:
         self.took_over.append(float(command[0]))
 
 
-def watched(inner: Controller, settings: ControllerSettings = AT_ONCE) -> FallbackSupervisor:
+def watched(inner: MonitoredController, settings: ControllerSettings = AT_ONCE) -> FallbackSupervisor:
     reactive, safe = build("skyhook", CAR, settings)._controller, build("fixed", CAR, settings)  # type: ignore[attr-defined]
     return FallbackSupervisor(inner, reactive, safe, CAR, settings.supervisor, Timing(0.005))
 
