@@ -26,7 +26,7 @@ CASES = (
 
 def measure(vehicle: str, controller: str, perception: str, rate_hz: int, repeats: int) -> dict:
     """Median real-time factor and run times of one kind of drive."""
-    overrides = [f"vehicle.model={vehicle}", f"control.rate_hz={rate_hz}"]
+    overrides = {"vehicle.model": vehicle, "control.rate_hz": rate_hz}
     case = Case(load("hump_flat_30", overrides), controller, perception, 0)
     runs = [simulate_case(case).timing for _ in range(repeats + 1)][1:]
     medians = {name: median(run[name] for run in runs) for name in runs[0]}

@@ -24,7 +24,7 @@ _FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync",
     "--disable-background-networking", "--disable-component-update",
 )  # fmt: skip
-LONG = ("speed_kmh=30", "road.length_m=90")
+LONG = {"speed_kmh": 30, "road.length_m": 90}
 """Overrides for a drive of over 10 s."""
 
 

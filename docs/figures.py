@@ -5,6 +5,7 @@
 
 import argparse
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ from foreride.scenarios.report.figures import colour_of, save, write_event_figur
 
 FOLDER = Path(__file__).parent / "figures"
 NUMBERS = FOLDER / "physics.json"
-BASE = ("vehicle.model=quarter", "observer=truth")
+NOTHING: Mapping[str, Any] = {}
+BASE = {"vehicle.model": "quarter", "observer": "truth"}
 EVENTS = (
     "bump_8x40_30", "bump_10x50_20", "hump_watts_30", "hump_flat_30",
     "pothole_30x5_50", "pothole_60x8_40", "pothole_80x10_60", "rough_b_80", "mixed_40",
@@ -43,13 +45,11 @@ def measure() -> None:
     """Drive all events and sweeps on the quarter car with exact states; J relative to the passive car."""
     events = {name: {law: _ratio(name, law) for law in CONTROLLERS} for name in EVENTS}
     sweeps = {
-        field: {
-            name: [_ratio(name, "mpc_preview", f"{field}={value}") for value in values] for name in STUDIED
-        }
+        field: {name: [_ratio(name, "mpc_preview", {field: value}) for value in values] for name in STUDIED}
         for field, values in SWEEPS.items()
     }
     write_text(NUMBERS, json.dumps({"events": events, "sweeps": sweeps}, indent=1) + "\n")
-    runs = [simulate_case(_case("hump_flat_30", law)) for law in TRACED]
+    runs = [simulate_case(_case("hump_flat_30", law, NOTHING)) for law in TRACED]
     write_event_figure(FOLDER / "hump.png", runs)
 
 
@@ -60,18 +60,18 @@ def draw() -> None:
     _draw_sweeps(numbers["sweeps"], numbers["events"])
 
 
-def _case(name: str, law: str, *overrides: str) -> Case:
-    return Case(load(name, (*BASE, *overrides)), law, "oracle" if law == "mpc_preview" else "none", 0)
+def _case(name: str, law: str, overrides: Mapping[str, Any]) -> Case:
+    return Case(load(name, BASE | dict(overrides)), law, "oracle" if law == "mpc_preview" else "none", 0)
 
 
 _passive: dict[str, float] = {}
 
 
-def _ratio(name: str, law: str, *overrides: str) -> float:
+def _ratio(name: str, law: str, overrides: Mapping[str, Any] = NOTHING) -> float:
     if name not in _passive:
-        _passive[name] = simulate_case(_case(name, "passive")).metrics["objective"]
-    ratio = simulate_case(_case(name, law, *overrides)).metrics["objective"] / _passive[name]
-    print(f"{name} {law} {' '.join(overrides)} {ratio:.3f}", flush=True)
+        _passive[name] = simulate_case(_case(name, "passive", NOTHING)).metrics["objective"]
+    ratio = simulate_case(_case(name, law, overrides)).metrics["objective"] / _passive[name]
+    print(f"{name} {law} {dict(overrides)} {ratio:.3f}", flush=True)
     return round(ratio, 4)
 
 

@@ -95,7 +95,7 @@ def _flattened(mapping: Mapping[str, Any], outer: tuple[str, ...]) -> Iterator[O
         path = (*outer, *split_path(str(key)))
         if not isinstance(key, str | int) or not all(path):
             raise InputError(f"{label}: must name fields as path.to.field")
-        if isinstance(value, Mapping) and value and "kind" not in value:
+        if isinstance(value, Mapping) and "kind" not in value:
             yield from _flattened(value, path)
         else:
             yield Override(path, _plain(value), label)

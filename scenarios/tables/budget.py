@@ -26,6 +26,7 @@ ratios to the gain are undefined, and kept, rest and cost are null.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -33,22 +34,20 @@ from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
 from foreride.scenarios.runs.write import environment, to_json
-from foreride.scenarios.tables.options import shared_parser, whole_numbers
+from foreride.scenarios.tables.options import selected_overrides, shared_parser, whole_numbers
 from foreride.scenarios.tables.runs import Variant, metric, run_all
 
-EXACT_BOXES = [
-    "boxes.pixel_sigma=0",
-    "boxes.miss_probability=0",
-    "boxes.min_height_px=0",
-    *(f"{block}.{edge}_bias_px=[0, 0]" for block in ("boxes", "estimator") for edge in ("bottom", "top")),
-]
-LONG_PLAN = ["control.settings.mpc.horizon_s=0.5", "control.settings.mpc.fine_s=0.5"]
-SOURCES: dict[str, tuple[str, str, list[str]]] = {
+EXACT_BOXES = {
+    "boxes": {"pixel_sigma": 0, "miss_probability": 0, "min_height_px": 0},
+    **{f"{block}.{edge}_bias_px": [0, 0] for block in ("boxes", "estimator") for edge in ("bottom", "top")},
+}
+LONG_PLAN = {"control.settings.mpc": {"horizon_s": 0.5, "fine_s": 0.5}}
+SOURCES: dict[str, tuple[str, str, dict[str, Any]]] = {
     "detector": ("exact boxes of all objects in sight", "boxes", EXACT_BOXES),
-    "distance": ("the true near edge of what was found", "camera", ["told=[distance]"]),
-    "shape": ("the true kind, length and height of what was found", "camera", ["told=[shape]"]),
-    "latency": ("boxes at the moment of exposure", "camera", ["camera.latency_s=0"]),
-    "observer": ("the true state of the car", "camera", ["observer=truth"]),
+    "distance": ("the true near edge of what was found", "camera", {"told": ["distance"]}),
+    "shape": ("the true kind, length and height of what was found", "camera", {"told": ["shape"]}),
+    "latency": ("boxes at the moment of exposure", "camera", {"camera.latency_s": 0}),
+    "observer": ("the true state of the car", "camera", {"observer": "truth"}),
     "solver": ("a plan of 0.5 s, each period of it planned", "camera", LONG_PLAN),
 }
 """Error sources: description of the replacement, perception, and overridden fields."""
@@ -97,9 +96,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     check_files(asked.json)
     if asked.read:
         parser.error("--read: a budget is driven in one piece")
-    common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
-    plain = load_all(asked.events, common)
-    exact = load_all(asked.events, [*common, "observer=truth", *LONG_PLAN])
+    plain = load_all(asked.events, selected_overrides(asked))
+    exact = load_all(asked.events, selected_overrides(asked, {"observer": "truth"} | LONG_PLAN))
     variants = [
         Variant("passive", "passive", "none", plain),
         Variant("reactive", "mpc_reactive", "none", plain),
@@ -107,7 +105,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         Variant("whole", "mpc_preview", "camera", plain),
     ]
     for name, (_, perception, fields) in SOURCES.items():
-        variants.append(Variant(name, "mpc_preview", perception, load_all(asked.events, [*common, *fields])))
+        replaced = load_all(asked.events, selected_overrides(asked, fields))
+        variants.append(Variant(name, "mpc_preview", perception, replaced))
     seeds = whole_numbers("--seeds", asked.seeds)
     done = {name: metric(rows, "objective") for name, rows in run_all(variants, seeds).items()}
     passive = done.pop("passive")

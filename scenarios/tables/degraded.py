@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
-from foreride.scenarios.tables.options import parse_words, shared_parser, whole_numbers
+from foreride.scenarios.tables.options import parse_words, selected_overrides, shared_parser, whole_numbers
 from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 SIGMA_M = 0.05
@@ -37,14 +37,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
     check_files(asked.json)
-    common = [f"vehicle.model={asked.vehicle}", *asked.overrides]
-    variants = [Variant("mpc_reactive", "mpc_reactive", "none", load_all(asked.events, common))]
+    plain = load_all(asked.events, selected_overrides(asked))
+    variants = [Variant("mpc_reactive", "mpc_reactive", "none", plain)]
     lines = errors()
     wanted = parse_words("--lines", asked.lines, list(lines)) if asked.lines else list(lines)
     for name, line in lines.items():
         if name in wanted:
-            told = [f"oracle.{field}={value}" for field, value in line.items()]
-            variants.append(Variant(name, "mpc_preview", "oracle", load_all(asked.events, common + told)))
+            degraded = load_all(asked.events, selected_overrides(asked, {"oracle": line}))
+            variants.append(Variant(name, "mpc_preview", "oracle", degraded))
     done = run_all(variants, whole_numbers("--seeds", asked.seeds), asked.read)
     reactive = metric(done["mpc_reactive"], "objective")
     print(f"\n{asked.vehicle} car, {reactive.shape[1]} events, seeds {asked.seeds}\n")

@@ -21,7 +21,7 @@ from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.definition.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.definition.sets import load_all
-from foreride.scenarios.tables.options import parse_words, shared_parser, whole_numbers
+from foreride.scenarios.tables.options import parse_words, selected_overrides, shared_parser, whole_numbers
 from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 AHEAD_S, WINDOW_S = 0.2, 1.0
@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--lines", help="names of the lines, separated by commas (default all)")
     asked = parser.parse_args(arguments)
     check_files(asked.json)
-    scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
+    scenarios = load_all(asked.events, selected_overrides(asked))
     known = [*faults(0.0), *SOLVER]
     names = parse_words("--lines", asked.lines, known) if asked.lines else known
     wanted = [variant for name in ("no fault", *names) for variant in variants(name, scenarios)]

@@ -1,11 +1,14 @@
 """Options of the table commands: events, vehicle, seeds, files of rows, and comma-separated lists."""
 
-from collections.abc import Sequence
+from argparse import Namespace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.numbers import is_integer
+from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
 
 
 def table_parser(name: str, description: str) -> Parser:
@@ -44,3 +47,9 @@ def whole_numbers(option: str, text: str) -> list[int]:
         if not is_integer(word):
             raise InputError(f"{option}: must be whole numbers >= 0, separated by commas, got {shown(word)}")
     return [int(word) for word in words]
+
+
+def selected_overrides(selected: Namespace, fields: Mapping[str, Any] | None = None) -> list[Override]:
+    """Overrides of `--vehicle` and `--set`, then those of a line of the table."""
+    vehicle = Override(("vehicle", "model"), selected.vehicle, "--vehicle")
+    return [vehicle, *map(parse_override, selected.overrides), *collect_overrides(fields or {})]

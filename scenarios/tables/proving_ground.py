@@ -28,7 +28,7 @@ from foreride.scenarios.tables.options import table_parser
 BUMPS = ("theunissen_5x40_30", "theunissen_15x250_50")
 PRIMARY_RIDE_HZ = 4.0
 LADDER = (("passive", "none"), ("skyhook", "none"), ("mpc_reactive", "none"), ("mpc_preview", "oracle"))
-ACTIVE = ("vehicle.parameters.actuator={kind: slow_active}",)
+ACTIVE = {"vehicle.parameters.actuator": {"kind": "slow_active"}}
 
 
 class Ride(NamedTuple):
@@ -55,7 +55,7 @@ def primary_ride(acceleration: NDArray[np.float64]) -> float:
 
 def drive(vehicle: str, actuator: bool, bump: str, controller: str, perception: str, seed: int) -> Ride:
     """Simulate one car over one bump."""
-    scenario = load(bump, [f"vehicle.model={vehicle}", *(ACTIVE if actuator else ())])
+    scenario = load(bump, {"vehicle.model": vehicle} | (ACTIVE if actuator else {}))
     run = simulate_case(Case(scenario, controller, perception, seed))
     heave, pitch = (primary_ride(run.signals[name]) for name in ("cg_acc", "pitch_acc"))
     metrics = run.metrics["wk_rms"], run.metrics["peak_acc"]

@@ -12,7 +12,7 @@ import numpy as np
 from foreride.controller.tuned_settings import TUNED_CONTROLLERS
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.definition.sets import load_all
-from foreride.scenarios.tables.options import shared_parser, whole_numbers
+from foreride.scenarios.tables.options import selected_overrides, shared_parser, whole_numbers
 from foreride.scenarios.tables.runs import Variant, mean_over_events, metric, run_all, shown, write
 
 MPCS = ("mpc_reactive", "mpc_wheelbase", "mpc_preview")
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--controllers", default=",".join([*TUNED_CONTROLLERS, *MPCS]))
     asked = parser.parse_args(arguments)
     check_files(asked.json)
-    scenarios = load_all(asked.events, [f"vehicle.model={asked.vehicle}", *asked.overrides])
+    scenarios = load_all(asked.events, selected_overrides(asked))
     names = [
         name for name in asked.controllers.split(",") if asked.vehicle != "quarter" or name != "mpc_wheelbase"
     ]

@@ -44,6 +44,7 @@ def test_a_block_is_merged_but_one_of_several_kinds_is_replaced() -> None:
     assert replaced({"damper": {"ns_m": 2}}, document())["damper"] == {"kind": "a", "ns_m": 2}
     assert replaced({"damper": {"kind": "b"}}, document())["damper"] == {"kind": "b"}
     assert replaced({"map": {"file": Path("a.csv")}}, document())["map"] == {"file": "a.csv"}
+    assert replaced({"damper": {}}, document()) == document()
     assert replaced({"road": {"features": ()}}, document())["road"] == {"features": []}
 
 
