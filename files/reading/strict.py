@@ -1,8 +1,9 @@
 """Strict reading of YAML into frozen dataclasses: anything unknown is rejected, with its location.
 
-Field types: bool, int, float, str, `Literal`, `T | None`, `tuple[T, ...]`, `tuple[A, B]`, `dict[str, T]`,
-dataclasses, and unions of dataclasses discriminated by the key `kind`, which each member carries as
-`kind: ClassVar[str]`. `Annotated[Base, registry]` is such a union, open to the registry's further members.
+Field types: `Any`, bool, int, float, str, `Literal`, `T | None`, `tuple[T, ...]`, `tuple[A, B]`,
+`dict[str, T]`, dataclasses, and unions of dataclasses discriminated by the key `kind`, which each member
+carries as `kind: ClassVar[str]`. `Annotated[Base, registry]` is such a union, open to the registry's further
+members.
 """
 
 import sys
@@ -63,6 +64,8 @@ def _build(cls: Any, value: Any, path: str) -> Any:
         return _registered(registry, value, path) if registry else _build(args[0], value, path)
     if origin in (Union, types.UnionType):
         return _union(args, value, path)
+    if cls is Any:
+        return value
     if cls in _LEAVES:
         return _leaf(cls, value, path)
     if origin is Literal:

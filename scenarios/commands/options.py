@@ -28,7 +28,7 @@ from foreride.scenarios.comparison.table import short_name
 from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
 from foreride.scenarios.definition.sets import load_all
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
-from foreride.scenarios.runs.write import vehicle_name
+from foreride.scenarios.runs.record import vehicle_name
 from foreride.scenarios.simulation.referenced_files import check_case_files
 from foreride.scenarios.simulation.simulate import Run
 

@@ -22,6 +22,7 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.interface import Event, Exposure
+from foreride.scenarios.runs.record import RunRecord
 from foreride.scenarios.runs.validate import check_run
 from foreride.scenarios.runs.write import KIND, MANIFEST, frame_name
 from foreride.scenarios.simulation.preview_log import PreviewLog
@@ -56,21 +57,22 @@ def _read(folder: Path) -> Run:
     scenario = strict.structure(Scenario, told, f"{folder / MANIFEST}: definition")
     events = files.json_lines("events.jsonl")
     table = files.table(SIGNALS)
+    record = RunRecord.read(manifest, str(folder))
     try:
         return Run(
-            case=Case(scenario, manifest["controller"], manifest["perception"], manifest["seed"]),
+            case=Case(scenario, record.controller, record.perception, record.seed),
             signals={name: table[name].to_numpy() for name in table.column_names},
             metrics=files.json("metrics.json"),
             events=events,
-            solver=manifest["solver"],
-            observer=manifest["observer_error"],
-            perception_stats=manifest["perception_stats"],
-            timing=manifest["timing"],
+            solver=record.solver,
+            observer=record.observer_error,
+            perception_stats=record.perception_stats,
+            timing=record.timing,
             files_sha256={name: manifest.get(name) for name in hash_names()},
             track_y_m=manifest["track_y_m"],
             looks=[_look(event, files) for event in events if event["event"] == "boxes"],
             previews=_previews(files.table("previews.parquet")),
-            bound=manifest.get("bound"),
+            bound=record.bound,
         )
     except KeyError as error:
         raise InputError(f"{folder}: its files lack {error}; a run of another version of foreride") from None

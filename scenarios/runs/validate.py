@@ -9,6 +9,7 @@ import numpy as np
 from foreride.comfort.registry import METRICS
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict
+from foreride.scenarios.runs.record import RunRecord
 from foreride.scenarios.runs.write import row
 from foreride.scenarios.simulation.simulate import Run
 
@@ -33,19 +34,14 @@ class _Bound:
     passive_objective: float
 
 
-@dataclass(frozen=True)
-class _Row:
-    """Fields of a comparison's row that reports rely on; further ones are allowed."""
+@dataclass(frozen=True, kw_only=True)
+class _Row(RunRecord):
+    """Row of a comparison, with what reports rely on in it; further fields are allowed."""
 
-    scenario: str
-    vehicle: str
-    controller: str
-    perception: str
-    seed: int
-    metrics: dict[str, float]
     timing: dict[str, float | None]
     solver: _Solver
     bound: _Bound | None = None
+    metrics: dict[str, float]
 
     def __post_init__(self) -> None:
         missing = [name for name in REQUIRED_METRICS if name not in self.metrics]

@@ -22,6 +22,7 @@ from foreride.files.writing.sharing import shared_name, shared_target
 from foreride.preview.prior_drives.memory_file import to_text as memory_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.runs.record import RunRecord, vehicle_name
 from foreride.scenarios.simulation.preview_log import PreviewLog
 from foreride.scenarios.simulation.simulate import Run
 from foreride.vehicle.state import signal_unit
@@ -69,11 +70,6 @@ def definition(scenario: Scenario) -> dict[str, Any]:
     return told | {"vehicle": told["vehicle"] | {"model": vehicle_name(scenario)}}
 
 
-def vehicle_name(scenario: Scenario) -> str:
-    """Shared name of a scenario's car: its name in the library, or the name of its file."""
-    return shared_name(scenario.vehicle.model)
-
-
 def _with_files(scenario: Scenario, named: Callable[[str], str]) -> dict[str, Any]:
     told = dict(scenario.mapping)
     for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
@@ -106,43 +102,18 @@ def manifest(run: Run) -> dict[str, Any]:
     """Manifest of a run: everything needed to repeat it, and its run times."""
     return {
         "schema": 1,
-        "scenario": run.case.scenario.name,
         "scenario_hash": scenario_hash(run.case.scenario),
         "definition": definition(run.case.scenario),
-        "vehicle": vehicle_name(run.case.scenario),
-        "controller": shared_target(run.case.controller),
-        "perception": run.case.perception,
-        "seed": run.case.seed,
         **run.files_sha256,
-        "observer_error": run.observer,
         "track_y_m": run.track_y_m,
-        "timing": run.timing,
-        "solver": run.solver,
-        "perception_stats": run.perception_stats,
-        **_bound(run),
+        **RunRecord.of(run).mapping(),
         **environment(),
     }
 
 
 def row(run: Run) -> dict[str, Any]:
-    """Summary row of a run for a comparison: case, metrics and run times."""
-    return {
-        "scenario": run.case.scenario.name,
-        "vehicle": vehicle_name(run.case.scenario),
-        "controller": shared_target(run.case.controller),
-        "perception": run.case.perception,
-        "seed": run.case.seed,
-        "metrics": run.metrics,
-        "timing": run.timing,
-        "solver": run.solver,
-        "observer_error": run.observer,
-        "perception_stats": run.perception_stats,
-        **_bound(run),
-    }
-
-
-def _bound(run: Run) -> dict[str, Any]:
-    return {} if run.bound is None else {"bound": run.bound}
+    """Summary row of a run for a comparison: its record and metrics."""
+    return RunRecord.of(run).mapping() | {"metrics": run.metrics}
 
 
 def folder_name(case: Case) -> str:

@@ -13,7 +13,8 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.options import add_field_options, console, overrides_of
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.runs.write import environment, scenario_hash, to_json, vehicle_name
+from foreride.scenarios.runs.record import vehicle_name
+from foreride.scenarios.runs.write import environment, scenario_hash, to_json
 from foreride.vehicle.dampers.actuator import FullyActive, SlowActive
 
 ACTUATORS = {"none": None, "slow_active": SlowActive(), "fully_active": FullyActive()}
