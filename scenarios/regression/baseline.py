@@ -93,6 +93,10 @@ class _Case:
         )
 
     def __post_init__(self) -> None:
+        try:
+            collect_overrides(self.set)
+        except InputError as error:
+            raise InputError(f"set: {error}") from None
         if not self.metrics:
             raise InputError("metrics must hold at least one metric, got none")
         if self.seed < 0:

@@ -138,6 +138,7 @@ def test_the_scenario_is_found_from_wherever_the_check_is_started(
         (document(cases=case(metrics='{"vdv": 1e999}')), "must be finite, got '1e999'"),
         (document(cases=case(seed="1.5")), "cases[0].seed must be a whole number, got 1.5"),
         (document(cases=case(seed="-1")), "cases[0].seed must be >= 0, got -1"),
+        (document(cases=case(set='["speed"]')), "cases[0].set: --set 'speed': must read path.to.field=value"),
         (document(cases=case(set='"speed"')), "cases[0].set must be a list, got 'speed'"),
     ],
 )
