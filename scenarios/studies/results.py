@@ -109,7 +109,7 @@ def load_results(folder: Path) -> pa.Table:
     with reading(f"{folder}: part-*.parquet"):
         table = pa.concat_tables(parts, promote_options="permissive")
     latest = {key: index for index, key in enumerate(table["key"].to_pylist())}
-    return table.take(sorted(latest.values()))
+    return table.take(pa.array(sorted(latest.values()), pa.int64()))
 
 
 def _row(line: bytes, location: str) -> dict[str, Any]:

@@ -133,6 +133,15 @@ def test_a_damaged_line_before_the_last_is_named_and_nothing_is_changed(
     assert journal.read_bytes() == content
 
 
+def test_a_part_without_rows_adds_none(tmp_path: Path) -> None:
+    results = Results(tmp_path)
+    results.add(row(0))
+    results.flush()
+    part = tmp_path / "part-00000.parquet"
+    pq.write_table(pq.read_table(part).slice(0, 0), part)
+    assert load_results(tmp_path).num_rows == 0
+
+
 def test_a_part_without_keys_is_refused(tmp_path: Path) -> None:
     Results(tmp_path)
     pq.write_table(pa.table({"key": [1], "error": [None]}), tmp_path / "part-00000.parquet")
