@@ -77,7 +77,11 @@ def test_a_fresh_run_forgets_the_history_of_one_without_a_checkpoint(tmp_path: P
     [([0.1], False), ([0.1, 0.2, 0.1], False), ([0.1, 0.2, 0.1, 0.2], True), ([None, None, None], True)],
 )
 def test_patience_waits_for_the_best(tmp_path: Path, scores: list[float | None], stalled: bool) -> None:
-    lines = [json.dumps({"map50_95": score}) for score in scores]
+    rows = (
+        {"passes": 8 * k, "map50": score, "map50_95": score, "recall": score}
+        for k, score in enumerate(scores)
+    )
+    lines = [json.dumps(row) for row in rows]
     record = TrainingLog(tmp_path, 0)
     record.history.write_text("\n".join(lines) + "\n")
     assert record.stalled(2) == stalled

@@ -126,9 +126,9 @@ def test_without_weight_the_edge_term_changes_nothing() -> None:
 
 
 def test_constants_out_of_range_are_refused() -> None:
-    with pytest.raises(ValueError, match="nwd_alpha must be in"):
+    with pytest.raises(ValueError, match="nwd_alpha must lie in 0"):
         LossWeights(nwd_alpha=1.5)
     with pytest.raises(ValueError, match="nwd_scale must be > 0"):
         LossWeights(nwd_scale=0)
-    with pytest.raises(ValueError, match="edge must be >= 0"):
+    with pytest.raises(ValueError, match="edge must lie in 0"):
         LossWeights(edge=-1)
