@@ -18,7 +18,11 @@ _TRACES = (("seat_acc_0", "#1f6fb4"), ("road_height_0", "#555a60"))
 
 def result_view(result: "Result") -> str:
     """Traces of seat acceleration and road around the event, above the table of the metrics."""
-    rows = [(name, f"{value:.4g}", METRICS.get(name, "")) for name, value in result.metrics.items()]
+    known = METRICS.parts()
+    rows = [
+        (name, f"{value:.4g}", known[name].definition if name in known else "")
+        for name, value in result.metrics.items()
+    ]
     traces = "".join(_trace(result, name, colour) for name, colour in _TRACES)
     return f"<p>{escape(repr(result)[1:-1])}</p>{traces}{table(('metric', 'value', 'meaning'), rows)}"
 

@@ -11,6 +11,7 @@ import pytest
 
 import foreride
 from foreride import InputError
+from foreride.comfort import METRICS
 
 SHORT = {"vehicle.model": "quarter", "road": {"length_m": 20, "features[0]": {"start_m": 10}}}
 HEAVY = {"casadi", "mujoco", "numba", "matplotlib", "numpy", "scipy", "cv2", "onnxruntime", "pyarrow", "yaml"}
@@ -89,6 +90,7 @@ def test_results_show_themselves_in_notebooks(passive: foreride.Result) -> None:
     assert view.count("<polyline") == 2
     assert "seat_acc_0: -" in view
     assert "<td>objective</td>" in view
+    assert f"<td>{METRICS.parts()['wk_rms'].definition}</td>" in view
     comparison = foreride.Comparison((passive,))._repr_html_()
     assert "<th>controller</th>" in comparison
     assert "<td>passive</td>" in comparison
