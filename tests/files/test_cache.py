@@ -90,14 +90,15 @@ def test_machine_code_of_other_sources_has_another_folder(
 
 @pytest.fixture(scope="module")
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Copy of the packages in which no folder `__pycache__` can be created, for any user."""
-    folder = tmp_path_factory.mktemp("installation")
+    """Copy as a wheel lays it, in which no folder `__pycache__` can be created, for any user."""
+    folder = tmp_path_factory.mktemp("installation") / "foreride"
+    shutil.copytree(ROOT / "foreride", folder, ignore=shutil.ignore_patterns("__pycache__"))
     for package in PACKAGES:
         shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
     for package in compiled.PACKAGES:
         for inner in {source.parent for source in (folder / package).rglob("*.py")}:
             (inner / "__pycache__").touch()
-    return folder
+    return folder.parent
 
 
 def test_a_read_only_installation_without_a_home_works(installation: Path, tmp_path: Path) -> None:
@@ -106,9 +107,21 @@ def test_a_read_only_installation_without_a_home_works(installation: Path, tmp_p
         "HOME": "/dev/null",
         "TMPDIR": str(tmp_path / "temporary"),
     }
-    asked = [sys.executable, "-m", "foreride.scenarios.cli", "--help"]
-    found = subprocess.run(asked, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
-    assert found.returncode == 0, found.stderr
-    (said,) = [line for line in found.stderr.splitlines() if "onnxruntime" not in line]
-    assert "/dev/null/.cache/foreride cannot be written, so caches are in " in said
+    compiling = "import foreride.controller.mpc.condensing as module; print(module.__file__)"
+    for asked, answer in (
+        (["-m", "foreride.scenarios.cli", "--help"], "usage: foreride"),
+        (["-c", compiling], str(installation)),
+    ):
+        found = subprocess.run(
+            [sys.executable, *asked],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert found.returncode == 0, found.stderr
+        assert found.stdout.startswith(answer)
+        (said,) = [line for line in found.stderr.splitlines() if "onnxruntime" not in line]
+        assert "/dev/null/.cache/foreride cannot be written, so caches are in " in said
     assert list((tmp_path / "temporary").rglob("*.nbi"))  # functions with a signature are compiled at once
