@@ -21,8 +21,8 @@ vehicle: {model: quarter}
 def groups(*words: str) -> list[tuple[str, list[Case]]]:
     """Groups of cases that the command would simulate."""
     parser = argparse.ArgumentParser()
-    perception.add(parser.add_subparsers())
-    arguments = parser.parse_args(["perception", *words])
+    perception.configure(parser)
+    arguments = parser.parse_args(list(words))
     return (perception._courses if arguments.courses else perception._scenarios)(arguments)
 
 
