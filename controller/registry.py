@@ -1,8 +1,8 @@
-"""Registry of controllers by name; user-defined ones are in `controller.user_controller`."""
+"""Registry of controllers by name; those named by a file are in `controller.user_controller`."""
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from foreride.controller.interface import Controller, MonitoredController, Timing
 from foreride.controller.laws.damper_inverse import EquivalentDamping, is_linear
@@ -18,7 +18,8 @@ from foreride.controller.supervision.supervisor import FallbackSupervisor
 from foreride.controller.tuned_settings import settings_for
 from foreride.controller.user_controller import Factory as UserFactory
 from foreride.controller.user_controller import build_user_controller, is_user_controller
-from foreride.files.errors import InputError
+from foreride.files.errors import InputError, shown
+from foreride.files.plugins import Registry
 from foreride.vehicle.load import Car, control_model
 
 Factory = Callable[..., MonitoredController]
@@ -38,7 +39,7 @@ class ControllerEntry(NamedTuple):
     commands_settings: bool = False
 
 
-CONTROLLERS: dict[str, ControllerEntry] = {
+_OWN = {
     "passive": ControllerEntry(passive, "passive", commands_settings=True),
     "fixed": ControllerEntry(fixed, "fixed", commands_settings=True),
     "skyhook": ControllerEntry(Skyhook, "skyhook"),
@@ -57,6 +58,21 @@ CONTROLLERS: dict[str, ControllerEntry] = {
     ),
     "mpc_preview": ControllerEntry(PredictiveController, "mpc", uses_preview=True, commands_settings=True),
 }
+
+
+def _accept(name: str, value: Any) -> ControllerEntry:
+    """Entry of a class or function (vehicle, timing, **settings) → controller, as a controller file has."""
+    if not callable(value):
+        raise InputError(f"must be a class or function, got {shown(value)}")
+
+    def make(vehicle: Car, settings: dict[str, float], timing: Timing) -> Controller:
+        return build_user_controller(value, vehicle, settings, timing)
+
+    previewed = bool(getattr(value, "uses_preview", True))
+    return ControllerEntry(make, "user", uses_preview=previewed, commands_settings=True)
+
+
+CONTROLLERS: Registry[ControllerEntry] = Registry("foreride.controllers", "controller", _OWN, _accept)
 
 CLAIRVOYANT = "clairvoyant"
 """Replay of a drive's optimum; only the closed loop can build it, as it belongs to one drive."""
@@ -117,7 +133,8 @@ def uses_preview(name: str) -> bool:
 
 
 def _entry(name: str) -> ControllerEntry:
-    if name not in CONTROLLERS:
-        known = ", ".join([*CONTROLLERS, CLAIRVOYANT])
+    entry = CONTROLLERS.find(name)
+    if entry is None:
+        known = ", ".join([*CONTROLLERS.names(), CLAIRVOYANT])
         raise InputError(f"controller must be one of {known} or FILE.py:NAME, got {name!r}")
-    return CONTROLLERS[name]
+    return entry

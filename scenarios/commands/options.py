@@ -16,6 +16,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from foreride.controller.registry import CONTROLLERS
 from foreride.controller.settings import ControllerSettings
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict, yaml12
@@ -68,9 +69,9 @@ def comma_list(text: str) -> list[str]:
 def add_case_options(command: argparse.ArgumentParser, controllers: str, perceptions: str) -> None:
     """Add the options that select the cases: controllers, perception, seeds, and scenario fields."""
     names, ladder = comma_list(controllers), comma_list(perceptions)
-    own = f"names, or your own as path/to/file.py:name; each runs once (default {controllers})"
+    own = f"{', '.join(CONTROLLERS.names())}, or your own as path/to/file.py:name (default {controllers})"
     command.add_argument("--controllers", type=comma_list, default=names, metavar="A,B,...", help=own)
-    known = f"{', '.join(PERCEPTIONS)} (default {perceptions})"
+    known = f"{', '.join(PERCEPTIONS.names())} (default {perceptions})"
     command.add_argument("--perception", type=comma_list, default=ladder, metavar="A,B,...", help=known)
     command.add_argument(
         "--seeds", type=comma_list, metavar="0,1,...", help="override the scenario's; each runs once"

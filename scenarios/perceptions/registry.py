@@ -1,9 +1,13 @@
 """Registry of perceptions by name: the ladder from no preview to the camera."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 from foreride.files.errors import InputError, shown
+from foreride.files.own_code import error_text, waiting_for
+from foreride.files.plugins import Registry
 from foreride.scenarios.perceptions.camera import MEMORY_FILE, WEIGHTS_FILE, build_boxes, build_camera
 from foreride.scenarios.perceptions.interface import Drive, Perception, ReferencedFile
 from foreride.scenarios.perceptions.oracle import build_oracle
@@ -26,7 +30,7 @@ class PerceptionEntry:
     has_estimator: bool = False
 
 
-PERCEPTIONS: dict[str, PerceptionEntry] = {
+_OWN = {
     "none": PerceptionEntry(lambda drive: Perception(), "no preview", looks_ahead=False),
     "oracle": PerceptionEntry(build_oracle, "true road"),
     "map": PerceptionEntry(build_map, "map of the road", files=(MAP,)),
@@ -35,11 +39,37 @@ PERCEPTIONS: dict[str, PerceptionEntry] = {
         build_camera, "camera and detector", files=(WEIGHTS_FILE, MEMORY_FILE), has_estimator=True
     ),
 }
-"""In the order of a ladder: each is nearer to a real car than the one before."""
+
+
+def _accept(name: str, value: Any) -> PerceptionEntry:
+    """Entry of a package or user: a `PerceptionEntry`, or a class or function (drive) → perception."""
+    entry = PerceptionEntry(value, name) if callable(value) else value
+    if not isinstance(entry, PerceptionEntry):
+        raise InputError(f"must be a class, a function or a PerceptionEntry, got {shown(value)}")
+
+    def build(drive: Drive) -> Perception:
+        try:
+            with waiting_for(f"perception {name}"):
+                perception = entry.build(drive)
+        except (InputError, KeyboardInterrupt):
+            raise
+        except BaseException as error:  # user code may raise anything, even SystemExit
+            told = error_text(error, Path())
+            raise InputError(f"perception {name}: cannot be built ({told})") from error
+        if not isinstance(perception, Perception):
+            raise InputError(f"perception {name}: must derive from Perception, got {shown(perception)}")
+        return perception
+
+    return replace(entry, build=build)
+
+
+PERCEPTIONS: Registry[PerceptionEntry] = Registry("foreride.perceptions", "perception", _OWN, _accept)
+"""In the order of a ladder: each is nearer to a real car than the one before; then the added ones."""
 
 
 def perception_entry(name: str) -> PerceptionEntry:
     """Entry of the perception called `name`; InputError if there is none."""
-    if name not in PERCEPTIONS:
-        raise InputError(f"perception must be one of {', '.join(PERCEPTIONS)}, got {shown(name)}")
-    return PERCEPTIONS[name]
+    entry = PERCEPTIONS.find(name)
+    if entry is None:
+        raise InputError(f"perception must be one of {', '.join(PERCEPTIONS.names())}, got {shown(name)}")
+    return entry

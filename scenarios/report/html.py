@@ -62,7 +62,7 @@ def _drive(run: Run) -> tuple[str, str]:
 def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
     images = sum(look.image is not None for run in runs for look in run.looks)
     frame_stride = max(1, -(-images // MAX_FRAMES))
-    shown, ladder = [], list(PERCEPTIONS)
+    shown, ladder = [], PERCEPTIONS.names()
     for _, group in groupby(runs, key=_drive):
         members = list(group)
         notes = {label_of(run): _frames_note(run, frames_from, frame_stride) for run in members}

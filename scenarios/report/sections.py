@@ -46,7 +46,7 @@ def budget_section(variants: Sequence[Variant]) -> str:
         reactive, best = objectives.get(_REACTIVE), objectives.get(("mpc_preview", "oracle"))
         if reactive is None or best is None:
             continue
-        for perception, entry in PERCEPTIONS.items():
+        for perception, entry in PERCEPTIONS.parts().items():
             objective = objectives.get(("mpc_preview", perception))
             if entry.looks_ahead and objective is not None:
                 share = f"{(reactive - objective) / (reactive - best):.0%}" if reactive > best else "–"

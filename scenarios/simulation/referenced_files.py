@@ -1,16 +1,21 @@
 """Files that a case names beside its road: checked before the simulation, identified by their hashes."""
 
 import hashlib
+from collections.abc import Iterable
 from pathlib import Path
 
 from foreride.controller.user_controller import is_user_controller, load_user_controller
 from foreride.scenarios.cases import Case
-from foreride.scenarios.perceptions.registry import PERCEPTIONS, perception_entry
+from foreride.scenarios.perceptions.registry import PERCEPTIONS, PerceptionEntry, perception_entry
 
 
 def hash_names() -> tuple[str, ...]:
     """Names in the manifest of all files that any perception reads."""
-    return tuple(dict.fromkeys(file.hash_name for entry in PERCEPTIONS.values() for file in entry.files))
+    return _hash_names(PERCEPTIONS.parts().values())
+
+
+def _hash_names(entries: Iterable[PerceptionEntry]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(file.hash_name for entry in entries for file in entry.files))
 
 
 def check_case_files(case: Case) -> None:
@@ -23,8 +28,10 @@ def check_case_files(case: Case) -> None:
 
 def hashes(case: Case) -> dict[str, str | None]:
     """SHA-256 of every file that the perceptions read; None for what the case does not use."""
-    paths = {file.hash_name: file.path(case.scenario) for file in perception_entry(case.perception).files}
-    return {name: _sha256(path) if (path := paths.get(name)) else None for name in hash_names()}
+    entry = perception_entry(case.perception)
+    paths = {file.hash_name: file.path(case.scenario) for file in entry.files}
+    names = _hash_names([*PERCEPTIONS.own.values(), entry])
+    return {name: _sha256(path) if (path := paths.get(name)) else None for name in names}
 
 
 def _sha256(path: Path | str) -> str:

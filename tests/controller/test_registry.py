@@ -49,7 +49,7 @@ def own(tmp_path: Path) -> Path:
     ("name", "car"),
     [
         (name, car)
-        for name in CONTROLLERS
+        for name in CONTROLLERS.own
         for car in ("quarter", "half", "full")
         if (name, car) != ("mpc_wheelbase", "quarter") and not (name.startswith("mpc") and car == "full")
     ],
@@ -135,7 +135,7 @@ def test_files_that_do_not_load_are_told(tmp_path: Path) -> None:
         load_user_controller(f"{bad}:f")
 
 
-@pytest.mark.parametrize("name", CONTROLLERS)
+@pytest.mark.parametrize("name", CONTROLLERS.own)
 def test_every_controller_reports_on_itself(name: str) -> None:
     """What supervisor, loop and statistics read is declared, not asked for by name."""
     controller = build(name, load_vehicle("half"))

@@ -50,6 +50,8 @@ def is_module(dotted: str) -> bool:
     module = ROOT / place.replace(".", "/") / name
     if module.is_dir() or module.with_suffix(".py").is_file():
         return True
+    if (ROOT / "foreride" / f"{name}.py").is_file() and not place:
+        return True
     owner = module.parent / "__init__.py" if module.parent.is_dir() else module.parent.with_suffix(".py")
     return owner.is_file() and re.search(rf"\b{name}\b", owner.read_text()) is not None
 

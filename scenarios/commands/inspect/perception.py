@@ -22,7 +22,7 @@ from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perception_benchmark.roads import COURSES, LOOKS, MIXED, course
 from foreride.scenarios.perception_benchmark.summary import summarise
 from foreride.scenarios.perception_benchmark.table import error_table, use_table
-from foreride.scenarios.perceptions.registry import PERCEPTIONS
+from foreride.scenarios.perceptions.registry import PERCEPTIONS, perception_entry
 from foreride.scenarios.report.perception import write_error_figure
 from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.simulation.simulate import Run
@@ -56,8 +56,8 @@ def configure(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--grade", type=float, help="change of grade before each obstacle of a course (m/m)")
     command.add_argument("--events", type=int, help="obstacles per course (default 100)")
-    tracking = [name for name, entry in PERCEPTIONS.items() if entry.has_estimator]
-    command.add_argument("--perception", choices=tracking, default="camera")
+    told = "one that tracks obstacles: boxes, camera (default) or an added one"
+    command.add_argument("--perception", type=_tracking, default="camera", metavar="NAME", help=told)
     command.add_argument(
         "--seeds", type=comma_list, metavar="0,1,...", help="seeds of a scenario; first seed of a course"
     )
@@ -67,6 +67,13 @@ def configure(command: argparse.ArgumentParser) -> None:
     add_field_options(command)
     add_output_options(command)
     command.set_defaults(execute=execute)
+
+
+def _tracking(name: str) -> str:
+    if not perception_entry(name).has_estimator:
+        tracking = ", ".join(name for name, entry in PERCEPTIONS.parts().items() if entry.has_estimator)
+        raise InputError(f"--perception must be one of {tracking}, got {name}")
+    return name
 
 
 def execute(arguments: argparse.Namespace) -> int:

@@ -67,7 +67,7 @@ def _with_frames(runs: Sequence[Run]) -> list[Run]:
 
 def _pairs(runs: Sequence[Run]) -> list[tuple[Run, Run]]:
     """(passive, best run with perception) of each drive."""
-    pairs, ladder = [], list(PERCEPTIONS)
+    pairs, ladder = [], PERCEPTIONS.names()
     for _, group in groupby(runs, key=lambda run: run.case.scenario.name):
         members = list(group)
         passive = next((run for run in members if run.case.controller == "passive"), None)

@@ -1,6 +1,7 @@
 """Tests of the registry of perceptions: one entry reaches drive, file checks and hashes, and command line."""
 
 import hashlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,7 @@ class TrueRoad(Perception):
         return oracle_preview(self._drive.profiles, [float(state.x_m)], time_s)
 
 
-@pytest.mark.parametrize("name", PERCEPTIONS)
+@pytest.mark.parametrize("name", PERCEPTIONS.own)
 def test_every_entry_has_a_label_and_distinct_hashes(name: str) -> None:
     entry = perception_entry(name)
     assert entry.label
@@ -41,16 +42,20 @@ def test_unknown_names_are_refused_by_name() -> None:
         Case(load("bump_8x40_30"), "passive", "radar", 0)
 
 
-def test_one_entry_reaches_the_drive(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(PERCEPTIONS, "lidar", PerceptionEntry(TrueRoad, "lidar"))
+@pytest.fixture(autouse=True)
+def _restored() -> Iterator[None]:
+    yield
+    PERCEPTIONS.unregister("lidar")
+
+
+def test_one_entry_reaches_the_drive() -> None:
+    PERCEPTIONS.register("lidar", PerceptionEntry(TrueRoad, "lidar"))
     scenario = load("bump_8x40_30", SHORT)
     lidar, oracle = (simulate(Case(scenario, "mpc_preview", name, 0)) for name in ("lidar", "oracle"))
     assert lidar.metrics == oracle.metrics
 
 
-def test_one_entry_reaches_the_checks_and_hashes_of_files(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_one_entry_reaches_the_checks_and_hashes_of_files(tmp_path: Path) -> None:
     file = tmp_path / "scan.bin"
 
     def check(scenario: object) -> None:
@@ -58,7 +63,7 @@ def test_one_entry_reaches_the_checks_and_hashes_of_files(
             raise InputError(f"{file} must exist")
 
     scan = ReferencedFile("scan_sha256", lambda scenario: file, check)
-    monkeypatch.setitem(PERCEPTIONS, "lidar", PerceptionEntry(TrueRoad, "lidar", files=(scan,)))
+    PERCEPTIONS.register("lidar", PerceptionEntry(TrueRoad, "lidar", files=(scan,)))
     case = Case(load("bump_8x40_30", SHORT), "mpc_preview", "lidar", 0)
     with pytest.raises(InputError, match=r"scan\.bin must exist"):
         check_case_files(case)
