@@ -65,7 +65,7 @@ def _accept(name: str, value: Any) -> ControllerEntry:
     if not callable(value):
         raise InputError(f"must be a class or function, got {shown(value)}")
 
-    def make(vehicle: Car, settings: dict[str, float], timing: Timing) -> Controller:
+    def make(vehicle: Car, settings: dict[str, float], timing: Timing) -> MonitoredController:
         return build_user_controller(value, vehicle, settings, timing)
 
     previewed = bool(getattr(value, "uses_preview", True))
