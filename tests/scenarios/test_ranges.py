@@ -11,6 +11,7 @@ import pytest
 
 from foreride.controller.settings import ControllerSettings
 from foreride.files.errors import InputError
+from foreride.files.plugins import Registry
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Number, number_of, numbers_in
 from foreride.preview.prior_drives.memory_file import Memory
@@ -123,6 +124,8 @@ def least(hint: Any) -> Any:
     if (number := number_of(hint)) is not None:
         return number.bounds()[1 if number.in_range(number.bounds()[1]) else 0]
     members = get_args(hint)
+    if registry := next((member for member in members if isinstance(member, Registry)), None):
+        return {"kind": (name := next(iter(registry.own)))} | required(registry.own[name])
     if get_origin(hint) is Literal:
         return members[0]
     if get_origin(hint) is tuple:
