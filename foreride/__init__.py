@@ -13,6 +13,13 @@ if TYPE_CHECKING:
     from foreride.controller.interface import Controller, Estimate
     from foreride.detector.runtime import Detector
     from foreride.drives import bound, compare, load_run, load_scenario, run
+    from foreride.extensions import (
+        register_controller,
+        register_damper,
+        register_feature,
+        register_metric,
+        register_perception,
+    )
     from foreride.files.errors import InputError
     from foreride.outputs import report, sweep
     from foreride.preview.road_preview import RoadPreview
@@ -36,6 +43,11 @@ _PLACES = {
     "load_run": "drives",
     "load_scenario": "drives",
     "load_vehicle": "vehicle.load",
+    "register_controller": "extensions",
+    "register_damper": "extensions",
+    "register_feature": "extensions",
+    "register_metric": "extensions",
+    "register_perception": "extensions",
     "report": "outputs",
     "ride_metrics": "comfort",
     "run": "drives",
@@ -43,8 +55,9 @@ _PLACES = {
 }
 __all__ = [
     "Comparison", "Controller", "Detector", "Estimate", "InputError", "Result", "Road", "RoadPreview",
-    "bound", "compare", "linear_twin", "load_run", "load_scenario", "load_vehicle", "report", "ride_metrics",
-    "run", "sweep",
+    "bound", "compare", "linear_twin", "load_run", "load_scenario", "load_vehicle", "register_controller",
+    "register_damper", "register_feature", "register_metric", "register_perception", "report",
+    "ride_metrics", "run", "sweep",
 ]  # fmt: skip
 
 _CHECKOUT = Path(__file__).resolve().parents[1]
