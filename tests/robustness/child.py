@@ -42,8 +42,8 @@ def start(
 
         prepare()
         before()
+        _open_streams()
         status = main(arguments)
-        sys.stdout.flush()
     except SystemExit as error:
         status = error.code if isinstance(error.code, int) else 1
     except BaseException:
@@ -52,8 +52,9 @@ def start(
         traceback.print_exc()
         status = 70
     finally:
-        with suppress(OSError, ValueError):
-            sys.stderr.flush()
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                stream.flush()
         os._exit(status)
 
 
@@ -78,12 +79,19 @@ def run(
     return Ended(os.waitstatus_to_exitcode(code), text.splitlines())
 
 
+def _open_streams() -> None:
+    """Open the streams as a new interpreter would: None where the system has closed them."""
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        stream = None
+        with suppress(OSError):
+            stream = os.fdopen(number, "w", 1, closefd=False)
+        setattr(sys, name, stream)
+
+
 def _redirect(stderr: int) -> None:
     nothing = os.open(os.devnull, os.O_RDWR)
     for number, target in ((0, nothing), (1, nothing), (2, stderr)):
         os.dup2(target, number)
-    sys.stdout = os.fdopen(1, "w", 1, closefd=False)
-    sys.stderr = os.fdopen(2, "w", 1, closefd=False)
 
 
 def killed_at(number: int, folder: Path) -> Callable[[], None]:

@@ -106,7 +106,7 @@ FAULTS: dict[str, Fault] = {
     "stdout closed": _closed(1),
     "stderr closed": _closed(2),
     "stdout full": Fault(_full_output, (0, 1, 2)),
-    "stdout a broken pipe": Fault(_broken_pipe, (0, 1, 2)),
+    "stdout a broken pipe": Fault(_broken_pipe, (0, 1, 2, 141)),  # as a shell tells of SIGPIPE
     "umask 077": Fault(_private, (0,), over=False),
 }
 ENVIRONMENTS: dict[str, dict[str, str | None]] = {
