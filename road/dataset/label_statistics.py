@@ -37,13 +37,15 @@ def box_statistics(folder: Path) -> dict:
         try:
             boxes = _boxes(path)
         except InputError as error:
-            faults.append(str(error))
+            faults.append(str(error).removeprefix(f"{folder}/"))
             continue
         empty += not boxes
         for cls, width, height in boxes:
             sizes[cls].append((width, height))
     if faults:
-        raise InputError(f"{len(faults)} of {len(paths)} images cannot be used: {'; '.join(faults)}")
+        raise InputError(
+            f"{folder}: {len(faults)} of {len(paths)} images cannot be used: {'; '.join(faults)}"
+        )
     classes = {name: _sizes(rows) for name, rows in zip(CLASS_NAMES, sizes, strict=True) if rows}
     return {"images": len(paths), "without_object": empty, "classes": classes}
 

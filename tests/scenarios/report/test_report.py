@@ -153,7 +153,7 @@ def test_a_malformed_budget_is_told_in_one_line(
     source = [str(compared / "runs" / "short-half-passive-none-seed0"), "--out", str(out)]
     assert main(["report", *source, "--budget", str(budget)]) == 2
     (told,) = capsys.readouterr().err.strip().splitlines()
-    assert "budget.json: is no " in told
+    assert "budget.json: is not " in told
     assert not out.exists()
 
 
