@@ -105,6 +105,10 @@ boxes: np.ndarray = foreride.Detector()(np.zeros((480, 640, 3), np.uint8)).boxes
 ride = foreride.ride_metrics
 controller: foreride.Controller = Own(0, 0)
 error: type[ValueError] = foreride.InputError
+foreride.register_controller("own", Own)
+decorators = foreride.register_damper, foreride.register_feature
+others = foreride.register_metric, foreride.register_perception
+foreride.register_metric("jerk")  # wrong
 foreride.run("bump_8x40_30", controler="passive")  # wrong
 foreride.run("bump_8x40_30", seed="1")  # wrong
 foreride.compare("bump_8x40_30", jobs="2")  # wrong
