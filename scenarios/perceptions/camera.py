@@ -26,6 +26,8 @@ from foreride.scenarios.perceptions.interface import Drive, Exposure, Referenced
 from foreride.vehicle.state import VehicleState
 
 BoxSource = Callable[[int, VehicleState], Exposure]
+MIN_HEIGHT_M = 0.05
+"""Height of the lowest camera that calibration errors make of a low one."""
 _SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise
 
 
@@ -69,13 +71,15 @@ def nominal_mount(scenario: Scenario) -> CameraMount:
 
 
 def true_mount(scenario: Scenario, rng: np.random.Generator) -> CameraMount:
-    """Actual camera mounting: the nominal one with calibration errors."""
+    """Actual camera mounting: the nominal one with calibration errors, at least `MIN_HEIGHT_M` over the
+    road.
+    """
     nominal = nominal_mount(scenario)
     pitch, height = rng.standard_normal(2)
     return replace(
         nominal,
         pitch_deg=nominal.pitch_deg + scenario.camera.pitch_sigma_deg * float(pitch),
-        height_m=nominal.height_m + scenario.camera.height_sigma_m * float(height),
+        height_m=max(MIN_HEIGHT_M, nominal.height_m + scenario.camera.height_sigma_m * float(height)),
     )
 
 
