@@ -1,0 +1,41 @@
+"""Draw of mutants by seed and the test files that judge each."""
+
+import ast
+import random
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.mutation.operators import mutations
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One mutation: the file that it changes, relative to the repository, and its number in that file."""
+
+    file: str
+    number: int
+
+
+def drawn(root: Path, packages: Sequence[str], count: int, seed: int) -> list[Mutant]:
+    """Distinct mutants drawn uniformly from all mutations of the packages' files."""
+    every = [
+        Mutant(str(path.relative_to(root)), number)
+        for package in packages
+        for path in sorted((root / package).rglob("*.py"))
+        for number in range(len(list(mutations(ast.parse(path.read_text())))))
+    ]
+    return random.Random(seed).sample(every, min(count, len(every)))
+
+
+def files_judging(root: Path, file: str) -> list[str]:
+    """Test files of a module, the nearest first: its own, those that import it, those of its room."""
+    module = Path(file).with_suffix("")
+    name = "foreride." + ".".join(module.parts)
+    room = root / "tests" / module.parent
+    own = [room / f"test_{module.name}.py"]
+    package = sorted((root / "tests" / module.parts[0]).rglob("test_*.py"))
+    importing = [path for path in package if re.search(rf"{re.escape(name)}\s", path.read_text())]
+    nearest = dict.fromkeys([*own, *importing, *sorted(room.glob("test_*.py"))])
+    return [str(path.relative_to(root)) for path in nearest if path.exists()]
