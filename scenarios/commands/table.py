@@ -9,6 +9,7 @@ TABLES = {
     "faults": "cost of failing sensors, previews and solvers under the supervisor",
     "rivals": "all controllers on the reporting set",
     "proving_ground": "proving-ground bumps of Theunissen et al.",
+    "random_roads": "controllers on random roads that nothing was tuned on",
     "wrong_previews": "random drives with wrong previews, against the supervisor's gate",
 }
 

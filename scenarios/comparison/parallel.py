@@ -4,11 +4,14 @@ import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from typing import TypeVar
 
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run
 
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 Advance = Callable[[Case, int], None]
 """Called with every number of ticks that a case has completed."""
 
@@ -38,6 +41,27 @@ def simulate_each(
                 future.add_done_callback(lambda _, case=case: advance(case, case.scenario.ticks))  # type: ignore[misc]
             for future in waiting:
                 yield future.result()
+        except BrokenProcessPool:
+            raise WorkerDied("a worker process died; fewer --jobs take less memory") from None
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def each_result(
+    function: Callable[[Item], Result], items: Sequence[Item], jobs: int, chunk: int = 1
+) -> Iterator[Result]:
+    """Yield `function` of each item in order, computed in `jobs` processes; it must be known by name.
+
+    For results that are small: they are held until all before them have been computed. `chunk` neighbouring
+    items are computed by the same process.
+    """
+    if jobs == 1 or len(items) < 2:
+        yield from map(function, items)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(items)), mp_context=context) as pool:
+        try:
+            yield from pool.map(function, items, chunksize=chunk)
         except BrokenProcessPool:
             raise WorkerDied("a worker process died; fewer --jobs take less memory") from None
         finally:

@@ -12,23 +12,19 @@ Settings of the gate were chosen on numbers below 1000.
 import json
 import tempfile
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.progress import track
 
-from foreride.files.errors import InputError, printable
-from foreride.files.reading.regular_file import DATA_LIMIT, read_text
-from foreride.files.reading.strict_json import parse_json
-from foreride.files.writing.atomic import write_text
+from foreride.files.errors import InputError
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
+from foreride.scenarios.comparison.parallel import each_result
 from foreride.scenarios.simulation.simulate import Run
+from foreride.scenarios.tables import row_file
 from foreride.scenarios.tables.options import table_parser
 from foreride.scenarios.tables.wrong_maps import wrong_map
 from foreride.scenarios.tables.wrong_roads import drawn_road, scenario
@@ -95,24 +91,12 @@ def each(numbers: Sequence[int], jobs: int) -> Iterator[Row]:
     roads: dict[int, list[int]] = {}
     for number in numbers:
         roads.setdefault(number // A_ROAD, []).append(number)
-    if jobs == 1:
-        for road, wanted in roads.items():
-            yield from drives_on(road, wanted)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for rows in pool.map(partial(drives_on), roads, roads.values()):
-            yield from rows
+    for rows in each_result(_drives_on, list(roads.items()), jobs):
+        yield from rows
 
 
-def read(path: Path) -> list[Row]:
-    """Rows that an earlier call has written; a line cut short by its end is left out."""
-    lines = read_text(path, DATA_LIMIT).splitlines(keepends=True) if path.exists() else []
-    rows = [parse_json(line, str(path)) for line in lines if line.endswith("\n")]
-    if not all(
-        isinstance(row, dict) and {"drive", "perception", "ratio", "other_noise"} <= set(row) for row in rows
-    ):
-        raise InputError(f"{printable(path)}: expected the rows of this table, one a line")
-    return rows
+def _drives_on(road_and_numbers: tuple[int, list[int]]) -> list[Row]:
+    return drives_on(*road_and_numbers)
 
 
 def table(rows: Sequence[Row]) -> list[str]:
@@ -159,18 +143,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         raise InputError("--drives and --jobs must be >= 1, --first >= 0")
     check_files(asked.json)
     wanted = range(asked.first, asked.first + asked.drives)
-    kept = read(asked.json) if asked.json else []
-    if kept:
-        write_text(asked.json, "".join(_line(row) for row in kept))  # without a line cut short
-    rows = [row for row in kept if row["drive"] in wanted]
+    rows = [row for row in row_file.resume(asked.json, _NEEDED) if row["drive"] in wanted]
     missing = sorted(set(wanted) - {row["drive"] for row in rows})
-    for row in track(each(missing, asked.jobs), "drives", total=len(missing)):
-        rows.append(row)
-        if asked.json:
-            with asked.json.open("a", encoding="utf-8") as file:
-                file.write(_line(row))
+    new = track(each(missing, asked.jobs), "drives", total=len(missing))
+    rows += row_file.kept(asked.json, new)
     print("\n".join([*table(rows), "", *worst(rows, asked.worst)]))
-
-
-def _line(row: Row) -> str:
-    return json.dumps(row) + "\n"

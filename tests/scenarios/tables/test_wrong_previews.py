@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from foreride.detector.detections import Detections
-from foreride.files.errors import InputError
 from foreride.preview.estimator import Estimator
 from foreride.scenarios.tables import wrong_previews
-from foreride.scenarios.tables.wrong_previews import A_ROAD, drawn_errors, read, road_fields, table, worst
+from foreride.scenarios.tables.wrong_previews import A_ROAD, drawn_errors, road_fields, table, worst
 from foreride.scenarios.tables.wrong_roads import scenario
 from foreride.scenarios.tables.wrong_settings import Unstated, applied
 
@@ -70,8 +69,3 @@ def test_a_second_call_drives_only_what_is_missing(
     for drives in ("2", "4"):
         wrong_previews.main(["--first", "10", "--drives", drives, "--json", str(path)])
     assert asked == [[10, 11], [12, 13]]
-    path.write_text(path.read_text() + '{"drive": 14')
-    assert [one["drive"] for one in read(path)] == [10, 11, 12, 13]
-    path.write_text("nonsense\n")
-    with pytest.raises(InputError, match=r"rows\.jsonl"):
-        read(path)

@@ -1,0 +1,1 @@
+"""Roads, cars and speeds drawn from a stated distribution, for claims that no chosen event can support."""
