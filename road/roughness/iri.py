@@ -39,11 +39,16 @@ def rectified_slope(heights: ArrayLike, step_m: float) -> NDArray[np.float64]:
         raise InputError(
             f"IRI: road must be >= {INITIAL_SLOPE_BASE_M:g} m long, got {(len(z) - 1) * step_m:g} m"
         )
-    start = round(INITIAL_SLOPE_BASE_M / step_m)
-    initial = (z[min(start, len(z) - 1)] - z[0]) / (min(start, len(z) - 1) * step_m)
-    samples = max(1, round(ENVELOPE_BASE_M / step_m))
+    start = min(_nearest_count(INITIAL_SLOPE_BASE_M, step_m), len(z) - 1)
+    initial = (z[start] - z[0]) / (start * step_m)
+    samples = max(1, _nearest_count(ENVELOPE_BASE_M, step_m))
     smooth = np.convolve(z, np.full(samples, 1 / samples), mode="valid")
     return np.abs(_stroke_slope(np.diff(smooth) / step_m, initial, step_m))
+
+
+def _nearest_count(length_m: float, step_m: float) -> int:
+    """Steps nearest to a length, halves upwards as Sayers' INT(L / DX + 0.5), despite rounding of L / DX."""
+    return int(length_m / step_m + 0.5 + 1e-9)
 
 
 def transition(step_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -64,7 +64,22 @@ class TandemCam(Checked):
         return (_interpolate(padded, centre + half) + _interpolate(padded, centre - half)) / 2
 
 
-Enveloping = RigidWheel | TandemCam
+@dataclass(frozen=True)
+class PointContact(Checked):
+    """Point contact: the road's own height, as in linear quarter-car studies, or its mean over `patch_m`.
+
+    The mean over 0.25 m without a wheel is the tyre of the International Roughness Index.
+    """
+
+    kind: ClassVar[str] = "point"
+    patch_m: Annotated[float, Interval(ge=0.0, le=1.0), "m"] = 0.0
+
+    def effective_height(self, heights: ArrayLike, step_m: float, radius_m: float) -> NDArray[np.float64]:
+        """Effective heights (..., n) of `heights` (m) every `step_m` along x, constant beyond both ends."""
+        return patch_mean(np.asarray(heights, float), step_m, self.patch_m)
+
+
+Enveloping = RigidWheel | TandemCam | PointContact
 
 
 def patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray[np.float64]:

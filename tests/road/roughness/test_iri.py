@@ -74,6 +74,45 @@ def test_state_recursion_step_by_step_gives_the_same():
     np.testing.assert_allclose(rectified_slope(z, step), total, rtol=1e-9)
 
 
+def sayers(z: np.ndarray, step: float) -> float:
+    """IRI by the program of Sayers 1995, TRR 1501, point by point with a buffer of K heights."""
+    k = max(2, int(0.25 / step + 0.5) + 1)
+    phi, gamma = map(np.array, WORLD_BANK_46[step] if step in WORLD_BANK_46 else transition_by_series(step))
+    eleven_m = int(11 / step + 0.5)
+    buffer, rest = list(z[:k]), z[k:]
+    state = np.array([(z[eleven_m] - z[0]) / (eleven_m * step), 0.0] * 2)
+    total = count = 0.0
+    while True:
+        state = phi @ state + gamma * ((buffer[-1] - buffer[0]) / ((k - 1) * step))
+        total, count = total + abs(state[0] - state[2]), count + 1
+        if not len(rest):
+            return 1000 * total / count
+        buffer, rest = [*buffer[1:], rest[0]], rest[1:]
+
+
+def transition_by_series(step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Transition matrices by Sayers' Taylor series, from the golden car's numbers."""
+    a = np.array(
+        [[0, 1, 0, 0], [-63.3, -6, 63.3, 6], [0, 0, 0, 1], [422.0, 40.0, -(653 + 63.3) / 0.15, -40.0]]
+    )
+    phi, term = np.eye(4), np.eye(4)
+    for order in range(1, 60):
+        term = term @ a * (step / SPEED_M_S / order)
+        phi = phi + term
+    return phi, np.linalg.solve(a, (phi - np.eye(4)) @ [0.0, 0.0, 0.0, 653 / 0.15])
+
+
+@pytest.mark.parametrize(
+    "step", [0.01, 0.02, 0.05, 0.25 / 4.5, 0.07, 0.1, 0.125, 0.15, 0.1667, 0.2, 0.25, 0.3]
+)
+def test_profiles_have_the_iri_of_sayers_program(step):
+    rng = np.random.default_rng(5)
+    x = np.arange(0.0, 60.0, step)
+    rough = np.interp(x, np.arange(0, 61, 0.05), np.cumsum(rng.normal(size=1220)) * 1e-3)
+    for z in (rough + 0.02 * x, 0.005 * np.sin(np.pi * x)):
+        assert iri(z, step) == pytest.approx(sayers(z, step), rel=2e-5 if step in WORLD_BANK_46 else 1e-9)
+
+
 @pytest.mark.parametrize(
     ("heights", "step", "message"),
     [

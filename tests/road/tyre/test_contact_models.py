@@ -4,7 +4,7 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.road.features.feature import Pothole
 from foreride.road.road import Road
-from foreride.road.tyre.contact_models import RigidWheel, TandemCam
+from foreride.road.tyre.contact_models import PointContact, RigidWheel, TandemCam
 from foreride.road.tyre.wheel_profile import wheel_profile
 
 R = 0.31
@@ -93,3 +93,10 @@ def test_bad_parameters_are_named():
         TandemCam(order=0.5)
     with pytest.raises(InputError, match=r"^patch_m must lie in"):
         RigidWheel(-0.1)
+
+
+def test_point_contact_is_the_road_itself_or_its_mean_over_the_patch():
+    z = 0.01 * np.sin(2 * np.pi * X / 0.5)
+    np.testing.assert_array_equal(PointContact().effective_height(z, STEP, R), z)
+    middle = PointContact(patch_m=0.25).effective_height(z, STEP, R)[200:-200]
+    np.testing.assert_allclose(middle, np.sinc(0.5) * z[200:-200], atol=2e-5)
