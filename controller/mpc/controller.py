@@ -17,7 +17,7 @@ from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.road_ahead.road_reference import RoadReference
-from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview
+from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, has_two_axles
 from foreride.controller.settings import MpcSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -28,7 +28,8 @@ PreviewSource = Literal["none", "wheelbase", "preview"]
 class PredictiveController(BaseController):
     """Model predictive controller; `preview_source` selects its preview, and with "none" it is reactive.
 
-    Without a preview it plans on the reactive controller's horizon and gives the same answer.
+    With "preview" the rear wheels also use what the front wheels have measured. Without a preview it plans on
+    the reactive controller's horizon and gives the same answer as "wheelbase", for one axle as "none".
     """
 
     def __init__(
@@ -41,7 +42,8 @@ class PredictiveController(BaseController):
         self._settings = settings or MpcSettings()
         self._timing = timing or Timing()
         self._preview_source = preview_source
-        self._wheelbase = WheelbasePreview(vehicle) if preview_source == "wheelbase" else None
+        measures = preview_source == "wheelbase" or (preview_source == "preview" and has_two_axles(vehicle))
+        self._wheelbase = WheelbasePreview(vehicle) if measures else None
         period = self._timing.period_s
         self._model = prediction_model(vehicle, self._settings.rho)
         terminal = terminal_cost(self._model, period)
@@ -78,9 +80,13 @@ class PredictiveController(BaseController):
         If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
         """
         self._plan = self._program.shift @ self._plan
-        selected = self._select_preview(estimate, preview)
-        self._use(self._reactive_program if selected is None else self._preview_program)
-        self.problem = self._correct_plan(estimate, selected)
+        measured = self._wheelbase.update(estimate) if self._wheelbase is not None else None
+        previewed = preview if self._preview_source == "preview" else None
+        self._use(self._reactive_program if previewed is None else self._preview_program)
+        if previewed is None:
+            previewed, measured = measured, None
+        self._road.update(estimate, previewed, measured)
+        self.problem = self._correct_plan(estimate)
         command = np.minimum(np.maximum(KILO * self._plan[0], self._command_min), self._command_max)
         self._delay_line.issue(command)
         return command.copy()
@@ -94,10 +100,9 @@ class PredictiveController(BaseController):
         self._plan = program.adopted(self._plan, self._program.grid)
         self._program = program
 
-    def _correct_plan(self, estimate: Estimate, preview: RoadPreview | None) -> str | None:
+    def _correct_plan(self, estimate: Estimate) -> str | None:
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
-        road.update(estimate, preview)
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
         roads = road.roads(program.node_times_s)
         cost = program.condensed(state, self._plan, roads, road.weights)
@@ -112,11 +117,6 @@ class PredictiveController(BaseController):
                 rows, solution.x, self._plan, states, roads[road.most_likely]
             )
         return solution.problem
-
-    def _select_preview(self, estimate: Estimate, preview: RoadPreview | None) -> RoadPreview | None:
-        if self._wheelbase is not None:
-            return self._wheelbase.update(estimate)
-        return preview if self._preview_source == "preview" else None
 
     def _predict(self, state: np.ndarray) -> np.ndarray:
         """Propagate the state through the commands that are still pending (delay compensation)."""

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from foreride.controller.interface import Estimate
+from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
 from foreride.controller.road_ahead.preview_alignment import PreviewAlignment
 from foreride.controller.settings import RoadSettings
 from foreride.preview.road_preview import RoadPreview
@@ -58,15 +59,21 @@ class RoadReference:
         self._has_preview = False
         self._set_preview(None)
 
-    def update(self, estimate: Estimate, preview: RoadPreview | None) -> None:
-        """Take in the present estimate and preview."""
+    def update(
+        self, estimate: Estimate, preview: RoadPreview | None, measured: RoadPreview | None = None
+    ) -> None:
+        """Take in the present estimate and preview.
+
+        measured: what the front wheels have measured, for the rear wheels (`WheelbasePreview`); it is fused
+        with the preview.
+        """
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STANDSTILL_M_S else 0.0
         for alignment in self._alignments:
             alignment.record_road(estimate)
         previous = self._previous
         elapsed_s = estimate.time_s - previous.time_s if previous is not None else 0.0
         predicted = self._previewed(np.array([elapsed_s]))[..., 0]
-        self._set_preview(preview)
+        self._set_preview(preview, measured)
         previewed = self._previewed(np.array([-elapsed_s, 0.0]))
         previous_heights, heights = previewed[..., 0], previewed[..., 1]
         if self._has_preview != (preview is not None):
@@ -102,7 +109,7 @@ class RoadReference:
         slope_travel = -decay * np.expm1(-times_s / decay)
         return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * slope_travel
 
-    def _set_preview(self, preview: RoadPreview | None) -> None:
+    def _set_preview(self, preview: RoadPreview | None, measured: RoadPreview | None = None) -> None:
         self.weights = self._certain
         if preview is None:
             self._grid, self._previewed_heights = (
@@ -111,14 +118,23 @@ class RoadReference:
             )
             return
         self._grid = preview.distance_m
-        rows = [self._roads(preview, wheel, alignment) for wheel, alignment in enumerate(self._alignments)]
+        rows = [
+            self._roads(preview, wheel, alignment, measured)
+            for wheel, alignment in enumerate(self._alignments)
+        ]
         self._previewed_heights = np.array(rows).swapaxes(0, 1)
         if self._hypotheses > 1:
             likely = _likelihood(preview)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
-    def _roads(self, preview: RoadPreview, wheel: int, alignment: PreviewAlignment) -> np.ndarray:
+    def _roads(
+        self,
+        preview: RoadPreview,
+        wheel: int,
+        alignment: PreviewAlignment,
+        measured: RoadPreview | None,
+    ) -> np.ndarray:
         """Heights (roads, n) of one wheel's road hypotheses on the preview's grid."""
         settings, heights = self._settings, preview.height_m[wheel]
         sigma, existence = preview.position_sigma_m[wheel], preview.existence[wheel]
@@ -141,7 +157,11 @@ class RoadReference:
             ]
         if earlier_m:
             roads = [np.interp(self._grid + earlier_m, self._grid, road) for road in roads]
-        return np.array(roads)
+        if measured is None:
+            return np.array(roads)
+        early, late = (moved(preview, heights, sign * remaining_sigma_ratio * sigma) for sign in (1.0, -1.0))
+        variance = previewed_variance(preview, wheel, early, late)
+        return fused(np.array(roads), variance, wheel, preview, measured)
 
     def _previewed(self, times_s: np.ndarray) -> np.ndarray:
         distance = self._speed * times_s

@@ -11,6 +11,13 @@ from foreride.vehicle.load import Car
 
 BEHIND_M = 0.5
 STEP_M = 0.025
+CONTACT_SIGMA_M, AIR_SIGMA_M = 0.003, 0.03
+"""Standard deviation of a measured road height, m: with contact, and bridged while the wheel was in the air."""
+
+
+def has_two_axles(vehicle: Car) -> bool:
+    """Whether some wheels follow others."""
+    return max(vehicle.axle_x_m) > min(vehicle.axle_x_m)
 
 
 class WheelbasePreview:
@@ -22,7 +29,7 @@ class WheelbasePreview:
     def __init__(self, vehicle: Car):
         axles_m, sides = np.array(vehicle.axle_x_m), vehicle.wheel_y_m
         self._behind_front_m = axles_m.max() - axles_m
-        if self._behind_front_m.max() == 0.0:
+        if not has_two_axles(vehicle):
             raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
         self._leader = [
             min(
@@ -53,8 +60,7 @@ class WheelbasePreview:
             len(self._measured) > 1 and self._measured[1][0] < self._travelled_m - self._grid[-1] - BEHIND_M
         ):
             self._measured.popleft()
-        heights = np.zeros((len(self._behind_front_m), len(self._grid)))
-        existence = np.zeros_like(heights)
+        heights, existence, sigmas = np.zeros((3, len(self._behind_front_m), len(self._grid)))
         positions_m, heights_m, contacts = (np.array(column) for column in zip(*self._measured, strict=True))
         for wheel, behind_m in enumerate(self._behind_front_m):
             if behind_m > 0.0:
@@ -64,6 +70,6 @@ class WheelbasePreview:
                 )
                 ahead = positions_m - self._travelled_m + behind_m
                 heights[wheel] = np.interp(self._grid, ahead, np.minimum(interpolated, height))
+                sigmas[wheel] = np.interp(self._grid, ahead, np.where(contact, CONTACT_SIGMA_M, AIR_SIGMA_M))
                 existence[wheel] = 1.0
-        no_uncertainty = np.zeros_like(heights)
-        return RoadPreview(estimate.time_s, self._grid, heights, no_uncertainty, no_uncertainty, existence)
+        return RoadPreview(estimate.time_s, self._grid, heights, np.zeros_like(heights), sigmas, existence)
