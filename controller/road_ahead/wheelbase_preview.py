@@ -12,7 +12,7 @@ from foreride.vehicle.load import Car
 BEHIND_M = 0.5
 STEP_M = 0.025
 CONTACT_SIGMA_M, AIR_SIGMA_M = 0.003, 0.03
-"""Standard deviation of a measured road height, m: with contact, and bridged while the wheel was in the air."""
+"""Standard deviation of a measured height, m: with contact, and bridged while the wheel was in the air."""
 
 
 def has_two_axles(vehicle: Car) -> bool:
