@@ -17,6 +17,7 @@ from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_
 from annotated_types import Interval
 
 from foreride.files.errors import InputError, shown
+from foreride.files.reading.units import unit_hint
 
 MIN_POSITIVE = 1e-15
 
@@ -131,4 +132,11 @@ def _check_number(name: str, value: Any, number: Number) -> None:
         allowed = f"be {'a whole number' if number.is_integer else 'a number'}, and {allowed}"
     elif 0 < value < MIN_POSITIVE:
         allowed += f", and be 0 or at least {MIN_POSITIVE:g}"
-    raise InputError(f"{name} must {allowed}, got {shown(value)}")
+    raise InputError(f"{name} must {allowed}, got {shown(value)}{_unit_hint(value, number)}")
+
+
+def _unit_hint(value: Any, number: Number) -> str:
+    high = number.bounds()[1]
+    if number.is_integer or not number.has_type(value) or not high < value < 1e15:
+        return ""
+    return unit_hint(float(value), number.unit, number.in_range)
