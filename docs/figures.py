@@ -16,7 +16,9 @@ from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
-from foreride.scenarios.report.figures import colour_of, save, write_event_figure
+from foreride.scenarios.report.figures.drive import drive_figure
+from foreride.scenarios.report.figures.files import save
+from foreride.scenarios.report.palette import CONTROLLER_COLOURS
 
 FOLDER = Path(__file__).parent / "figures"
 NUMBERS = FOLDER / "physics.json"
@@ -50,7 +52,7 @@ def measure() -> None:
     }
     write_text(NUMBERS, json.dumps({"events": events, "sweeps": sweeps}, indent=1) + "\n")
     runs = [simulate_case(_case("hump_flat_30", law, NOTHING)) for law in TRACED]
-    write_event_figure(FOLDER / "hump.png", runs)
+    save(drive_figure(runs), FOLDER / "hump.png")
 
 
 def draw() -> None:
@@ -80,11 +82,11 @@ def _draw_events(events: dict[str, dict[str, float]]) -> None:
     axis = figure.subplots()
     for row, ratios in enumerate(events.values()):
         axis.plot([min(ratios.values()), max(ratios.values())], [row, row], color="#d5d8db", lw=5, zorder=1)
-        for index, law in enumerate(CONTROLLERS):
+        for law in CONTROLLERS:
             label = law.replace("mpc_", "MPC, ") if row == 0 else None
-            axis.scatter(ratios[law], row, s=60, color=colour_of(law, index), label=label, zorder=2)
-    axis.axvline(1.0, color=colour_of("passive", 0), lw=1.2)
-    axis.text(1.005, -0.7, "passive", fontsize=8, color=colour_of("passive", 0))
+            axis.scatter(ratios[law], row, s=60, color=CONTROLLER_COLOURS[law], label=label, zorder=2)
+    axis.axvline(1.0, color=CONTROLLER_COLOURS["passive"], lw=1.2)
+    axis.text(1.005, -0.7, "passive", fontsize=8, color=CONTROLLER_COLOURS["passive"])
     axis.set_yticks(range(len(events)), [load(name).title for name in events], fontsize=9)
     axis.invert_yaxis()
     axis.set_xlim(0.1, 1.1)

@@ -8,8 +8,8 @@ from typing import Any
 from foreride.scenarios.comparison.statistics import summarise, variants_of
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
-from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.gather import ReportInput
+from foreride.scenarios.report.labels import label_of
 from foreride.scenarios.report.markup import embedded, text
 from foreride.scenarios.report.replay import scene
 from foreride.scenarios.report.sections import (

@@ -7,7 +7,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from foreride.scenarios.perception_benchmark.judge import EVALUATION_DISTANCE_M
-from foreride.scenarios.report.figures import plain, save
+from foreride.scenarios.report.figures.files import save
+from foreride.scenarios.report.labels import plain
+from foreride.scenarios.report.palette import CONTROLLER_COLOURS
 
 
 def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
@@ -29,7 +31,7 @@ def write_error_figure(path: Path, rows: Sequence[dict[str, Any]]) -> None:
             ms=3,
             lw=1.2,
             capsize=2.5,
-            color="#1c6ebe",
+            color=CONTROLLER_COLOURS["mpc_preview"],
         )
         axis.set_title(plain(f"{row['name']} ({row['events']} events)"), fontsize=10)
         axis.set_ylim(-1.5, 1.5)

@@ -13,8 +13,8 @@ from foreride.comfort import frequency_weighting
 from foreride.files.errors import printable
 from foreride.road.obstacle_classes import CLASS_NAMES, OBSTACLE_CLASSES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.report.figures import label_of
 from foreride.scenarios.report.frames import track_lines
+from foreride.scenarios.report.labels import label_of
 from foreride.scenarios.runs.write import encode_jpeg
 from foreride.scenarios.simulation.simulate import Run
 

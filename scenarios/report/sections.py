@@ -8,7 +8,7 @@ from itertools import groupby
 from foreride.scenarios.comparison.statistics import Interval, Variant
 from foreride.scenarios.comparison.table import columns, short_name
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
-from foreride.scenarios.report.figures import label_of
+from foreride.scenarios.report.labels import label_of
 from foreride.scenarios.report.markup import Html, text
 from foreride.scenarios.runs.write import manifest, to_json
 from foreride.scenarios.simulation.simulate import Run

@@ -20,6 +20,8 @@ from tests.robustness.child import counted, killed_at, run
 from tests.robustness.state import State, problems, scratch_in, state_of
 from tests.robustness.writers import SLOW, WORK, WRITERS, Writer, fresh, place_inputs
 
+QUICK = ("compare", "short.yaml", "--controllers", "passive", "--no-figures", "--out", "compared")
+
 
 @dataclass(frozen=True)
 class Stage:
@@ -136,7 +138,7 @@ def warm(place: Path, names: Sequence[str]) -> None:
     for version in ("old", "new"):
         folder = place / version
         _well(
-            Writer(("compare", "short.yaml", "--controllers", "passive", "--out", "compared")),
+            Writer(QUICK),
             version,
             folder,
         )

@@ -83,7 +83,7 @@ WRITERS: dict[str, Writer] = {
     "run with memory": Writer(("run", "{}/short.yaml", "--controllers", "mpc_preview", "--perception",
                                "boxes", "--out", "runs", "--frames")),
     "compare": Writer(("compare", "{}/short.yaml", "--controllers", "passive,skyhook", "--out", "runs",
-                       "--json", "a.json")),
+                       "--no-figures", "--json", "a.json")),
     "demo": Writer(("demo", "--out", "demo"), _quick_demo),
     "render": Writer(("render", "{}/short.yaml", "--every", "1", "--out", "images", "--json", "a.json")),
     "report": Writer(("report", "{}/compared", "--out", "report.html", "--no-render")),

@@ -15,7 +15,8 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.statistics import summarise
 from foreride.scenarios.comparison.table import comparison, latex, markdown
 from foreride.scenarios.definition.loading import load
-from foreride.scenarios.report.figures import write_event_figure
+from foreride.scenarios.report.figures.drive import drive_figure
+from foreride.scenarios.report.figures.files import save
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.html import page
 from foreride.scenarios.runs.write import row
@@ -147,4 +148,4 @@ def test_terminal_markdown_latex_and_figures_take_any_text(drive: Run, tmp_path:
     }
     assert latex(variants).count("\n") == len(HOSTILE) + 7
     for text in HOSTILE:
-        write_event_figure(tmp_path / "figure.png", [spoilt(drive, text)])
+        save(drive_figure([spoilt(drive, text)]), tmp_path / "figure.png")

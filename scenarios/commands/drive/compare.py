@@ -18,6 +18,7 @@ from foreride.scenarios.commands.options import (
 )
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
+from foreride.scenarios.report.figures.comparison import ComparisonFigures
 from foreride.scenarios.report.gather import COMPARISON
 from foreride.scenarios.runs.write import folder_name, row, scenario_hash, to_json, write
 
@@ -31,6 +32,8 @@ def configure(command: argparse.ArgumentParser) -> None:
     add_frames_option(command)
     told = "also compute the bound of any controller (or take it from the cache), and show `captured`"
     command.add_argument("--bound", action="store_true", help=told)
+    none = "do not draw figures (with --out: signals, spectrum, damper and overview as PNG, PDF and SVG)"
+    command.add_argument("--no-figures", action="store_true", help=none)
     add_table_options(command)
     command.set_defaults(execute=execute)
 
@@ -45,18 +48,23 @@ def execute(arguments: argparse.Namespace) -> int:
         runs_folder(arguments.out, selected)
         write_text(arguments.out / COMPARISON, to_json({"schema": 1, "planned": planned, "rows": []}) + "\n")
     headrooms = headroom_by_scenario(selected) if arguments.bound else {}
+    figures = ComparisonFigures(arguments.out) if arguments.out and not arguments.no_figures else None
     rows = []
     for simulated_run in simulated(selected, arguments.frames, jobs):
         run = replace(simulated_run, bound=headrooms.get(scenario_hash(simulated_run.case.scenario)))
         rows.append(row(run))
         if arguments.out:
             write(run, arguments.out / folder_name(run.case))
+        if figures:
+            figures.add(run)
     document = publish(arguments, rows)
     for scenario, bound in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
         gap = f"starts end within {100 * bound['gap_between_starts']:.2f} %"
         console.print(f"bound of {scenario}: J {bound['objective']:.4f} (m/s²)², {gap}", highlight=False)
     if arguments.out:
         write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
+    if figures:
+        console.print(f"figures: {figures.finish(rows, document['baseline'])}/")
     return 0
 
 

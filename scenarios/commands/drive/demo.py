@@ -9,8 +9,9 @@ from foreride.scenarios.commands.options import add_output_options, console, sim
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, publish
 from foreride.scenarios.definition.loading import load
-from foreride.scenarios.report.figures import write_overview
-from foreride.scenarios.report.film import write_video
+from foreride.scenarios.report.figures.comparison import ComparisonFigures
+from foreride.scenarios.report.film.video import write_video
+from foreride.scenarios.report.gather import COMPARISON
 from foreride.scenarios.runs.write import folder_name, row, to_json, write
 from foreride.scenarios.simulation.simulate import Run
 
@@ -35,11 +36,14 @@ def execute(arguments: argparse.Namespace) -> int:
     runs = simulate_all(selected, keep_images=True)
     for run in runs:
         write(run, out / folder_name(run.case))
-    publish(arguments, [row(run) for run in runs], "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
-    metrics = {folder_name(run.case): run.metrics for run in runs}
-    write_text(out / "metrics.json", to_json(metrics) + "\n")
-    write_overview(out / "overview.png", runs)
-    outputs = ["overview.png", "metrics.json"]
+    rows = [row(run) for run in runs]
+    document = publish(arguments, rows, "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
+    planned = [folder_name(case) for case in selected]
+    write_text(out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
+    figures = ComparisonFigures(out)
+    for run in runs:
+        figures.add(run)
+    outputs = [f"{figures.finish(rows, document['baseline']).name}/", COMPARISON]
     if not arguments.no_film:
         with console.status("writing the film"):
             write_video(out / "film.mp4", _pairs(runs))

@@ -13,7 +13,7 @@ from foreride.files.writing.targets import check_files
 from foreride.scenarios.commands.options import console, progress_bar
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.budget import error_budget_section
-from foreride.scenarios.report.film import write_video
+from foreride.scenarios.report.film.video import write_video
 from foreride.scenarios.report.frames import has_frames, with_frames
 from foreride.scenarios.report.gather import collect_input
 from foreride.scenarios.report.html import first_seeds, page

@@ -11,8 +11,8 @@ from foreride.files.errors import InputError
 from foreride.files.writing.atomic import replaced
 from foreride.road.obstacle_classes import OBSTACLE_CLASSES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.report.sideview import View, draw
-from foreride.scenarios.report.traces import Traces
+from foreride.scenarios.report.film.sideview import View, draw
+from foreride.scenarios.report.film.traces import Traces
 from foreride.scenarios.simulation.simulate import Run
 
 WIDTH, HEIGHT = 1280, 720

@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.report.figures import plain
+from foreride.scenarios.report.labels import plain
 from foreride.scenarios.report.window import event_window
 from foreride.scenarios.simulation.simulate import Run
 

@@ -1,0 +1,1 @@
+"""Film of a passive and a preview car side by side."""
