@@ -3,7 +3,7 @@
 import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
-from foreride.controller.observer.kinematic_filter import filter_layout, kinematic_filter
+from foreride.controller.observer.kinematic_filter import filter_layout, gyros, kinematic_filter
 from foreride.controller.observer.sensor_monitor import ValidatedReading
 from foreride.vehicle.equations import body_acceleration, forces, rest_state
 from foreride.vehicle.load import Car
@@ -79,7 +79,7 @@ class Observer:
         w, measurement = self._wheels, checked.measurement
         acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
         rattle, kalman_filter = measurement.rattle_m, self._filter
-        if checked.faults:
+        if any(checked.lost):
             kalman_filter = kinematic_filter(self._vehicle, self._noise, self._period_s, checked.lost)
             lost_mask = np.array(checked.lost)
             acceleration = np.where(
@@ -90,7 +90,7 @@ class Observer:
             self._acceleration = acceleration
         mean_acceleration = 0.5 * (acceleration + self._acceleration)
         self._acceleration = acceleration
-        reading = np.concatenate([rattle, [measurement.pitch_rate], np.zeros(w)])
+        reading = np.array([*rattle, measurement.pitch_rate, measurement.roll_rate][: w + gyros(w)])
         self._motion = kalman_filter.step(self._motion, mean_acceleration, reading)
         self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
         if self._actuators:

@@ -26,8 +26,8 @@ class ValidatedReading:
 
     lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.
     faults: fault names, such as `rattle_m_0 stuck`; empty if all channels that control needs are valid.
-    The roll gyro is not among them, as only a perception reads it: while it is lost its reading is 0, since
-    integrating a held rate would make the roll angle drift.
+    The roll gyro is not among them, as the observer does without it: while it is lost its reading is 0, since
+    integrating a held rate would make the roll angle of a perception drift.
     """
 
     measurement: Measurement

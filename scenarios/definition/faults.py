@@ -15,7 +15,7 @@ Duration = Annotated[float, Interval(ge=1e-3, le=1e6), "s"]
 class SensorFault(Checked):
     """Sensor that repeats its last reading, or gives none; `wheel` (0 ...) where each wheel has one.
 
-    `roll_rate` affects only the camera's estimator, and only on a full car, which has a roll gyro.
+    `roll_rate` belongs to a full car; observer and camera do without it while it is lost.
     """
 
     kind: ClassVar[str] = "sensor"
