@@ -43,10 +43,11 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Timing(Checked):
-    """Sampling period of a controller and the delay from sampling to actuation."""
+    """Sampling period of a controller, delay from sampling to actuation, time of a valve's full stroke."""
 
     period_s: Annotated[float, Interval(ge=0.001, le=0.1), "s"] = 0.01
     delay_s: Annotated[float, Interval(ge=0.0, le=0.5), "s"] = 0.0
+    full_stroke_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.0
 
 
 class Controller(Protocol):

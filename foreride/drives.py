@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from foreride.controller.interface import Controller, Timing
+from foreride.controller.interface import Controller
 from foreride.controller.registry import build_object, uses_preview
 from foreride.controller.user_controller import controller_label
 from foreride.files.errors import InputError, shown
@@ -139,6 +139,6 @@ def _drive(case: Case, controller: AnyController, keep_images: bool = False) -> 
         check_case_files(case)
         return Result(simulate_case(case, keep_images))
     control, car = case.scenario.control, case.scenario.vehicle.parameters
-    timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
+    timing = control.timing
     built = build_object(controller, car, control.settings, timing)
     return Result(simulate(case, keep_images, controller=built))

@@ -31,9 +31,10 @@ START_CONTROLLERS = ("passive", "skyhook", "mpc_preview")
 def bound(scenario: Scenario) -> Optimum:
     """Return the optimal plan for the scenario's whole drive, from the cache if available.
 
-    A cached plan is accepted only if it still yields the J stored with it.
+    It knows the simulated car (`plant` included), with valves that follow their command at once. A cached
+    plan is accepted only if it still yields the J stored with it.
     """
-    car, drive = scenario.vehicle.parameters, drive_inputs(scenario)
+    car, drive = scenario.true_car, drive_inputs(scenario)
     objective = WholeDriveObjective(car, drive)
     path = cached(f"bounds/{_key(scenario, drive)}.npz")
     try:
@@ -54,7 +55,7 @@ def bound(scenario: Scenario) -> Optimum:
 
 def drive_inputs(scenario: Scenario) -> DriveInputs:
     """External inputs of the scenario's drive, for `controller.clairvoyant.single_shooting`."""
-    car, control, count = scenario.vehicle.parameters, scenario.control, scenario.ticks
+    car, control, count = scenario.true_car, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
     plant = Plant(car)
     plant.reset(profiles, scenario.start_m, scenario.motion)
@@ -64,7 +65,7 @@ def drive_inputs(scenario: Scenario) -> DriveInputs:
     height, velocity = road_under(car, profiles, stretch.edges_m, stretch.speed_m_s)
     mid_height, _ = road_under(car, profiles, stretch.middles_m, 0.0)
     constant_speed = stretch.forward_acc is None
-    delay_ticks = ticks(control.delay_s)
+    delay_ticks = ticks(control.delay_s + scenario.plant.actuation_delay_s)
     sampled = [tick >= delay_ticks and due(tick - delay_ticks, control.rate_hz) for tick in range(count)]
     return DriveInputs(
         rate_hz=TICKS_PER_SECOND,
@@ -104,7 +105,7 @@ def _commands(case: Case) -> np.ndarray:
 
 def _key(scenario: Scenario, drive: DriveInputs) -> str:
     """Cache key: hash of everything that determines the bound, i.e. the car and its external inputs."""
-    hasher = hashlib.sha256(repr(scenario.vehicle.parameters).encode())
+    hasher = hashlib.sha256(repr(scenario.true_car).encode())
     hasher.update(repr((drive.rate_hz, drive.rho)).encode())
     for array in (drive.height, drive.velocity, drive.mid_height, drive.surge, drive.interval, drive.start):
         hasher.update(np.ascontiguousarray(array).tobytes())

@@ -10,6 +10,7 @@ TABLES = {
     "rivals": "all controllers on the reporting set",
     "proving_ground": "proving-ground bumps of Theunissen et al.",
     "random_roads": "controllers on random roads that nothing was tuned on",
+    "robustness": "controllers on cars, valves and sensors that differ from what they know",
     "wrong_previews": "random drives with wrong previews, against the supervisor's gate",
 }
 

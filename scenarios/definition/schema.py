@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
+from foreride.controller.interface import Timing
 from foreride.controller.settings import ControllerSettings
 from foreride.detector.box_errors import BoxErrors
 from foreride.files.errors import InputError
@@ -23,6 +24,7 @@ from foreride.scenarios.definition.faults import Fault
 from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.definition.speed import KM_H, SpeedPoint, profile
 from foreride.vehicle.load import Car
+from foreride.vehicle.plant.difference import PlantDifference
 from foreride.vehicle.plant.sensors import SensorNoise
 from foreride.vehicle.speed_profile import SpeedProfile
 
@@ -92,10 +94,14 @@ class MapSetup(Checked):
 
 @dataclass(frozen=True)
 class Control(Checked):
-    """Sampling rate and delay of the controller, and the controllers' settings."""
+    """Sampling rate and delay of the controller, speed of the valves, and the controllers' settings.
+
+    full_stroke_s: time in which a valve moves from one end of its range to the other, 0 for no limit.
+    """
 
     rate_hz: Annotated[int, Interval(ge=10, le=1000), "Hz"] = 200
     delay_s: Annotated[float, Interval(ge=0.0, le=0.2), "s"] = 0.0
+    full_stroke_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.0
     settings: ControllerSettings = field(default_factory=ControllerSettings)
 
     def __post_init__(self) -> None:
@@ -108,6 +114,11 @@ class Control(Checked):
                     f"got {getattr(self.settings.mpc, name):g}"
                 )
 
+    @property
+    def timing(self) -> Timing:
+        """Timing as the controllers know it."""
+        return Timing(1.0 / self.rate_hz, self.delay_s, self.full_stroke_s)
+
 
 @dataclass(frozen=True)
 class Scenario(Checked):
@@ -115,10 +126,11 @@ class Scenario(Checked):
 
     The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
     between them. Its centre of gravity starts at `start_m`; the run ends when the front axle reaches the
-    road's end. `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the
-    quantities of detected objects that are replaced by the truth, to measure the cost of errors. `memory` is
-    the memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho
-    in the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
+    road's end. Controllers know the car as `vehicle`; the simulated one differs from it by `plant`.
+    `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the quantities of
+    detected objects that are replaced by the truth, to measure the cost of errors. `memory` is the
+    memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho in
+    the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """
 
     name: str
@@ -128,6 +140,7 @@ class Scenario(Checked):
     vehicle: Vehicle
     start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"] = 2.0
     speed: tuple[SpeedPoint, ...] = ()
+    plant: PlantDifference = field(default_factory=PlantDifference)
     enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
     sensors: SensorNoise = field(default_factory=SensorNoise)
@@ -148,6 +161,10 @@ class Scenario(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_name("name", self.name)
+        try:
+            assert self.true_car
+        except InputError as error:
+            raise InputError(f"plant must leave the car plausible: {error}") from None
         require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
         front_axle_m = max(self.vehicle.parameters.axle_x_m)
         start_limit_m = self.road.length_m - front_axle_m - 1.0
@@ -170,6 +187,11 @@ class Scenario(Checked):
     def speed_m_s(self) -> float:
         """Initial forward speed."""
         return self.speed_kmh * KM_H
+
+    @cached_property
+    def true_car(self) -> Car:
+        """The simulated car."""
+        return self.plant.applied(self.vehicle.parameters)
 
     @cached_property
     def motion(self) -> float | SpeedProfile:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.controller.interface import Estimate, MonitoredController, Timing
+from foreride.controller.interface import Estimate, MonitoredController
 from foreride.controller.laws.passive import Constant
 from foreride.controller.observer.observer import Observer, exact_estimate
 from foreride.controller.observer.sensor_monitor import SensorMonitor
@@ -17,8 +17,10 @@ from foreride.scenarios.perceptions.interface import Event, Perception
 from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation import preview_log
 from foreride.scenarios.simulation.fault_injection import LATE_ANSWER, Faults
+from foreride.vehicle.clock import STEP_S
 from foreride.vehicle.equations import state_size
 from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.difference import DeliveredReadings, Valves
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
@@ -37,7 +39,7 @@ class MultirateLoop:
         self,
         case: Case,
         plant: Plant,
-        sensors: Sensors,
+        sensors: Sensors | DeliveredReadings,
         perception: Perception,
         faults: Faults,
         controller: MonitoredController | None = None,
@@ -45,7 +47,7 @@ class MultirateLoop:
         """Build the controller named by the case unless `controller` is given."""
         scenario, car = case.scenario, case.scenario.vehicle.parameters
         control = scenario.control
-        timing = Timing(period_s=1.0 / control.rate_hz, delay_s=control.delay_s)
+        timing = control.timing
         known = control_model(car)
         self._controller = controller or build(case.controller, known, control.settings, timing)
         self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
@@ -53,7 +55,11 @@ class MultirateLoop:
         self._watch = SensorMonitor(car.wheels, scenario.sensors)
         self._plant, self._sensors, self._perception = plant, sensors, perception
         self._faults = faults
-        self._rate_hz, self._delay, self._total = control.rate_hz, ticks(control.delay_s), scenario.ticks
+        different = scenario.plant
+        self._delay = ticks(control.delay_s + different.actuation_delay_s)
+        stroke_s = control.full_stroke_s if different.full_stroke_s is None else different.full_stroke_s
+        self._valves = Valves(car, stroke_s, different.hysteresis)
+        self._rate_hz, self._total = control.rate_hz, scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
         self._open_loop = False
@@ -82,7 +88,7 @@ class MultirateLoop:
             while self._waiting and self._waiting[0][0] <= tick:
                 self._command = self._waiting.popleft()[1]
             following = self._next_event(tick)
-            self._plant.step(self._command, following - tick)
+            self._move(following - tick)
             advance(following - tick)
             tick = following
         stats = dict(self._controller.stats)
@@ -90,6 +96,14 @@ class MultirateLoop:
             name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
         }
         self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
+
+    def _move(self, count: int) -> None:
+        """Advance the plant by `count` ticks; valves that are not ideal move in each of them."""
+        if self._valves.ideal:
+            self._plant.step(self._command, count)
+            return
+        for _ in range(count):
+            self._plant.step(self._valves.advance(self._command, STEP_S))
 
     def _sense(self, state: VehicleState) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""

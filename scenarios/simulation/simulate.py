@@ -25,6 +25,7 @@ from foreride.scenarios.simulation.referenced_files import hashes
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.energy_audit import energy_audit
 from foreride.vehicle.load import control_model
+from foreride.vehicle.plant.difference import DeliveredReadings
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
@@ -77,13 +78,14 @@ def simulate(
     started = perf_counter()
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     profiles = wheel_profiles(scenario)
-    plant = Plant(car)
+    plant = Plant(scenario.true_car)
     plant.reset(profiles, scenario.start_m, scenario.motion)
     sensors = Sensors(car.wheels, random_stream(case.seed, "sensors"), scenario.sensors)
+    delivered = DeliveredReadings(sensors, scenario.plant, car.wheels)
     perception = perception_entry(case.perception).build(Drive(scenario, profiles, case.seed, keep_images))
     files_sha256 = hashes(case)
     faults = Faults(scenario.faults, random_stream(case.seed, "faults"))
-    driver = MultirateLoop(case, plant, sensors, perception, faults, controller)
+    driver = MultirateLoop(case, plant, delivered, perception, faults, controller)
     try:
         driver.drive(advance)
     finally:
@@ -110,7 +112,7 @@ def simulate(
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
     """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`) and added metrics."""
-    car = case.scenario.vehicle.parameters
+    car = case.scenario.true_car
     ride = ride_metrics(
         TICKS_PER_SECOND,
         seat_acc=record.seat_acc,

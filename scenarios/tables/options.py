@@ -31,9 +31,9 @@ def shared_parser(name: str, description: str, seeds: str) -> Parser:
     return parser
 
 
-def parse_words(option: str, text: str, allowed: Sequence[str]) -> list[str]:
+def parse_words(option: str, text: str, allowed: Sequence[str], separator: str = ",") -> list[str]:
     """Split a comma-separated option. Raises InputError for an entry that is not allowed."""
-    words = text.split(",")
+    words = text.split(separator)
     for word in words:
         if word not in allowed:
             raise InputError(f"{option}: must be of {', '.join(allowed)}, got {shown(word)}")

@@ -1,8 +1,10 @@
 """Dampers by kind: those of foreride, and those of installed packages and users (`DAMPERS`)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
+
+from annotated_types import Interval
 
 from foreride.files.errors import InputError, shown
 from foreride.files.plugins import Registry, tagged_class
@@ -17,8 +19,11 @@ __all__ = [
     "IdealDamper",
     "MrBoucWenDamper",
     "MrTanhDamper",
+    "ScaledDamper",
     "ValveDamper",
 ]
+
+ForceRatio = Annotated[float, Interval(ge=0.05, le=20.0), "1"]
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,57 @@ def _interpolated(speed: Any, speeds: tuple[float, ...], forces: tuple[float, ..
     return total
 
 
-_OWN: tuple[type[DamperModel], ...] = (IdealDamper, ValveDamper, MrTanhDamper, MrBoucWenDamper)
+@dataclass(frozen=True)
+class ScaledDamper(DamperModel):
+    """Another damper whose force is multiplied by one factor in rebound and one in compression.
+
+    Dampers of cars give more force in rebound, where they pull the body down, than in compression (J. C.
+    Dixon, The Shock Absorber Handbook, 2nd ed. 2007, ch. 4).
+    """
+
+    kind: ClassVar[str] = "scaled"
+
+    rebound_ratio: ForceRatio = 1.0
+    compression_ratio: ForceRatio = 1.0
+    base: "Damper" = field(default_factory=IdealDamper)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("internal_states", "substeps", "rate_steps"):
+            object.__setattr__(self, name, getattr(self.base, name))
+
+    def force(
+        self, setting: Any, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> Any:
+        """Force on the body, up, N."""
+        force = self.base.force(setting, normalised_setting, travel, rate, internal_states, xp)
+        return self.rebound_ratio * xp.fmin(force, 0.0) + self.compression_ratio * xp.fmax(force, 0.0)
+
+    def internal_state_rates(
+        self, normalised_setting: Any, travel: Any, rate: Any, internal_states: list, xp: Any
+    ) -> list:
+        """Time derivatives of the internal states of the other damper."""
+        return self.base.internal_state_rates(normalised_setting, travel, rate, internal_states, xp)
+
+    def advance(
+        self, normalised_setting: float, travel: float, rate: float, internal_states: list, step_s: float
+    ) -> list:
+        """Internal states of the other damper after a step."""
+        return self.base.advance(normalised_setting, travel, rate, internal_states, step_s)
+
+    def midway(
+        self, normalised_setting: float, travel: float, rate: float, internal_states: list, step_s: float
+    ) -> list:
+        """Internal states of the other damper in the middle of the same step."""
+        return self.base.midway(normalised_setting, travel, rate, internal_states, step_s)
+
+    def reduced(self, steepest_ns_m: float) -> "ScaledDamper":
+        """Return the other damper's reduced model, scaled."""
+        steepest = max(self.rebound_ratio, self.compression_ratio)
+        return replace(self, base=self.base.reduced(steepest_ns_m / steepest))
+
+
+_OWN: tuple[type[DamperModel], ...] = (IdealDamper, ValveDamper, MrTanhDamper, MrBoucWenDamper, ScaledDamper)
 DAMPERS: Registry[type[DamperModel]] = Registry(
     "foreride.dampers", "damper", {cls.kind: cls for cls in _OWN}, tagged_class(DamperModel)
 )
