@@ -10,7 +10,7 @@ where the first ended, with other controllers too.
 
 import json
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -79,7 +79,7 @@ def events_of(asked: Namespace) -> range:
     return range(asked.first, asked.first + asked.events)
 
 
-def driven(asked: Namespace, wanted: Sequence[Line], overrides: dict[str, Sequence[str]]) -> Results:
+def driven(asked: Namespace, wanted: Sequence[Line], overrides: Mapping[str, Sequence[str]]) -> Results:
     """Results of all lines, with the overrides of their conditions; missing drives are simulated."""
     check_files(asked.json)
     events, seeds = events_of(asked), whole_numbers("--seeds", asked.seeds)
