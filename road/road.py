@@ -12,6 +12,7 @@ from foreride.files.errors import InputError
 from foreride.files.reading.ranges import Checked
 from foreride.road.features.feature import Feature, Step
 from foreride.road.features.repeated import Chain
+from foreride.road.io.reading_options import ReadingOptions
 from foreride.road.io.surface_file import MeasuredSurface, read_surface
 from foreride.road.roughness.iso8608 import Roughness, RoughSurface, rough_surface
 from foreride.road.vertical_alignment import GradeChange, check_order, grade_height
@@ -26,11 +27,12 @@ class Road(Checked):
     """Straight road of `length_m` from x = 0, its features in order of their near edge.
 
     Heights of overlapping features add up. Chains are expanded once: their copies join the features.
-    Roughness and the heights in `file` (.csv or .crg, see `measured`) rise smoothly from nothing at x = 0
-    over the first FADE_IN_M, so that a car at rest there is in equilibrium; behind the start the road is
-    flat, beyond the end the roughness continues and the measured height stays constant. `file_sha256` pins
-    the file's content; it is filled in when the file is read, so that a recorded road reveals when its file
-    has changed. `grades` are changes of grade in their order along the road; all else is added to them.
+    Roughness and the heights in `file` (`road.io.formats`; `reading` says what differs from the conventions)
+    rise smoothly from nothing at x = 0 over the first FADE_IN_M, so that a car at rest there is in
+    equilibrium; behind the start the road is flat, beyond the end the roughness continues and the measured
+    height stays constant. `file_sha256` pins the file's content; it is filled in when the file is read, so
+    that a recorded road reveals when its file has changed. `grades` are changes of grade in their order along
+    the road; all else is added to them.
 
     Raises InputError if a feature or a change of grade is not wholly inside [0, length_m], changes of grade
     overlap, or the file is bad or too short.
@@ -43,6 +45,7 @@ class Road(Checked):
     file: str | None = None
     file_sha256: str | None = None
     grades: tuple[GradeChange, ...] = ()
+    reading: ReadingOptions | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -103,6 +106,11 @@ class Road(Checked):
     def _surface(self) -> RoughSurface | None:
         return None if self.roughness is None else rough_surface(self.roughness, self.length_m)
 
+    @property
+    def measured(self) -> MeasuredSurface | None:
+        """The surface read from `file`."""
+        return self._measured
+
     @cached_property
     def _measured(self) -> MeasuredSurface | None:
-        return None if self.file is None else read_surface(self.file)
+        return None if self.file is None else read_surface(self.file, self.reading)

@@ -20,13 +20,14 @@ import numpy as np
 from foreride.files.errors import InputError, shortened
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.road.io import csv_profile, opencrg
-from foreride.road.io.surface_file import FORMATS, MeasuredSurface, surface
+from foreride.road.io.surface_file import MeasuredSurface, surface
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 from foreride.road.tyre.wheel_profile import PATCH_M, STEP_M, WheelProfile
 
 Array = np.ndarray
 _UNCERTAINTY_COLUMNS = {"height_sigma_m": 0.01, "position_sigma_m": 0.05, "existence": 1.0}
 """Columns of the map's uncertainty, with their default values."""
+_ENDINGS = (".csv", ".crg")
 _UPPER_LIMITS = {"height_sigma_m": 10.0, "position_sigma_m": 1000.0, "existence": 1.0}
 
 
@@ -58,10 +59,10 @@ class RoadMap:
 def read(path: Path | str) -> RoadMap:
     """Map of a .csv or .crg file. Raises InputError naming the file and the fault."""
     path = Path(path)
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path}: a map must end in {' or '.join(FORMATS)}")
+    if path.suffix.lower() not in _ENDINGS:
+        raise InputError(f"{path}: a map must end in {' or '.join(_ENDINGS)}")
     if path.suffix.lower() == ".crg":
-        x, y, heights = opencrg.read(path)
+        raw = opencrg.read(path)
         quality_columns = {}
     else:
         header, table = csv_profile.read_table(path)
@@ -70,19 +71,19 @@ def read(path: Path | str) -> RoadMap:
                 f"{path}: each column must be named once, got {shortened(', '.join(duplicates))} twice"
             )
         height_columns = [k for k, name in enumerate(header) if name not in _UNCERTAINTY_COLUMNS]
-        x, y, heights = csv_profile.profile_of(
-            path, [header[k] for k in height_columns], table[:, height_columns]
-        )
+        raw = csv_profile.profile_of(path, [header[k] for k in height_columns], table[:, height_columns])
         quality_columns = {
             name: table[:, header.index(name)] for name in _UNCERTAINTY_COLUMNS if name in header
         }
     quality = {
-        name: quality_columns.get(name, np.full(len(x), default))
+        name: quality_columns.get(name, np.full(len(raw.x), default))
         for name, default in _UNCERTAINTY_COLUMNS.items()
     }
-    loaded = surface(x, y, heights, str(path))
+    if raw.by_time:
+        raise InputError(f"{path}: a map must have stations x_m, not times")
+    loaded = surface(raw.x, raw.y_m, raw.heights, str(path))
     try:
-        return RoadMap(loaded, **quality, start_m=float(x[0]))
+        return RoadMap(loaded, **quality, start_m=float(raw.x[0]))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 

@@ -1,4 +1,4 @@
-"""Measured road surfaces from files: CSV profiles and ASAM OpenCRG."""
+"""Measured road surfaces from files of the formats in `road.io.formats`."""
 
 import hashlib
 from functools import lru_cache
@@ -10,27 +10,32 @@ from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.files.reading.regular_file import read_bytes, reading
-from foreride.road.io import csv_profile, opencrg
+from foreride.road.io.formats import format_of
+from foreride.road.io.plausibility import require_plausible
+from foreride.road.io.raw_profile import along_drive
+from foreride.road.io.reading_options import ReadingOptions, proposal
 
 MAX_POINTS = 50_000_000
-MAX_RELIEF_M = 50.0  # greater values indicate elevations above sea level, or millimetres
+MAX_RELIEF_M = 1000.0
 MAX_LENGTH_M = 100_000.0
 MAX_PLACE_M = 1e7
 MIN_STEP_M = 1e-6
 """Minimum spacing of stations and of lines (m); a smaller one indicates a mistake of units."""
-FORMATS = (".csv", ".crg")
+_PLAIN = ReadingOptions()
 
 
 class MeasuredSurface(NamedTuple):
     """Measured heights (m, n) on lines y_m (m,) at stations x_m (n,), both ascending, x_m from 0.
 
-    sha256: hash of the file from which it was read.
+    sha256: hash of the file from which it was read. filled_m: metres of road whose missing heights the reader
+    has filled.
     """
 
     x_m: NDArray[np.float64]
     y_m: NDArray[np.float64]
     heights: NDArray[np.float64]
     sha256: str = ""
+    filled_m: float = 0.0
 
     def height(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """Bilinear height (m), broadcast over x and y; constant beyond the outermost stations and lines."""
@@ -49,18 +54,17 @@ class MeasuredSurface(NamedTuple):
         return float(self.x_m[-1])
 
 
-def read_surface(path: Path | str) -> MeasuredSurface:
-    """Surface from a .csv or .crg file, shifted to start at x = 0 with a mean height of 0.
+def read_surface(path: Path | str, options: ReadingOptions | None = None) -> MeasuredSurface:
+    """Surface from a road file, shifted to start at x = 0 with a mean height of 0.
 
-    Raises InputError, in one line, for a file that cannot be read or does not describe a surface, that is
-    larger than `csv_profile.CSV_LIMIT` or `opencrg.CRG_LIMIT`, or has more than MAX_POINTS heights.
+    Raises InputError, in one line, for a file that cannot be read or does not describe a plausible surface,
+    is larger than its format's limit, or has more than MAX_POINTS heights.
     """
     path = Path(path)
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"{path}: a road file must end in {' or '.join(FORMATS)}")
+    format_of(path)
     with reading(path):
         status = path.stat()
-    return _read(path, status.st_mtime_ns, status.st_size)
+    return _read(path, options or _PLAIN, status.st_mtime_ns, status.st_size)
 
 
 def surface(
@@ -84,13 +88,13 @@ def surface(
         raise InputError(f"{source}: no height at x = {x[station]:g} m, y = {y[line]:g} m")
     if x[-1] - x[0] > MAX_LENGTH_M:
         raise InputError(f"{source}: is {x[-1] - x[0]:g} m long, allowed are {MAX_LENGTH_M:g} m")
-    with np.errstate(over="ignore", invalid="ignore"):
-        heights = heights - heights[:, 0].mean()
+    require_plausible(x, y, heights, source)
+    heights = heights - heights[:, 0].mean()
     relief = float(np.abs(heights).max())
-    if not relief <= MAX_RELIEF_M:
+    if relief > MAX_RELIEF_M:
         raise InputError(
             f"{source}: heights depart from the start by {relief:g} m, allowed are {MAX_RELIEF_M:g} m; "
-            "are they in metres, with the grade removed?"
+            "are they in metres?"
         )
     heights.setflags(write=False)
     return MeasuredSurface(x - x[0], y, heights)
@@ -98,20 +102,22 @@ def surface(
 
 def _check_places(values: NDArray[np.float64], name: str) -> None:
     if not np.all(np.abs(values) <= MAX_PLACE_M) or not np.all(np.diff(values) > 0):
-        raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m")
+        descend = name.endswith("stations") and bool(np.all(values[1:] < values[:-1]))
+        hint = f"; they descend: {proposal(reversed='')} drives along the record" if descend else ""
+        raise InputError(f"{name} must be finite and ascend, within ±{MAX_PLACE_M:.0e} m{hint}")
     min_step_m = float(np.diff(values).min(initial=np.inf))
     if min_step_m < MIN_STEP_M:
         raise InputError(f"{name} must lie at least {MIN_STEP_M:g} m apart, got {min_step_m:g} m")
 
 
 @lru_cache(maxsize=4)
-def _read(path: Path, mtime_ns: int, size: int) -> MeasuredSurface:
+def _read(path: Path, options: ReadingOptions, mtime_ns: int, size: int) -> MeasuredSurface:
     """Surface of one file, cached until the file changes."""
-    is_csv = path.suffix.lower() == ".csv"
-    data = read_bytes(path, csv_profile.CSV_LIMIT if is_csv else opencrg.CRG_LIMIT)
-    read = csv_profile.read if is_csv else opencrg.read
-    loaded = surface(*read(path), str(path))
-    return loaded._replace(sha256=hashlib.sha256(data).hexdigest())
+    file_format = format_of(path)
+    data = read_bytes(path, file_format.limit)
+    raw = along_drive(file_format.read(path, options), options, str(path))
+    loaded = surface(raw.x, raw.y_m, raw.heights, str(path))
+    return loaded._replace(sha256=hashlib.sha256(data).hexdigest(), filled_m=raw.filled_m)
 
 
 def _cell(grid: NDArray[np.float64], position: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -4,6 +4,8 @@ import os
 from pathlib import Path
 from typing import Any
 
+from foreride.files.reading import strict
+from foreride.road.io.reading_options import ReadingOptions
 from foreride.road.io.surface_file import read_surface
 
 
@@ -18,7 +20,10 @@ def fill_in(road: Any, folder: Path, track_m: Any) -> Any:
     if isinstance(filled.get("file"), str):
         local_file = folder / filled["file"]
         filled["file"] = str(local_file) if os.path.isfile(local_file) else filled["file"]
-        filled.setdefault("length_m", read_surface(filled["file"]).length_m)
+        options = None
+        if filled.get("reading") is not None:
+            options = strict.structure(ReadingOptions, filled["reading"], "reading")
+        filled.setdefault("length_m", read_surface(filled["file"], options).length_m)
     track = {"track_m": track_m} if isinstance(track_m, int | float) else {}
     if isinstance(filled.get("roughness"), dict):
         filled["roughness"] = track | filled["roughness"]

@@ -7,7 +7,8 @@ from pathlib import Path
 from rich.table import Table
 
 from foreride.files.writing.atomic import write_text
-from foreride.road.io.surface_file import FORMATS, read_surface
+from foreride.road.io.formats import FORMATS
+from foreride.road.io.surface_file import read_surface
 from foreride.road.road import Road
 from foreride.road.summary import TrackSummary, list_features, summarise_track
 from foreride.scenarios.commands.options import console

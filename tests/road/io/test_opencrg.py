@@ -98,7 +98,7 @@ def test_curved_road_is_rolled_out_straight(tmp_path):
 
 def test_what_lies_far_beside_the_road_is_left_out(tmp_path):
     pyopencrg.CrgRoad(np.zeros((41, 3)), 0.25, np.array([-15.0, 0.0, 4.0])).save(tmp_path / "wide.crg")
-    np.testing.assert_array_equal(read(tmp_path / "wide.crg")[1], [0.0, 4.0])
+    np.testing.assert_array_equal(read(tmp_path / "wide.crg").y_m, [0.0, 4.0])
 
 
 def test_malformed_files_are_told_in_one_line(tmp_path):
@@ -118,13 +118,49 @@ def test_malformed_files_are_told_in_one_line(tmp_path):
         assert "\n" not in str(caught.value)
 
 
-def test_holes_are_filled_as_the_format_says(tmp_path):
-    """Without modifiers, OpenCRG fills missing values with the last height across."""
+def c_library_fill(row):
+    """Missing heights of a cross section as ASAM's crgLoaderHandleNaNs fills them, by the same loops."""
+    row = list(row)
+    for v in range(1, len(row)):
+        if np.isnan(row[v]):
+            row[v] = row[v - 1]
+    for v in range(len(row) - 1, 0, -1):
+        if np.isnan(row[v - 1]) and not np.isnan(row[v]):
+            row[v - 1] = row[v]
+    return row
+
+
+def test_holes_are_filled_as_the_c_library_fills_them_and_counted(tmp_path):
     holed = Z.copy()
-    holed[20, 3] = np.nan
+    holed[20, 3] = holed[21, 1] = holed[22, 1] = holed[22, 2] = holed[23, 0] = holed[24, :3] = np.nan
     pyopencrg.CrgRoad(holed, 0.25, V).save(tmp_path / "holed.crg", fmt="KDBI")
-    heights = read_surface(tmp_path / "holed.crg").heights
-    assert heights[3, 20] == pytest.approx(heights[2, 20])
+    loaded = read_surface(tmp_path / "holed.crg")
+    expected = np.array([c_library_fill(row) for row in holed])
+    assert np.isfinite(expected).all()
+    np.testing.assert_allclose(loaded.heights, expected.T - expected[0].mean(), atol=1e-12)
+    assert loaded.filled_m == pytest.approx(5 * 0.25)
+
+
+def test_modifiers_of_holes_count(tmp_path):
+    holed = Z.copy()
+    holed[21, 1] = np.nan
+    last = {"grid_nan_mode": 2, "grid_nan_offset": 0.005, "scale_z_grid": 2.0}
+    for mods, height in (
+        (last, 2 * Z[21, 0] + 0.005),
+        ({"grid_nan_mode": 1, "grid_nan_offset": 0.004}, 0.004),
+    ):
+        road = pyopencrg.CrgRoad(holed, 0.25, V)
+        road.mods = mods
+        road.save(tmp_path / "modified.crg", fmt="KDBI")
+        raw = read(tmp_path / "modified.crg")
+        assert raw.heights[1, 21] - raw.heights[0, 0] == pytest.approx(
+            height - mods.get("scale_z_grid", 1) * Z[0, 0]
+        )
+    road = pyopencrg.CrgRoad(holed, 0.25, V)
+    road.mods = {"grid_nan_mode": 0}
+    road.save(tmp_path / "kept.crg", fmt="KDBI")
+    with pytest.raises(InputError, match=r"no height at x = 5\.25 m, y = -0\.5 m"):
+        read_surface(tmp_path / "kept.crg")
 
 
 @settings(max_examples=150, deadline=None)
