@@ -1,5 +1,6 @@
 """Registry of controllers by name; those named by a file are in `controller.user_controller`."""
 
+import inspect
 from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
@@ -31,32 +32,56 @@ class ControllerEntry(NamedTuple):
 
     settings: the field of `ControllerSettings` it takes, if any. uses_preview: whether it uses a preview.
     commands_settings: whether it commands settings of the car's own damper; others command coefficients.
+    summary: a line for listings.
     """
 
     make: Factory
     settings: str | None = None
     uses_preview: bool = False
     commands_settings: bool = False
+    summary: str = ""
 
 
 _OWN = {
-    "passive": ControllerEntry(passive, "passive", commands_settings=True),
-    "fixed": ControllerEntry(fixed, "fixed", commands_settings=True),
-    "skyhook": ControllerEntry(Skyhook, "skyhook"),
-    "skyhook2": ControllerEntry(partial(TwoState, law=skyhook2), "skyhook2"),
-    "groundhook": ControllerEntry(partial(TwoState, law=groundhook), "groundhook"),
-    "hybrid": ControllerEntry(Hybrid, "hybrid"),
-    "add": ControllerEntry(partial(TwoState, law=add), "add"),
-    "sh_add": ControllerEntry(sh_add, "sh_add"),
-    "pdd": ControllerEntry(PowerDriven, "pdd"),
-    "lqr_clipped": ControllerEntry(ClippedLqr, "lqr_clipped"),
+    "passive": ControllerEntry(
+        passive, "passive", commands_settings=True, summary="the car's dampers as built"
+    ),
+    "fixed": ControllerEntry(
+        fixed, "fixed", commands_settings=True, summary="one tuned damping coefficient per axle"
+    ),
+    "skyhook": ControllerEntry(Skyhook, "skyhook", summary="continuous skyhook with a groundhook part"),
+    "skyhook2": ControllerEntry(
+        partial(TwoState, law=skyhook2), "skyhook2", summary="two-state (on–off) skyhook"
+    ),
+    "groundhook": ControllerEntry(
+        partial(TwoState, law=groundhook), "groundhook", summary="two-state (on–off) groundhook"
+    ),
+    "hybrid": ControllerEntry(Hybrid, "hybrid", summary="hybrid skyhook–groundhook"),
+    "add": ControllerEntry(partial(TwoState, law=add), "add", summary="acceleration-driven damper"),
+    "sh_add": ControllerEntry(sh_add, "sh_add", summary="mixed skyhook–ADD"),
+    "pdd": ControllerEntry(PowerDriven, "pdd", summary="power-driven damper"),
+    "lqr_clipped": ControllerEntry(
+        ClippedLqr, "lqr_clipped", summary="linear-quadratic regulator, clipped to what a damper can do"
+    ),
     "mpc_reactive": ControllerEntry(
-        partial(PredictiveController, preview_source="none"), "mpc", commands_settings=True
+        partial(PredictiveController, preview_source="none"),
+        "mpc",
+        commands_settings=True,
+        summary="model predictive control without a preview",
     ),
     "mpc_wheelbase": ControllerEntry(
-        partial(PredictiveController, preview_source="wheelbase"), "mpc", commands_settings=True
+        partial(PredictiveController, preview_source="wheelbase"),
+        "mpc",
+        commands_settings=True,
+        summary="model predictive control whose front axle measures the road for the rear one",
     ),
-    "mpc_preview": ControllerEntry(PredictiveController, "mpc", uses_preview=True, commands_settings=True),
+    "mpc_preview": ControllerEntry(
+        PredictiveController,
+        "mpc",
+        uses_preview=True,
+        commands_settings=True,
+        summary="model predictive control with the road ahead",
+    ),
 }
 
 
@@ -69,7 +94,8 @@ def _accept(name: str, value: Any) -> ControllerEntry:
         return build_user_controller(value, vehicle, settings, timing)
 
     previewed = bool(getattr(value, "uses_preview", True))
-    return ControllerEntry(make, "user", uses_preview=previewed, commands_settings=True)
+    summary = (inspect.getdoc(value) or "your own").partition("\n")[0]
+    return ControllerEntry(make, "user", previewed, commands_settings=True, summary=summary)
 
 
 CONTROLLERS: Registry[ControllerEntry] = Registry("foreride.controllers", "controller", _OWN, _accept)

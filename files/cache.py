@@ -7,6 +7,8 @@ import tempfile
 from functools import lru_cache
 from pathlib import Path
 
+from foreride.files.command_line import notify
+
 
 def cache_folder() -> Path | None:
     """Return the user's folder for foreride's cached results, which may not exist yet; None without a home.
@@ -61,7 +63,7 @@ def temporary_folder() -> Path | None:
         return None
     unwritable = cache_folder() or "a home folder"
     notice = f"{unwritable} cannot be written, so caches are in {folder}; FORERIDE_CACHE names another folder"
-    print(f"foreride: {notice}", file=sys.stderr, flush=True)
+    notify(notice)
     return folder
 
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
+from foreride.files.command_line import notify
 from foreride.files.errors import InputError, printable, shortened
 
 PATIENCE_S = 10.0
@@ -44,8 +45,8 @@ def load(path: Path, subject: str) -> ModuleType:
 @contextmanager
 def waiting_for(subject: str) -> Iterator[None]:
     """Print a notice on stderr if the block takes long."""
-    message = f"foreride: still waiting for {printable(subject)}; Ctrl-C ends it"
-    timer = threading.Timer(PATIENCE_S, lambda: print(message, file=sys.stderr, flush=True))
+    message = f"still waiting for {printable(subject)}; Ctrl-C ends it"
+    timer = threading.Timer(PATIENCE_S, notify, [message])
     timer.daemon = True
     timer.start()
     try:
@@ -81,4 +82,4 @@ def say_once(key: str, message: str) -> None:
     """Print a warning on stderr, once per process for each `key`."""
     if key not in _warnings_issued:
         _warnings_issued.add(key)
-        print(f"foreride: {message}", file=sys.stderr, flush=True)
+        notify(message)

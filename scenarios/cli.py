@@ -6,10 +6,18 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 
-from foreride.files.command_line import Parser, check_texts, silence_stdout, tolerant_streams
-from foreride.files.errors import InputError, abridged, nearest, printable, shortened, shown
+from foreride.files.command_line import (
+    Parser,
+    check_texts,
+    notify,
+    silence_stdout,
+    stdout_kept_for,
+    tolerant_streams,
+)
+from foreride.files.errors import InputError, nearest, printable, shortened, shown
 from foreride.scenarios.commands import COMMANDS
 
 CHECK_FAILED = 1
@@ -32,6 +40,7 @@ def parser(only: str | None = None) -> argparse.ArgumentParser:
         description="Closed-loop simulation of a suspension that sees the road before the wheels reach it.",
     )
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    top.add_argument("--version", action="version", version=f"foreride {version('foreride')}")
     for name, (module, summary) in COMMANDS.items():
         command = commands.add_parser(name, help=summary)
         if only in (None, name):
@@ -53,21 +62,21 @@ def main(argv: Sequence[str] | None = None) -> int:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except InputError as error:
-        return _report(error, BAD_INPUT)
+        return _failure(error, BAD_INPUT)
     except BrokenPipeError:
         silence_stdout()
         return BROKEN_PIPE
     except OSError as error:
         prefix = f"{error.filename}: " if error.filename else ""
-        return _report(f"{prefix}{error.strerror or error}", BAD_INPUT)
+        return _failure(f"{prefix}{error.strerror or error}", BAD_INPUT)
     except MemoryError:
-        return _report("needs more memory than there is", BAD_INPUT)
+        return _failure("needs more memory than there is", BAD_INPUT)
     except KeyboardInterrupt:
-        return _report("interrupted", INTERRUPTED)
+        return _failure("interrupted", INTERRUPTED)
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
-        return _report(internal_error(error), INTERNAL_ERROR)
+        return _failure(internal_error(error), INTERNAL_ERROR)
 
 
 def _execute(argv: Sequence[str]) -> int:
@@ -82,9 +91,10 @@ def _execute(argv: Sequence[str]) -> int:
 
     try:
         check_outputs(arguments)
-        return int(arguments.execute(arguments) or 0)
+        with stdout_kept_for(argv):
+            return int(arguments.execute(arguments) or 0)
     except WorkerDied as error:
-        return _report(error, CHECK_FAILED)
+        return _failure(error, CHECK_FAILED)
 
 
 def internal_error(error: Exception) -> str:
@@ -95,8 +105,8 @@ def internal_error(error: Exception) -> str:
     return f"internal error, {description} ({location}); {TRACEBACK}=1 shows the traceback, please report it"
 
 
-def _report(error: object, status: int) -> int:
-    print(f"foreride: {abridged(printable(error))}", file=sys.stderr)
+def _failure(error: object, status: int) -> int:
+    notify(error)
     return status
 
 

@@ -25,6 +25,7 @@ __all__ = [
     "QuarterCar",
     "control_model",
     "load_vehicle",
+    "vehicle_names",
 ]
 _SHIPPED = Path(__file__).parent / "parameters"
 
@@ -39,6 +40,11 @@ def control_model(parameters: Car) -> Car:
     """
     lightest = min(corner.unsprung_mass_kg for corner in parameters.corners)
     return replace(parameters, damper=parameters.damper.reduced(1.6 * lightest / 0.005))
+
+
+def vehicle_names() -> list[str]:
+    """Names of the shipped cars."""
+    return sorted(file.stem for file in _SHIPPED.glob("*.yaml"))
 
 
 @overload
@@ -57,7 +63,7 @@ def load_vehicle(name_or_path: str | Path) -> Car:
     text = str(name_or_path)
     path = Path(text)
     if path.suffix not in (".yaml", ".yml"):
-        names = sorted(file.stem for file in _SHIPPED.glob("*.yaml"))
+        names = vehicle_names()
         stem = next((name for name in names if text in (name, name.removesuffix("_car"))), None)
         if stem is None:
             raise InputError(f"vehicle must be one of {', '.join(names)} or a .yaml file, got {text!r}")

@@ -10,7 +10,7 @@ from pathlib import Path
 from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import image_paths, read_labels
 from foreride.detector.detections import CLASS_NAMES
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.reading.regular_file import reading
 from foreride.files.reading.strict_json import read_json
@@ -146,7 +146,7 @@ def _read_each(paths: Iterable[Path], read: Callable[[Path], Labelled], skip_bad
             f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
         )
     for fault in faults:
-        print(f"left out: {fault}", file=sys.stderr)
+        notify(f"left out: {fault}")
     return rows
 
 
@@ -207,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
             rows = read_yolo(options.source, names, options.skip_bad)
         (write_coco if options.out.suffix == ".json" else write_yolo)(rows, options.out)
     except InputError as error:
-        print(error, file=sys.stderr)
+        notify(error)
         return 2
     print(f"{options.out}: {len(rows)} images, {sum(len(row.objects) for row in rows)} objects")
     return 0

@@ -6,7 +6,6 @@ A label line is `class cx cy w h`, centre and size as fractions of the image. Op
 """
 
 import hashlib
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from foreride.detector.data.image_io import read_image
 from foreride.detector.detections import CLASS_NAMES
+from foreride.files.command_line import notify
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.reading.regular_file import read_bytes, read_text
 from foreride.files.reading.strict_json import read_json_lines
@@ -99,7 +99,7 @@ def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = Fals
             f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
         )
     for fault in faults:
-        print(f"left out: {fault}", file=sys.stderr)
+        notify(f"left out: {fault}")
 
 
 def shrunk(image: NDArray[np.uint8], longest: int) -> NDArray[np.uint8]:

@@ -9,7 +9,6 @@ contact sheets of images with true and detected boxes there: hardest.png and typ
 
 import argparse
 import json
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -30,7 +29,7 @@ from foreride.detector.evaluation.plots import write_precision_recall
 from foreride.detector.evaluation.summary import report
 from foreride.detector.nms import MIN_CONFIDENCE
 from foreride.detector.runtime import Detector
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify, output_path
 from foreride.files.errors import InputError
 from foreride.files.progress import Progress
 from foreride.files.reading.images import read_pixels
@@ -118,7 +117,7 @@ def parser() -> argparse.ArgumentParser:
     p = Parser(prog="foreride detector eval", description=__doc__)
     p.add_argument("--data", type=Path, required=True, help="folder with images/ and labels/")
     p.add_argument("--weights", type=Path, help="ONNX file; the shipped one by default")
-    p.add_argument("--json", type=Path, help="write the numbers here")
+    p.add_argument("--json", type=output_path, help="write the numbers here")
     p.add_argument("--out", type=Path, help="write metrics, curves and contact sheets into this folder")
     p.add_argument("--confidence", type=float, default=0.25, help="threshold for precision and recall")
     p.add_argument("--degrade", choices=EFFECTS, help="degradation applied to every image")
@@ -158,7 +157,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if args.out:
             write_folder(args.data, judged, summary, args.out, degradation)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        notify(error)
         return 2
     print(report(summary))
     return 0

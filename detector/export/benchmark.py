@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.detector.backends import BACKENDS, installed, open_network
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify, output_path
 from foreride.files.errors import InputError
 from foreride.files.progress import Progress
 from foreride.files.reading.numbers import is_integer, within
@@ -172,7 +172,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--weights", type=Path, help="weights file of sbp-yolo; random ones by default")
     p.add_argument("--data", type=Path, help="folder with images/ for int8 calibration")
     p.add_argument("--memory", action="store_true", help="only the peak memory of the shipped detector (MiB)")
-    p.add_argument("--json", type=Path, help="write the rows here")
+    p.add_argument("--json", type=output_path, help="write the rows here")
     return p
 
 
@@ -187,7 +187,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         else:
             rows = compare(args)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        notify(error)
         return 2
     if args.json:
         write_text(args.json, json.dumps(rows, indent=1) + "\n")
@@ -213,7 +213,7 @@ def compare(args: argparse.Namespace) -> list[dict]:
     check(args)
     for name in args.backends:
         if name not in installed():
-            print(f"backend {name}: left out, it needs {BACKENDS[name].package}", file=sys.stderr)
+            notify(f"backend {name}: left out, it needs {BACKENDS[name].package}")
             args.backends = [b for b in args.backends if b != name]
     requested = cases(args)
     if not requested:

@@ -9,7 +9,6 @@ import argparse
 import copy
 import importlib.metadata
 import io
-import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,7 +31,7 @@ from foreride.detector.network.blocks import Conv
 from foreride.detector.network.checkpoint import DEFAULT_MODEL, load_network
 from foreride.detector.network.deployed import Deployed
 from foreride.detector.network.models import Network
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
 from foreride.files.writing.targets import check_files
@@ -151,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         calibration = None if args.calibration is None else read_file(args.calibration)
         metadata = export(args.weights, args.out, _version(), images, args.plain, args.precision, calibration)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        notify(error)
         return 2
     print(f"{args.out}: {metadata}")
     return 0

@@ -1,16 +1,14 @@
 """Model complexity: parameters and operations, compared with the paper: `foreride detector models`."""
 
 import json
-import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 import torch
 from torch.utils.flop_counter import FlopCounterMode
 
 from foreride.detector.network.blocks import VoVGSCSPC
 from foreride.detector.network.models import MODELS, Network, build
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify, output_path
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
@@ -71,12 +69,12 @@ def table(size: int = 640) -> list[dict]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     p = Parser(prog="foreride detector models", description=__doc__)
-    p.add_argument("--json", type=Path, help="write the numbers here")
+    p.add_argument("--json", type=output_path, help="write the numbers here")
     args = p.parse_args(arguments)
     try:
         check_files(args.json)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        notify(error)
         return 2
     rows = table()
     print(f"{'model':12} parameters M: ours, with the released code's dead ones, paper;  GFLOPs: ours, paper")

@@ -27,7 +27,7 @@ from foreride.detector.training.loop import LoopSettings, train
 from foreride.detector.training.losses import LossWeights
 from foreride.detector.training.schedule import DECAYS, parse_stages
 from foreride.detector.training.trainer import Settings, Trainer
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         run(args)
     except InputError as error:
-        print(f"error: {error}")
+        notify(error)
         return 2
     return 0
 

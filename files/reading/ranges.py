@@ -8,8 +8,8 @@ least `MIN_POSITIVE`, so that division by it is safe.
 
 import math
 import types
-from collections.abc import Iterator
-from dataclasses import fields
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, is_dataclass
 from functools import cache
 from numbers import Integral, Real
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
@@ -22,7 +22,8 @@ from foreride.files.reading.units import unit_hint
 MIN_POSITIVE = 1e-15
 
 Share = Annotated[float, Interval(ge=0.0, le=1.0), "1"]
-Seed = Annotated[int, Interval(ge=0, le=2**32 - 1), "1"]
+MAX_SEED = 2**32 - 1
+Seed = Annotated[int, Interval(ge=0, le=MAX_SEED), "1"]
 
 
 class Number(NamedTuple):
@@ -83,6 +84,26 @@ def number_of(hint: Any) -> Number | None:
     interval = next((item for item in metadata if isinstance(item, Interval)), None)
     unit = next((item for item in metadata if isinstance(item, str)), "1")
     return Number(kind is int, interval, unit) if interval else None
+
+
+def check_field(root: Any, path: Sequence[str], label: str, value: Any) -> None:
+    """Raise InputError, by `label`, unless the field at `path` under `root` may hold the value.
+
+    A path that leads nowhere, and a field that holds no number, are not judged.
+    """
+    place, hint = root, None
+    for key in path:
+        if isinstance(place, tuple) and key.isdecimal() and int(key) < len(place):
+            place = place[int(key)]
+        elif isinstance(place, dict) and key in place:
+            place = place[key]
+        elif is_dataclass(place) and hasattr(place, key):
+            hint, place = get_type_hints(type(place), include_extras=True).get(key), getattr(place, key)
+        else:
+            return
+    numbers = list(numbers_in(hint))
+    if numbers and not any(number.in_range(value) for number in numbers):
+        _check_number(label, value, numbers[0])
 
 
 def numbers_in(hint: Any) -> Iterator[Number]:

@@ -5,10 +5,11 @@ import os
 import re
 import secrets
 import shutil
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from foreride.files.command_line import notify
 
 try:
     import fcntl
@@ -124,10 +125,10 @@ def _clean(folder: Path) -> None:
         aside, path = _OLD.fullmatch(name), folder / name
         if aside and not os.path.lexists(folder / aside[1]):
             os.rename(path, folder / aside[1])
-            _notice(f"put back {folder / aside[1]}, which a killed process had moved aside")
+            notify(f"put back {folder / aside[1]}, which a killed process had moved aside")
         elif is_scratch(name) and _is_dead(path):
             shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
-            _notice(f"removed {path}, left by a killed process")
+            notify(f"removed {path}, left by a killed process")
 
 
 def _is_dead(scratch: Path) -> bool:
@@ -143,7 +144,3 @@ def _is_dead(scratch: Path) -> bool:
     if handle is not None:
         os.close(handle)
     return handle is not None
-
-
-def _notice(text: str) -> None:
-    print(f"foreride: {text}", file=sys.stderr)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError, printable, shortened
 from foreride.files.reading.regular_file import reading
 from foreride.files.reading.strict_json import read_json, read_json_lines
@@ -179,7 +179,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         write_card(options.folder, real_statistics(options.real))
     except InputError as error:
-        print(error, file=sys.stderr)
+        notify(error)
         return 2
     print(options.folder / "README.md")
     return 0

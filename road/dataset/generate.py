@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
@@ -149,7 +149,7 @@ def main(arguments: list[str] | None = None) -> int:
                 options.plain,
             )
     except InputError as error:
-        print(error, file=sys.stderr)
+        notify(error)
         return 2
     print(f"{options.out}: {sum(counts.values())} images, hash {summary['hash'][:16]}")
     return 0

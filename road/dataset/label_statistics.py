@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify, output_path
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.images import read_pixels
 from foreride.files.reading.regular_file import read_text
@@ -99,13 +99,13 @@ def main(arguments: list[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
     parser = Parser(prog="foreride detector boxes", description="Box sizes of labelled image folders.")
     parser.add_argument("folders", type=Path, nargs="+", metavar="FOLDER", help="holds images/ and labels/")
-    parser.add_argument("--json", type=Path, help="also write the numbers to this file")
+    parser.add_argument("--json", type=output_path, help="also write the numbers to this file")
     options = parser.parse_args(arguments)
     try:
         check_files(options.json)
         statistics = {folder.name: box_statistics(folder) for folder in options.folders}
     except InputError as error:
-        print(error, file=sys.stderr)
+        notify(error)
         return 2
     print(table(statistics), end="")
     if options.json:

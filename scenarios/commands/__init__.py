@@ -19,6 +19,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "render": ("inspect.render", "write the camera's images along a scenario"),
     "report": ("inspect.report", "a run or a comparison as one HTML file or a video"),
     "road": ("inspect.road", "length, IRI, ISO 8608 class and features of a road"),
+    "list": ("inspect.listing", "scenarios, vehicles, controllers and other names that are accepted"),
     "detector": ("detector", "data, training, evaluation and export of the detector"),
     "table": ("table", "tables of the documentation, measured anew"),
     "validation": ("validation", "compare with closed forms, standards, other programs"),

@@ -23,7 +23,8 @@ from foreride.road.features.feature import HalfSineBump
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
-from foreride.scenarios.commands.options import add_output_options, console, verdict
+from foreride.scenarios.commands.console import console, verdict
+from foreride.scenarios.commands.options import add_output_options
 from foreride.scenarios.definition.loading import load, names
 from foreride.scenarios.runs.write import to_json, versions
 from foreride.vehicle.load import load_vehicle

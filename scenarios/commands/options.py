@@ -1,29 +1,21 @@
-"""Options and console output shared by the commands that run cases."""
+"""Options shared by the commands that run cases."""
 
 import argparse
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    Progress,
-    TaskProgressColumn,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
-
 from foreride.controller.registry import CONTROLLERS
 from foreride.controller.settings import ControllerSettings
+from foreride.files.command_line import STDOUT, output_path
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict, yaml12
-from foreride.files.reading.numbers import is_integer, within
+from foreride.files.reading.numbers import parse_whole_numbers, within
+from foreride.files.reading.ranges import MAX_SEED
 from foreride.files.reading.regular_file import read_text
 from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.cases import Case, cases, distinct
+from foreride.scenarios.commands.console import progress_bar
 from foreride.scenarios.comparison.parallel import simulate_each
 from foreride.scenarios.comparison.table import short_name
 from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
@@ -32,30 +24,6 @@ from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.runs.record import vehicle_name
 from foreride.scenarios.simulation.referenced_files import check_case_files
 from foreride.scenarios.simulation.simulate import Run
-
-_FILE_WIDTH = 140
-MOST_SEED = 2**32 - 1
-
-
-class _Console(Console):
-    """Console that leaves a broken pipe to the command line, which ends quietly."""
-
-    def on_broken_pipe(self) -> None:
-        raise
-
-
-def _console() -> Console:
-    """Console of the terminal; for a file or a pipe, wide enough for every column. Text is no markup."""
-    terminal = _Console(markup=False, emoji=False)
-    return terminal if terminal.is_terminal else _Console(width=_FILE_WIDTH, markup=False, emoji=False)
-
-
-console = _console()
-
-
-def verdict(passed: bool) -> Text:
-    """Coloured result of a check."""
-    return Text("ok    ", "green") if passed else Text("FAILED", "red")
 
 
 def comma_list(text: str) -> list[str]:
@@ -74,7 +42,7 @@ def add_case_options(command: argparse.ArgumentParser, controllers: str, percept
     known = f"{', '.join(PERCEPTIONS.names())} (default {perceptions})"
     command.add_argument("--perception", type=comma_list, default=ladder, metavar="A,B,...", help=known)
     command.add_argument(
-        "--seeds", type=comma_list, metavar="0,1,...", help="override the scenario's; each runs once"
+        "--seeds", type=comma_list, metavar="0,1,5-9,...", help="override the scenario's; each runs once"
     )
     command.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
@@ -110,13 +78,20 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
         default=[],
         metavar="PATH.TO.FIELD=VALUE",
         dest="overrides",
-        help="set any scenario field; may be repeated",
+        help="set any scenario field, as camera.rate_hz=30 or, for an entry of a list, "
+        "road.features.0.height_m=0.1 or road.features[0].height_m=0.1; may be repeated",
     )
+
+
+def add_json_option(command: argparse.ArgumentParser, told: str = "write the numbers as JSON") -> None:
+    """Add `--json`."""
+    told = f"{told}; {STDOUT} is standard output"
+    command.add_argument("--json", type=output_path, metavar="FILE", help=told)
 
 
 def add_output_options(command: argparse.ArgumentParser) -> None:
     """Add `--json` and `--out`."""
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
+    add_json_option(command)
     command.add_argument("--out", type=Path, metavar="DIR", help="output folder")
 
 
@@ -142,11 +117,7 @@ def seeds_of(arguments: argparse.Namespace) -> list[int] | None:
     """Parse `--seeds`; None leaves each scenario its own."""
     if arguments.seeds is None:
         return None
-    seeds = [int(text) for text in arguments.seeds if is_integer(text)]
-    if not seeds or len(seeds) < len(arguments.seeds) or max(seeds) > MOST_SEED:
-        got = shown(",".join(arguments.seeds))
-        raise InputError(f"--seeds must be whole numbers >= 0 and <= {MOST_SEED}, got {got}")
-    return list(dict.fromkeys(seeds))
+    return parse_whole_numbers("--seeds", arguments.seeds, MAX_SEED)
 
 
 def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
@@ -185,12 +156,3 @@ def simulated(selected: Sequence[Case], keep_images: bool = False, jobs: int = 1
             progress.update(bar, description=description, advance=ticks)
 
         yield from simulate_each(selected, jobs, keep_images, advance)
-
-
-def progress_bar() -> Progress:
-    """Transient progress bar with the remaining time."""
-    columns = (
-        TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn(),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
-    return Progress(*columns, console=console, transient=True)

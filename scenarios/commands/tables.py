@@ -2,12 +2,12 @@
 
 import argparse
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
+from foreride.files.command_line import output_path
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.files.writing.sharing import shared_target
-from foreride.scenarios.commands.options import console
+from foreride.scenarios.commands.console import console
 from foreride.scenarios.comparison.document import document, parquet
 from foreride.scenarios.comparison.statistics import Row, pick, summarise, variants_of
 from foreride.scenarios.comparison.table import comparison, latex, markdown
@@ -20,9 +20,12 @@ def add_table_options(command: argparse.ArgumentParser) -> None:
     """Add the options for the baseline of the effects and for output files of the table."""
     told = f"reference of the effects, such as mpc_preview@oracle (default {DEFAULT_BASELINE})"
     command.add_argument("--baseline", metavar="NAME[@PERCEPTION]", help=told)
-    command.add_argument("--parquet", type=Path, metavar="FILE", help="write one row per run as Parquet")
-    command.add_argument("--markdown", type=Path, metavar="FILE", help="write the table as Markdown")
-    command.add_argument("--latex", type=Path, metavar="FILE", help="write the table as LaTeX (booktabs)")
+    for option, told in (
+        ("--parquet", "write one row per run as Parquet"),
+        ("--markdown", "write the table as Markdown"),
+        ("--latex", "write the table as LaTeX (booktabs)"),
+    ):
+        command.add_argument(option, type=output_path, metavar="FILE", help=f"{told}; - is standard output")
 
 
 def baseline_of(requested: str | None, variants: Sequence[tuple[str, str]]) -> str | None:

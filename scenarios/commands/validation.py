@@ -5,10 +5,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from rich.progress import track
-
 from foreride.files.writing.atomic import write_text
-from foreride.scenarios.commands.options import console, verdict
+from foreride.scenarios.commands.console import console, tracked, verdict
+from foreride.scenarios.commands.options import add_json_option
 from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.validation.areas import count, run_all
 from foreride.scenarios.validation.check import Check
@@ -23,13 +22,13 @@ the largest one over all values compared, and a row passes when it is inside its
 def configure(command: argparse.ArgumentParser) -> None:
     """Add the options, and the function to execute."""
     command.add_argument("--out", type=Path, metavar="FILE", help="write the table as Markdown")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
+    add_json_option(command, "write the rows as JSON")
     command.set_defaults(execute=execute, out_is_file=True)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run all checks; exit code 1 if one failed."""
-    rows = list(track(run_all(), "checks", total=count(), console=console, transient=True))
+    rows = list(tracked(run_all(), "checks", count()))
     for area, check in rows:
         measured = f"{_shown(check, check.deviation)} of {_shown(check, check.bound)}"
         line = f"{area}: {check.name}: {measured} ({check.reference})"

@@ -22,12 +22,14 @@ KIND = "sweep"
 """Kind of result folders in their marker."""
 ROWS_PER_PART = 500
 _PART = re.compile(r"part-[0-9]{5,}\.parquet")
+DATASET = "drives"
+"""Folder of the parts alone, so that programs that read a folder of Parquet files find nothing else in it."""
 _JOURNAL = "journal.jsonl"
 _TEXT = frozenset({"error"})
 
 
 class Results:
-    """Dataset of one folder: `part-00000.parquet`, ... and a journal of the rows that wait for the next part.
+    """Dataset `drives/part-00000.parquet`, ... and a journal of the rows that wait for the next part.
 
     `add` returns once the row is on disk. `done` maps the key of each row to its error (None: success). A
     journal line truncated by a kill is not counted as done.
@@ -60,7 +62,8 @@ class Results:
             return
         last = self._parts()[-1:]
         number = int(last[0].stem.removeprefix("part-")) + 1 if last else 0  # gaps are not filled
-        part = self.folder / f"part-{number:05d}.parquet"
+        part = self.folder / DATASET / f"part-{number:05d}.parquet"
+        part.parent.mkdir(exist_ok=True)
         sink = io.BytesIO()
         pq.write_table(
             _cast_null_columns(pa.Table.from_pylist(_with_all_columns(self._waiting))),
@@ -72,7 +75,7 @@ class Results:
         self._restart_journal()
 
     def _parts(self) -> list[Path]:
-        return sorted(path for path in self.folder.glob("part-*.parquet") if _PART.fullmatch(path.name))
+        return _parts(self.folder)
 
     def _journalled(self) -> list[dict[str, Any]]:
         """Rows of the journal; a truncated last line is dropped, any other damage raises InputError."""
@@ -101,9 +104,15 @@ class Results:
             os.fsync(journal.fileno())
 
 
+def _parts(folder: Path) -> list[Path]:
+    """Parts in a study's folder, oldest first; those of early versions lie beside the journal."""
+    found = (path for place in (folder, folder / DATASET) for path in place.glob("part-*.parquet"))
+    return sorted((path for path in found if _PART.fullmatch(path.name)), key=lambda path: path.name)
+
+
 def load_results(folder: Path) -> pa.Table:
     """Read all rows of a study's parts, the latest of each key; columns that a part lacks are null."""
-    parts = [read_table(part) for part in sorted(folder.glob("part-*.parquet"))]
+    parts = [read_table(part) for part in _parts(folder)]
     if not parts:
         raise InputError(f"{folder}: holds no part-*.parquet")
     with reading(f"{folder}: part-*.parquet"):

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from foreride.controller.registry import uses_preview
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict
-from foreride.files.reading.ranges import Checked, Seed
+from foreride.files.reading.ranges import Checked, Seed, check_field
 from foreride.files.reading.regular_file import read_text
 from foreride.files.reading.yaml12 import parse
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.overrides import split_path
 from foreride.scenarios.runs.write import digest
 from foreride.scenarios.simulation.referenced_files import check_case_files
 from foreride.scenarios.studies.axis import Axis, Scalar, read_axis, scalar
@@ -94,23 +95,35 @@ def read(path: Path) -> list[Sample]:
     try:
         _check_size(study, axes)
         samples = list(_samples(study, points(study, axes), constants, path.parent))
+        extremes = {field: _extremes(field, samples) for field in axes}
         for kind in dict.fromkeys((s.scenario, s.controller, s.perception) for s in samples):
-            _try([s for s in samples if (s.scenario, s.controller, s.perception) == kind][:TRIAL_SAMPLES])
+            of_kind = [s for s in samples if (s.scenario, s.controller, s.perception) == kind]
+            case = _valid_case(of_kind[:TRIAL_SAMPLES])
+            for field, values in extremes.items():
+                for value in values:
+                    check_field(case.scenario, split_path(field), f"vary.{field}", value)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     return samples
 
 
-def _try(samples: Sequence[Sample]) -> None:
-    """Check that at least one of the samples is valid; invalid ones become rows with an error."""
+def _valid_case(samples: Sequence[Sample]) -> Case:
+    """Case of the first valid sample, of which there must be one; invalid ones become rows with an error."""
     errors = []
     for sample in samples:
         try:
-            check_case_files(sample.case())
-            return
+            check_case_files(case := sample.case())
+            return case
         except InputError as error:
             errors.append(error)
     raise errors[0]
+
+
+def _extremes(field: str, samples: Sequence[Sample]) -> list[Scalar]:
+    """Smallest and largest number that a varied field takes; none if it takes no numbers."""
+    values = {dict(sample.point)[field] for sample in samples}
+    numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+    return sorted({min(numbers), max(numbers)}) if numbers else []
 
 
 def _check_size(study: Study, axes: Mapping[str, Axis]) -> None:

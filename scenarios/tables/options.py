@@ -5,9 +5,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, output_path
 from foreride.files.errors import InputError, shown
-from foreride.files.reading.numbers import is_integer
+from foreride.files.reading.numbers import parse_whole_numbers
+from foreride.files.reading.ranges import MAX_SEED
 from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
 
 
@@ -25,7 +26,7 @@ def shared_parser(name: str, description: str, seeds: str) -> Parser:
     parser.add_argument("--vehicle", default="half", help="quarter, half or full (default half)")
     parser.add_argument("--seeds", default=seeds, help=f"default {seeds}")
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all rows")
+    parser.add_argument("--json", type=output_path, metavar="FILE", help="write all rows")
     told = "reuse rows of --json files of parts of this table, and simulate only missing ones"
     parser.add_argument("--read", nargs="+", type=Path, default=[], metavar="FILE", help=told)
     return parser
@@ -42,11 +43,7 @@ def parse_words(option: str, text: str, allowed: Sequence[str], separator: str =
 
 def whole_numbers(option: str, text: str) -> list[int]:
     """Split a comma-separated option into integers >= 0. Raises InputError."""
-    words = text.split(",")
-    for word in words:
-        if not is_integer(word):
-            raise InputError(f"{option}: must be whole numbers >= 0, separated by commas, got {shown(word)}")
-    return [int(word) for word in words]
+    return parse_whole_numbers(f"{option}:", text.split(","), MAX_SEED)
 
 
 def selected_overrides(selected: Namespace, fields: Mapping[str, Any] | None = None) -> list[Override]:

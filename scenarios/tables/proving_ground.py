@@ -10,12 +10,12 @@ with its dampers, because the car of the paper has hydraulic actuators.
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from foreride.files.command_line import output_path
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = table_parser("proving_ground", "rides over the proving-ground bumps of Theunissen et al.")
     parser.add_argument("--vehicles", default="half,suv")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--json", type=Path)
+    parser.add_argument("--json", type=output_path)
     asked = parser.parse_args(arguments)
     check_files(asked.json)
     rides = []

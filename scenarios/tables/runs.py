@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from rich.progress import track
 
 from foreride.files.errors import InputError
 from foreride.files.reading.strict_json import read_json
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.console import tracked
 from foreride.scenarios.comparison.statistics import Interval, Row, intervals
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import environment, row, scenario_hash, to_json
@@ -57,7 +57,7 @@ def run_all(
 
     return {
         variant.name: [
-            [driven(variant, scenario, seed) for scenario in track(variant.scenarios, variant.name)]
+            [driven(variant, scenario, seed) for scenario in tracked(variant.scenarios, variant.name)]
             for seed in seeds
         ]
         for variant in variants

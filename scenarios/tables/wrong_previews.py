@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.progress import track
 
 from foreride.files.errors import InputError
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.console import tracked
 from foreride.scenarios.comparison.parallel import each_result
 from foreride.scenarios.simulation.simulate import Run
 from foreride.scenarios.tables import row_file
@@ -145,6 +145,5 @@ def main(arguments: Sequence[str] | None = None) -> None:
     wanted = range(asked.first, asked.first + asked.drives)
     rows = [row for row in row_file.resume(asked.json, _NEEDED) if row["drive"] in wanted]
     missing = sorted(set(wanted) - {row["drive"] for row in rows})
-    new = track(each(missing, asked.jobs), "drives", total=len(missing))
-    rows += row_file.kept(asked.json, new)
+    rows += row_file.kept(asked.json, tracked(each(missing, asked.jobs), "drives", len(missing)))
     print("\n".join([*table(rows), "", *worst(rows, asked.worst)]))

@@ -105,7 +105,7 @@ def _part_file(folder: Path) -> Path:
     results = Results(folder)
     results.add(_results_row("a"))
     results.flush()
-    return folder / "part-00000.parquet"
+    return (folder / "drives" / "part-00000.parquet").rename(folder / "part-00000.parquet")
 
 
 def _results(path: Path) -> object:

@@ -1,20 +1,24 @@
 """Tests of the command line under any input: one printable line and a meaningful exit code."""
 
+import json
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
 
 from foreride.files.errors import InputError
 from foreride.scenarios import cli
 from foreride.scenarios.commands import COMMANDS
+from foreride.scenarios.commands.inspect.listing import TOPICS
 
 NEEDED = {
     **{name: ["scenario"] for name in ("run", "compare", "sweep", "bound", "render", "report", "road")},
     "calibrate": ["photo.jpg", "--squares", "9x6", "--square_m", "0.03"],
     "detector": ["eval"],
     "table": ["budget"],
+    "list": ["scenarios"],
 }
 """Arguments without which a command does not parse."""
 
@@ -44,7 +48,7 @@ def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
         (["run", "bump_8x40_30", "--jobs", "9" * 5000], "--jobs: invalid int value"),
         (
             ["run", "bump_8x40_30", "--jobs", "two"],
-            "invalid int value: 'two'; --help lists the options",
+            "foreride: run: argument --jobs: invalid int value: 'two'; `foreride run --help` lists",
         ),
         (["run"], "required: scenario"),
         (["fly\nhigh"], r"COMMAND must be one of demo, run, compare,"),
@@ -52,6 +56,13 @@ def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, s
         (["--fly"], "required: COMMAND"),
         ([], "required: COMMAND"),
         (["detector", "eval", "--data"], "--data: expected one argument"),
+        (["run", "bump_8x40_30", "x"], "foreride: run: takes no 'x'; `foreride run --help` lists"),
+        (
+            ["detector", "eval", "--data", "d", "x"],
+            "foreride: detector eval: takes no 'x'; `foreride detector",
+        ),
+        (["run", "bump_8x40_30", "--seeds", "4-1"], "--seeds must be whole numbers in 0 ... 4294967295, or"),
+        (["run", "bump_8x40_30", "--seeds", "0-9999999"], "--seeds must be at most 100000 numbers"),
     ],
 )
 def test_bad_arguments_are_told_in_one_line_with_exit_code_2(
@@ -144,6 +155,37 @@ def test_help_of_one_command_equals_that_of_the_whole_parser(
         texts.append(capsys.readouterr().out)
     assert texts[0] == texts[1]
     assert f"usage: foreride {name}" in texts[0]
+
+
+def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["--version"])
+    assert capsys.readouterr().out == f"foreride {version('foreride')}\n"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_breaks_no_word(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However narrow the terminal is, each line of the help holds whole words of the wide one."""
+    words = []
+    for columns in ("1000", "40"):
+        monkeypatch.setenv("COLUMNS", columns)
+        (commands,) = (action for action in cli.parser(name)._actions if action.dest == "command")
+        helped = commands.choices[name].format_help()  # type: ignore[index]
+        words.append(set(helped.partition("\n\n")[2].split()))
+    assert words[0] == words[1]
+
+
+@pytest.mark.parametrize("topic", TOPICS)
+def test_names_are_listed(topic: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """With their meaning, on a line each; as JSON on standard output, then with the lines on stderr."""
+    assert cli.main(["list", topic]) == 0
+    lines = [line.split(maxsplit=1) for line in capfd.readouterr().out.splitlines()]
+    assert all(len(line) == 2 for line in lines), lines
+    assert cli.main(["list", topic, "--json", "-"]) == 0
+    out, err = capfd.readouterr()
+    parts = json.loads(out)[topic]
+    assert [part["name"].split()[0] for part in parts] == [first for first, _ in lines]
+    assert len(err.splitlines()) == len(lines)
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8", "latin-1"])

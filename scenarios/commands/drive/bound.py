@@ -2,7 +2,6 @@
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 
 from foreride.controller.registry import CLAIRVOYANT
 from foreride.files.writing.atomic import write_text
@@ -10,7 +9,8 @@ from foreride.scenarios.bound.headroom import headroom
 from foreride.scenarios.bound.optimum_cache import bound
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
-from foreride.scenarios.commands.options import add_field_options, console, overrides_of
+from foreride.scenarios.commands.console import console
+from foreride.scenarios.commands.options import add_field_options, add_json_option, overrides_of
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.record import vehicle_name
@@ -26,7 +26,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     beside = "actuators in parallel with the dampers (default: those of the scenario's car)"
     command.add_argument("--actuator", choices=tuple(ACTUATORS), help=beside)
     add_field_options(command)
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
+    add_json_option(command)
     command.set_defaults(execute=execute)
 
 

@@ -7,13 +7,12 @@ from dataclasses import replace
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.bound.headroom import headroom
 from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.console import console, progress_bar, suggest
 from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,
     cases_of,
-    console,
     jobs_of,
-    progress_bar,
     simulated,
 )
 from foreride.scenarios.commands.outputs import runs_folder
@@ -65,6 +64,9 @@ def execute(arguments: argparse.Namespace) -> int:
         write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
     if figures:
         console.print(f"figures: {figures.finish(rows, document['baseline'])}/")
+        suggest("foreride", "report", arguments.out)
+    else:
+        console.print("next: the same with --out DIR keeps the drives, then foreride report DIR shows them")
     return 0
 
 

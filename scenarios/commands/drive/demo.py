@@ -5,7 +5,8 @@ import argparse
 from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import cases
-from foreride.scenarios.commands.options import add_output_options, console, simulate_all
+from foreride.scenarios.commands.console import console, suggest
+from foreride.scenarios.commands.options import add_output_options, simulate_all
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, publish
 from foreride.scenarios.definition.loading import load
@@ -49,6 +50,7 @@ def execute(arguments: argparse.Namespace) -> int:
             write_video(out / "film.mp4", _pairs(runs))
         outputs.append("film.mp4")
     console.print(f"{out}: {', '.join(outputs)} and {len(runs)} run folders")
+    suggest("foreride", "report", out)
     return 0
 
 

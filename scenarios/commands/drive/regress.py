@@ -9,14 +9,8 @@ from pathlib import Path
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
-from foreride.scenarios.commands.options import (  # fmt: skip
-    add_case_options,
-    cases_of,
-    console,
-    jobs_of,
-    overrides_of,
-    simulated,
-)
+from foreride.scenarios.commands.console import console
+from foreride.scenarios.commands.options import add_case_options, cases_of, jobs_of, overrides_of, simulated
 from foreride.scenarios.regression.baseline import (
     REFERENCE,
     Baseline,

@@ -3,11 +3,11 @@
 import argparse
 
 from foreride.files.writing.names import component
+from foreride.scenarios.commands.console import console, suggest
 from foreride.scenarios.commands.options import (
     add_case_options,
     add_frames_option,
     cases_of,
-    console,
     jobs_of,
     simulated,
 )
@@ -40,4 +40,5 @@ def execute(arguments: argparse.Namespace) -> int:
     publish(arguments, [row(run) for run in runs])
     save(drive_figure(runs), out / component(f"{runs[0].case.scenario.name}.png"))
     console.print(f"run folders and figure: {out}/")
+    suggest("foreride", "report", out)
     return 0

@@ -9,14 +9,17 @@ from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim, exclusive
 from foreride.files.writing.names import component
 from foreride.files.writing.sharing import shared_name
-from foreride.scenarios.commands.options import console, jobs_of, progress_bar
+from foreride.scenarios.commands.console import console, progress_bar
+from foreride.scenarios.commands.options import add_json_option, jobs_of
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.studies.complete import missing_samples
-from foreride.scenarios.studies.results import KIND, Results
+from foreride.scenarios.studies.results import DATASET, KIND, Results
 from foreride.scenarios.studies.study import Sample, read
 from foreride.scenarios.studies.sweep import LOOPBACK, cluster, run
+
+CHECK_FAILED = 1
 
 
 def configure(command: argparse.ArgumentParser) -> None:
@@ -31,7 +34,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     many = "worker processes (default: all cores)"
     command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
     command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the counts as JSON")
+    add_json_option(command, "write the counts as JSON")
     command.set_defaults(execute=execute)
 
 
@@ -64,12 +67,11 @@ def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: i
         ) from None
     finally:
         results.flush()
-    _print_counts(arguments, samples, results)
-    return 0
+    return CHECK_FAILED if _print_counts(arguments, samples, results) else 0
 
 
-def _print_counts(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> None:
-    """Print the counts of drives and the first errors; write the counts where `--json` asks for them."""
+def _print_counts(arguments: argparse.Namespace, samples: Mapping[str, Sample], results: Results) -> int:
+    """Print counts of drives and the first errors, write the counts to `--json`; return that of failures."""
     failed = {key: error for key, error in results.done.items() if error}
     finished = len(results.done.keys() & samples.keys())
     summary = (
@@ -81,6 +83,9 @@ def _print_counts(arguments: argparse.Namespace, samples: Mapping[str, Sample], 
     if arguments.json:
         counts = {"drives": finished, "failed": len(failed), "folder": shared_name(results.folder)}
         write_text(arguments.json, to_json({"schema": 1, "manifest": environment(), **counts}) + "\n")
+    dataset = str(results.folder / DATASET)
+    console.print(f"next: pandas.read_parquet({dataset!r})", highlight=False, soft_wrap=True)
+    return len(failed)
 
 
 def _resume_command(arguments: argparse.Namespace, folder: Path) -> str:

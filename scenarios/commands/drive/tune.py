@@ -8,13 +8,12 @@ from foreride.files.reading import strict
 from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
+from foreride.scenarios.commands.console import console, progress_bar, suggest
 from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,
     comma_list,
-    console,
     overrides_of,
-    progress_bar,
 )
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.definition.schema import Scenario
@@ -79,6 +78,7 @@ def execute(arguments: argparse.Namespace) -> int:
         rows = [strict.to_mapping(tuned) for tuned in results]
         document = {"schema": 1, "manifest": environment(), "rows": rows}
         write_text(arguments.json, to_json(document) + "\n")
+    suggest("foreride", "compare", "reporting", "--settings", out)
     return 0
 
 

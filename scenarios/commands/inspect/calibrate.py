@@ -7,7 +7,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import yaml
-from rich.progress import track
 
 from foreride.files.errors import InputError, shown
 from foreride.files.reading import strict
@@ -23,7 +22,8 @@ from foreride.road.camera.calibration import (
     find_corners,
     mounting,
 )
-from foreride.scenarios.commands.options import console
+from foreride.scenarios.commands.console import console, tracked
+from foreride.scenarios.commands.options import add_json_option
 from foreride.scenarios.runs.write import to_json
 
 CHECK_FAILED = 1
@@ -41,7 +41,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--out", type=Path, metavar="FILE", help="write the block `camera` of a scenario (YAML)"
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write all numbers")
+    add_json_option(command, "write all numbers as JSON")
     command.set_defaults(execute=execute, out_is_file=True)
 
 
@@ -88,7 +88,7 @@ def _board(squares: str, square_m: float) -> Board:
 def _views(photos: Sequence[Path], board: Board) -> tuple[dict[Path, np.ndarray], tuple[int, int]]:
     """Corners in each photo that shows the whole board, and the common size of all photos (width, height)."""
     corners_by_photo, sizes = {}, {}
-    for path in track(photos, "looking for the board", console=console, transient=True):
+    for path in tracked(photos, "looking for the board"):
         image = _photo(path)
         sizes[path] = image.shape[1::-1]
         if sizes[path] != sizes[photos[0]]:

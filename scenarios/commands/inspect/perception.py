@@ -7,11 +7,11 @@ from typing import Any
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.console import console
 from foreride.scenarios.commands.options import (
     add_field_options,
     add_output_options,
     comma_list,
-    console,
     jobs_of,
     overrides_of,
     seeds_of,

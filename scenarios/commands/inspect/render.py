@@ -4,7 +4,6 @@ import argparse
 
 import cv2
 import numpy as np
-from rich.progress import track
 
 from foreride.detector.detections import Detections
 from foreride.detector.runtime import Detector
@@ -15,7 +14,8 @@ from foreride.files.writing.folder import atomic_folder, check_folder
 from foreride.files.writing.names import component
 from foreride.road.camera.pinhole import pose_of
 from foreride.road.render.scene import Frame, Scene
-from foreride.scenarios.commands.options import add_field_options, add_output_options, console, overrides_of
+from foreride.scenarios.commands.console import console, tracked
+from foreride.scenarios.commands.options import add_field_options, add_output_options, overrides_of
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
@@ -55,7 +55,7 @@ def execute(arguments: argparse.Namespace) -> int:
     scene = Scene(scenario.road, scenario.appearance, scenario.seed)
     boxes_by_image = {}
     with atomic_folder(out, KIND) as draft:
-        for index, x in enumerate(track(positions_m, "rendering", console=console, transient=True)):
+        for index, x in enumerate(tracked(positions_m, "rendering")):
             name = f"{index:04d}-{x:06.1f}m.png"
             image, detections = render_frame(scenario, scene, float(x), index, detector)
             draft.write(name, _png(mark(image, detections)))

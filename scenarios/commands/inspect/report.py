@@ -1,16 +1,16 @@
 """`foreride report`: HTML report or video of a run or a comparison."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 
+from foreride.files.command_line import notify
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
-from foreride.scenarios.commands.options import console, progress_bar
+from foreride.scenarios.commands.console import console, progress_bar
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.budget import error_budget_section
 from foreride.scenarios.report.film.video import write_video
@@ -50,7 +50,7 @@ def execute(arguments: argparse.Namespace) -> int:
     write_text(out, page(gathered, _RENDERED if rendered else "", budget))
     console.print(f"report: {out} ({out.stat().st_size / 1e6:.1f} MB)")
     for message in gathered.missing:
-        print(f"foreride: partial report: {message}", file=sys.stderr)
+        notify(f"partial report: {message}")
     if arguments.film:
         with console.status("writing the film"):
             write_video(arguments.film, _pairs(first_seeds(gathered.runs)))

@@ -11,7 +11,8 @@ from foreride.road.io.formats import FORMATS
 from foreride.road.io.surface_file import read_surface
 from foreride.road.road import Road
 from foreride.road.summary import TrackSummary, list_features, summarise_track
-from foreride.scenarios.commands.options import console
+from foreride.scenarios.commands.console import console
+from foreride.scenarios.commands.options import add_json_option
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import to_json
 
@@ -21,7 +22,7 @@ TRACK_M = 1.5
 def configure(command: argparse.ArgumentParser) -> None:
     """Add the options, and the function to execute."""
     command.add_argument("road", help="a scenario (name or YAML file), or a profile (.csv or .crg)")
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the numbers as JSON")
+    add_json_option(command)
     command.set_defaults(execute=execute)
 
 

@@ -55,7 +55,7 @@ def test_parts_are_written_as_rows_come(tmp_path: Path, monkeypatch: pytest.Monk
     results = Results(tmp_path)
     for number in range(5):
         results.add(row(number))
-    assert len(list(tmp_path.glob("part-*.parquet"))) == 2
+    assert len(list(tmp_path.glob("drives/part-*.parquet"))) == 2
     assert set(Results(tmp_path).done) == {f"k{number}" for number in range(5)}
 
 
@@ -68,7 +68,7 @@ def test_failed_rows_keep_their_error_and_fit_the_others(tmp_path: Path) -> None
     table = load_results(tmp_path)
     assert table["error"].to_pylist() == ["InputError: no", None]
     assert table["wk_rms"].to_pylist() == [None, 1.0]
-    assert pq.read_schema(tmp_path / "part-00001.parquet").field("error").type == "string"
+    assert pq.read_schema(tmp_path / "drives" / "part-00001.parquet").field("error").type == "string"
 
 
 def test_a_second_try_takes_the_place_of_the_first(tmp_path: Path) -> None:
@@ -99,13 +99,13 @@ def test_a_part_never_takes_the_place_of_another(tmp_path: Path) -> None:
     for number in range(2):
         results.add(row(number))
         results.flush()
-    (tmp_path / "part-00000.parquet").unlink()
-    kept = (tmp_path / "part-00001.parquet").read_bytes()
+    (tmp_path / "drives" / "part-00000.parquet").unlink()
+    kept = (tmp_path / "drives" / "part-00001.parquet").read_bytes()
     again = Results(tmp_path)
     again.add(row(2))
     again.flush()
-    assert (tmp_path / "part-00001.parquet").read_bytes() == kept
-    assert (tmp_path / "part-00002.parquet").exists()
+    assert (tmp_path / "drives" / "part-00001.parquet").read_bytes() == kept
+    assert (tmp_path / "drives" / "part-00002.parquet").exists()
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_a_part_without_rows_adds_none(tmp_path: Path) -> None:
     results = Results(tmp_path)
     results.add(row(0))
     results.flush()
-    part = tmp_path / "part-00000.parquet"
+    part = tmp_path / "drives" / "part-00000.parquet"
     pq.write_table(pq.read_table(part).slice(0, 0), part)
     assert load_results(tmp_path).num_rows == 0
 

@@ -86,6 +86,8 @@ def test_latin_hypercube_and_sobol_put_one_sample_into_each_stratum() -> None:
         (("set: {", "set: {memory: missing.yaml, "), ("missing.yaml",)),
         (("speed_kmh:", "speed_khm:"), ("speed_khm", "speed_kmh")),
         (("[20, 30, 40]", "[0, 0.5]"), ("speed_kmh", "1 ... 200")),
+        (("[20, 30, 40]", "[20, 30, 400]"), ("vary.speed_kmh", "1 ... 200", "400")),
+        (("{values: [0.0, 0.1]}", "[0.0, -0.1]"), ("vary.camera.latency_s must lie in 0 ...", "-0.1")),
         (("[20, 30, 40]", "{low: 20, high: 40}"), ("vary.speed_kmh", "values")),
         (("[20, 30, 40]", "{low: 20}"), ("vary.speed_kmh", "low and high")),
         (("[20, 30, 40]", "fast"), ("vary.speed_kmh", "fast")),
