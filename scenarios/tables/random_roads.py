@@ -14,13 +14,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from rich.progress import track
 
 from foreride.controller.registry import CONTROLLERS
 from foreride.controller.tuned_settings import TUNED_CONTROLLERS
 from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
 from foreride.files.writing.targets import check_files
+from foreride.scenarios.commands.console import tracked
 from foreride.scenarios.definition.overrides import parse_override
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.random_roads.drives import Drive, Line, Row, lines, missing, simulated
@@ -87,7 +87,7 @@ def driven(asked: Namespace, wanted: Sequence[Line], overrides: Mapping[str, Seq
     drives = [Drive(event, seed, line) for event in events for seed in seeds for line in wanted]
     rows: list[Row] = list(row_file.resume(asked.json, NEEDED))
     due = missing(drives, rows, parsed)
-    new = track(simulated(due, parsed, asked.jobs), "drives", total=len(due))
+    new = tracked(simulated(due, parsed, asked.jobs), "drives", len(due))
     rows += row_file.kept(asked.json, new)
     return collected(rows, wanted, events, seeds)
 

@@ -64,6 +64,7 @@ def execute(arguments: argparse.Namespace) -> int:
         write_text(arguments.out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
     if figures:
         console.print(f"figures: {figures.finish(rows, document['baseline'])}/")
+    if arguments.out:
         suggest("foreride", "report", arguments.out)
     else:
         console.print("next: the same with --out DIR keeps the drives, then foreride report DIR shows them")
