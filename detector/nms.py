@@ -18,11 +18,10 @@ MAX_KEPT = 300
 
 def iou_matrix(a: NDArray, b: NDArray) -> NDArray:
     """Intersection over union (n, m) of boxes (n, 4) and (m, 4), x0 y0 x1 y1."""
-    intersection_sides = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(
-        a[:, None, :2], b[None, :, :2]
-    )
-    intersection = intersection_sides.clip(0).prod(-1)
-    area_a, area_b = (np.prod(x[:, 2:] - x[:, :2], 1) for x in (a, b))
+    width = np.minimum(a[:, None, 2], b[None, :, 2]) - np.maximum(a[:, None, 0], b[None, :, 0])
+    height = np.minimum(a[:, None, 3], b[None, :, 3]) - np.maximum(a[:, None, 1], b[None, :, 1])
+    intersection = width.clip(0) * height.clip(0)
+    area_a, area_b = ((x[:, 2] - x[:, 0]) * (x[:, 3] - x[:, 1]) for x in (a, b))
     return intersection / np.maximum(area_a[:, None] + area_b[None] - intersection, 1e-9)
 
 

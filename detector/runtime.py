@@ -23,8 +23,8 @@ WEIGHTS = Path(__file__).parent / "weights" / "sbp-yolo.onnx"
 STRIDE = 32
 MAX_WIDTH = 4096
 """Maximum training width (px) in a model's metadata; images are scaled to it."""
-MAX_VALUE = 1e6
-"""Maximum magnitude of a network output."""
+MAX_BOX_PX = 1e6
+"""Maximum magnitude of a box coordinate that a network gives."""
 MODEL_LIMIT = 512 << 20
 """Maximum size of a model file: 512 MiB."""
 MIN_SIDE_PX = 64  # smaller images have fewer anchor points than the network returns candidates
@@ -118,9 +118,14 @@ class Detector:
                 f"{self.path}: expected boxes 1 x K x 4 and scores 1 x K x {len(CLASS_NAMES)}, "
                 f"got {shapes[0]} and {shapes[1]}"
             )
-        for name, values in (("boxes", boxes), ("scores", scores)):
-            if values.dtype.kind != "f" or not (np.abs(values) <= MAX_VALUE).all():
-                raise InputError(f"{self.path}: its {name} must be numbers within ±{MAX_VALUE:g}, got others")
+        for name, values, low, high in (
+            ("boxes", boxes, -MAX_BOX_PX, MAX_BOX_PX),
+            ("scores", scores, 0.0, 1.0),
+        ):
+            if values.dtype.kind != "f" or not ((low <= values) & (values <= high)).all():
+                raise InputError(
+                    f"{self.path}: its {name} must be numbers in {low:g} ... {high:g}, got others"
+                )
 
 
 def letterbox_for(width: int, height: int, longest: int) -> Letterbox:
@@ -164,7 +169,7 @@ def _metadata(path: Path, session: ort.InferenceSession) -> dict[str, str]:
         raise InputError(f"{path}: expected one input image of uint8, got {shown(inputs)}")
     shape = session.get_inputs()[0].shape
     batch, *size, colours = shape if len(shape) == 4 else [0, 0, 0, 0]
-    if not (batch == 1 or isinstance(batch, str)) or colours != 3 or any(isinstance(n, int) for n in size):
+    if (isinstance(batch, int) and batch != 1) or colours != 3 or any(isinstance(n, int) for n in size):
         raise InputError(f"{path}: the image must have the shape 1 x height x width x 3, got {shown(shape)}")
     outputs = [o.name for o in session.get_outputs()]
     if outputs != ["boxes", "scores"]:

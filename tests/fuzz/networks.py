@@ -14,7 +14,7 @@ def write(
     boxes: np.ndarray,
     scores: np.ndarray,
     metadata: dict[str, str] = METADATA,
-    shape: tuple[int | str, ...] = (1, "height", "width", 3),
+    shape: tuple[int | str | None, ...] = (1, "height", "width", 3),
 ) -> Path:
     """A network that gives these boxes and scores for every image of the shape."""
     constants = [numpy_helper.from_array(value, name) for value, name in ((boxes, "b"), (scores, "s"))]
@@ -33,7 +33,7 @@ def save(
     nodes: list[onnx.NodeProto],
     constants: list[onnx.TensorProto],
     metadata: dict[str, str] = METADATA,
-    shape: tuple[int | str, ...] = (1, "height", "width", 3),
+    shape: tuple[int | str | None, ...] = (1, "height", "width", 3),
     answers: tuple[tuple[int, ...] | None, tuple[int, ...] | None] = (None, None),
 ) -> Path:
     """A network of these nodes from `image` to `boxes` and `scores`."""

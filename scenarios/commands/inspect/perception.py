@@ -2,10 +2,13 @@
 
 import argparse
 from itertools import product
+from pathlib import Path
 from typing import Any
 
+from foreride.detector.calibration import to_text
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
+from foreride.files.writing.targets import check_files
 from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.console import console
 from foreride.scenarios.commands.options import (
@@ -22,6 +25,8 @@ from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perception_benchmark.roads import COURSES, LOOKS, MIXED, course
 from foreride.scenarios.perception_benchmark.summary import summarise
 from foreride.scenarios.perception_benchmark.table import error_table, use_table
+from foreride.scenarios.perception_benchmark.weights_calibration import box_samples, fit
+from foreride.scenarios.perceptions.camera import load_detector
 from foreride.scenarios.perceptions.registry import PERCEPTIONS, perception_entry
 from foreride.scenarios.report.perception import write_error_figure
 from foreride.scenarios.runs.write import environment, to_json
@@ -64,6 +69,12 @@ def configure(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--jobs", type=int, default=1, metavar="N", help="worker processes (default 1; 0 for all cores)"
     )
+    command.add_argument(
+        "--calibration",
+        type=Path,
+        metavar="FILE",
+        help="write edge biases and score curves of the detector's weights, fitted to these drives, as JSON",
+    )
     add_field_options(command)
     add_output_options(command)
     command.set_defaults(execute=execute)
@@ -82,7 +93,13 @@ def execute(arguments: argparse.Namespace) -> int:
     groups = _courses(arguments) if arguments.courses else _scenarios(arguments)
     if arguments.out:
         runs_folder(arguments.out)
-    rows = [_row(name, simulate_all(cases, jobs=jobs)) for name, cases in groups]
+    if arguments.calibration:
+        check_files(arguments.calibration)
+    rows, samples = [], []
+    for name, cases in groups:
+        runs = simulate_all(cases, jobs=jobs)
+        rows.append(_row(name, runs))
+        samples += [sample for run in runs if arguments.calibration for sample in box_samples(run)]
     console.print(use_table(rows))
     console.print(error_table(rows))
     if arguments.out:
@@ -93,6 +110,10 @@ def execute(arguments: argparse.Namespace) -> int:
         document = {"schema": 1, "manifest": environment(), "rows": rows}
         write_text(arguments.json, to_json(document) + "\n")
         console.print(f"numbers: {arguments.json}")
+    if arguments.calibration:
+        weights = load_detector(groups[0][1][0].scenario)
+        write_text(arguments.calibration, to_text(fit(samples, weights.calibration)) + "\n")
+        console.print(f"calibration: {arguments.calibration}")
     return 0
 
 
