@@ -33,16 +33,16 @@ def tile(
     picture = cv2.resize(image, size, interpolation=interpolation)
     missed, confident = missed_mask(result, confidence), result.detections.scores >= confidence
     for box, is_missed in zip(boxes * scale, missed, strict=True):
-        _rectangle(picture, box, MISSED if is_missed else TRUE)
+        draw_box(picture, box, MISSED if is_missed else TRUE)
     detections, is_hit = result.detections, result.hits[0]
     for i in np.flatnonzero(confident)[::-1]:
         colour = RIGHT if is_hit[i] else FALSE
-        _rectangle(picture, detections.boxes[i] * scale, colour)
+        draw_box(picture, detections.boxes[i] * scale, colour)
         label = f"{OBSTACLE_CLASSES[detections.classes[i]].label} {detections.scores[i]:.2f}"
-        _text(picture, label, detections.boxes[i, :2] * scale - (0, 3), colour)
+        draw_text(picture, label, detections.boxes[i, :2] * scale - (0, 3), colour)
     counts = f"{missed.sum()} missed, {int((confident & ~is_hit).sum())} false of {len(boxes)}"
     caption = np.full((CAPTION_PX, width, 3), 24, np.uint8)
-    _text(caption, f"{name}   {counts}", (4, CAPTION_PX - 6), TRUE)
+    draw_text(caption, f"{name}   {counts}", (4, CAPTION_PX - 6), TRUE)
     return np.concatenate((picture, caption)).astype(np.uint8, copy=False)
 
 
@@ -53,7 +53,7 @@ def missed_mask(result: ImageResult, confidence: float) -> NDArray[np.bool_]:
 
 
 def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArray[np.uint8]:
-    """Contact sheet: tiles of one width, row by row, below a title and the colour key."""
+    """Contact sheet: tiles of one width, row by row, below a title."""
     width = tiles[0].shape[1]
     rows = []
     for start in range(0, len(tiles), columns):
@@ -65,7 +65,7 @@ def sheet(tiles: Sequence[NDArray[np.uint8]], columns: int, title: str) -> NDArr
             canvas[: tile_image.shape[0], x : x + width] = tile_image
         rows.append(canvas)
     header = np.full((CAPTION_PX + MARGIN_PX, rows[0].shape[1], 3), 24, np.uint8)
-    _text(header, f"{title}   ({KEY})", (4, CAPTION_PX - 4), TRUE)
+    draw_text(header, title, (4, CAPTION_PX - 4), TRUE)
     return np.concatenate((header, *rows))
 
 
@@ -74,15 +74,15 @@ def png(image: NDArray[np.uint8]) -> bytes:
     return cv2.imencode(".png", image[..., ::-1])[1].tobytes()
 
 
-def _rectangle(image: NDArray, box: NDArray, colour: tuple[int, int, int]) -> None:
+def draw_box(image: NDArray, box: NDArray, colour: tuple[int, int, int]) -> None:
     """Box, drawn just outside its edges so that thin objects stay visible."""
     (x0, y0), (x1, y1) = np.floor(box[:2]).astype(int) - 1, np.ceil(box[2:]).astype(int)
     cv2.rectangle(image, (int(x0), int(y0)), (int(x1), int(y1)), colour, 1)
 
 
-def _text(image: NDArray, text: str, at: Sequence[float], colour: tuple[int, int, int]) -> None:
+def draw_text(image: NDArray, content: str, at: Sequence[float], colour: tuple[int, int, int]) -> None:
     """Text in that colour on a dark ground, kept within the left and top border."""
-    (width, height), below = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.38, 1)
+    (width, height), below = cv2.getTextSize(content, cv2.FONT_HERSHEY_SIMPLEX, 0.38, 1)
     x, y = max(int(at[0]), 0), max(int(at[1]), height + 1)
     cv2.rectangle(image, (x, y - height - 1), (x + width, y + below // 2), (24, 24, 24), -1)
-    cv2.putText(image, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)
+    cv2.putText(image, content, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.38, colour, 1, cv2.LINE_AA)

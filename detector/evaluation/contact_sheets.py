@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from foreride.detector.evaluation.annotated_images import missed_mask, png, sheet, tile
+from foreride.detector.evaluation.annotated_images import KEY, missed_mask, png, sheet, tile
 from foreride.detector.evaluation.by_object import EvaluatedImage
 from foreride.files.writing.atomic import write_bytes
 
@@ -26,7 +26,7 @@ def write_sheets(
     typical = [with_objects[i] for i in spread]
     for name, chosen in (("hardest", ranked[:TILES]), ("typical", typical)):
         tiles = [tile(read(i.name), i.boxes, i.result, confidence, i.name) for i in chosen]
-        title = f"{name} images at confidence {confidence:g}"
+        title = f"{name} images at confidence {confidence:g}   ({KEY})"
         write_bytes(out / f"{name}.png", png(sheet(tiles, COLUMNS, title)))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import torch
 
 from foreride.detector.data.yolo_folder import Sample
-from foreride.detector.evaluation.annotated_images import png, sheet, tile
+from foreride.detector.evaluation.annotated_images import KEY, png, sheet, tile
 from foreride.detector.evaluation.plots import read_history
 from foreride.detector.network.deployed import Deployed
 from foreride.detector.training.schedule import Stage
@@ -105,7 +105,7 @@ def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np
         view, result = match_whole_image(trainer, deployed, sample, stage)
         evaluated = view.classes >= 0
         tiles.append(tile(view.image, view.boxes[evaluated], result, SHOWN_CONFIDENCE, sample.name, 360))
-    return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SHOWN_CONFIDENCE:g}")
+    return sheet(tiles, COLUMNS, f"after {trainer.passes} passes, confidence {SHOWN_CONFIDENCE:g}   ({KEY})")
 
 
 def _truncate_history(history: Path, passes: int) -> None:

@@ -12,6 +12,7 @@ MODULES = {
     "convert": ("foreride.detector.data.yolo_coco", "own images from and to YOLO and COCO formats"),
     "train": ("foreride.detector.training.train", "train SBP-YOLO or a rival (extra: training)"),
     "eval": ("foreride.detector.evaluation.evaluate", "precision, recall and mAP on a folder of images"),
+    "show": ("foreride.scenarios.commands.inspect.show", "draw boxes and ranges into own images or a film"),
     "export": ("foreride.detector.export.to_onnx", "write ONNX from trained weights (extra: training)"),
     "bench": (
         "foreride.detector.export.benchmark",

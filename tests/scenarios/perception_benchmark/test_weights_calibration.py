@@ -40,7 +40,7 @@ def drive() -> Run:
         boxes, classes = outline_boxes(
             scenario.road, scenario.camera.intrinsics, pose_of(mount, float(x_m), 0, 0)
         )
-        found = np.vstack((boxes + [0.0, TOP_PX, 0.0, BOTTOM_PX], LOOK_ALIKE))
+        found = np.vstack((np.add(boxes, [0.0, TOP_PX, 0.0, BOTTOM_PX]), LOOK_ALIKE))
         looks.append(Exposure(tick, Detections(found, np.array([0.8, 0.3]), np.append(classes, 0))))
     signals = {"x_m": x} | {name: np.zeros(60) for name in ("heave_m", "pitch_rad", "roll_rad")}
     case = Case(scenario, "passive", "camera", 0)
