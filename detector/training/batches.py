@@ -8,9 +8,11 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from foreride.detector.data.augment import DEFAULT_AUGMENTATION, Augmentation, training_view
@@ -32,6 +34,12 @@ class Batch:
     passes: int
 
 
+@lru_cache(maxsize=4)
+def epoch_order(seed: int, epoch: int, count: int) -> NDArray[np.int64]:
+    """Order (count,) in which an epoch shows the samples."""
+    return np.random.default_rng((seed, epoch)).permutation(count)
+
+
 def make_batch(
     samples: Sequence[Sample],
     stage: Stage,
@@ -45,7 +53,7 @@ def make_batch(
     views = []
     for i in range(size):
         epoch, position = divmod(passes + i, len(samples))
-        index = np.random.default_rng((seed, epoch)).permutation(len(samples))[position]
+        index = epoch_order(seed, epoch, len(samples))[position]
         rng = np.random.default_rng((seed, epoch, position))
         images[i], classes, boxes = training_view(
             samples, index, stage.width, stage.height, rng, augmentation

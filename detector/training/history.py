@@ -50,14 +50,16 @@ class TrainingLog:
         if self.events:
             self.events.close()
 
-    def step(self, trainer: Trainer, terms: torch.Tensor) -> None:
-        """Log the loss terms of a step, every `LOG_INTERVAL_STEPS` steps."""
+    def step(self, trainer: Trainer, terms: torch.Tensor) -> bool:
+        """Log the loss terms of a step, every `LOG_INTERVAL_STEPS` steps; whether this is one of them."""
         self.steps += 1
-        if self.events and self.steps % LOG_INTERVAL_STEPS == 1:
+        is_logged = self.steps % LOG_INTERVAL_STEPS == 1
+        if self.events and is_logged:
             for name, value in zip(TERMS, terms.tolist(), strict=False):
                 self.events.add_scalar(f"loss/{name}", value, trainer.passes)
             rate = trainer.optimiser.param_groups[0]["lr"]
             self.events.add_scalar("learning rate", rate, trainer.passes)
+        return is_logged
 
     def validation(self, trainer: Trainer, samples: Sequence[Sample], loss: torch.Tensor) -> None:
         """Append the metrics of the model at the image size of the last stage.

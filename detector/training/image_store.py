@@ -4,11 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple, overload
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from foreride.detector.data.crops import PADDING_GREY
 from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import Sample, read_samples, shrunk
+from foreride.files.reading.images import read_pixels
 
 
 class Entry(NamedTuple):
@@ -38,7 +41,7 @@ class CachedDataset(Sequence[Sample]):
             return CachedDataset(self.entries[index], self.longest)
         path, image, classes, boxes = self.entries[index]
         if image is None:
-            image = shrunk(read_image(path), self.longest)
+            image = annotated_part(shrunk(read_image(path), self.longest), path)
         return Sample(path.name, image, classes, boxes)
 
 
@@ -51,7 +54,18 @@ def load_cached_dataset(
     """
     entries, bytes_left = [], memory_mib * 2**20
     for sample in read_samples(folder, longest, skip_bad):
+        path = folder / "images" / sample.name
         bytes_left -= sample.image.nbytes
-        image = sample.image if bytes_left >= 0 else None
-        entries.append(Entry(folder / "images" / sample.name, image, sample.classes, sample.boxes))
+        image = annotated_part(sample.image, path) if bytes_left >= 0 else None
+        entries.append(Entry(path, image, sample.classes, sample.boxes))
     return CachedDataset(entries, longest)
+
+
+def annotated_part(image: NDArray[np.uint8], path: Path) -> NDArray[np.uint8]:
+    """Image of a data set, grey where its mask in lane/ (if any) is black: objects there have no label."""
+    mask_path = path.parent.parent / "lane" / f"{path.stem}.png"
+    if not mask_path.exists():
+        return image
+    mask = read_pixels(mask_path, cv2.IMREAD_GRAYSCALE)
+    inside = cv2.resize(mask, image.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 127
+    return np.where(inside[..., None], image, np.uint8(PADDING_GREY))

@@ -2,7 +2,7 @@
 
 import signal
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import torch
 
 from foreride.detector.data.yolo_folder import Sample
-from foreride.detector.training.batches import batches
+from foreride.detector.training.batches import Batch
 from foreride.detector.training.history import TrainingLog
 from foreride.detector.training.schedule import total_passes
 from foreride.detector.training.trainer import Trainer
@@ -19,36 +19,32 @@ from foreride.files.progress import Progress
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """Intervals of checkpoints and validations, early stopping, and loader threads."""
+    """Intervals of checkpoints and validations, and early stopping."""
 
     checkpoint_s: float = 120.0
     validate_every: int = 8000
     validate_images: int = 200
-    workers: int = 1
     patience: int = 0  # validations without a better mAP50-95 after which to stop early; 0 = never
 
 
 def train(
-    trainer: Trainer, training: Sequence[Sample], validation: Sequence[Sample], out: Path, how: LoopSettings
+    trainer: Trainer, feed: Iterable[Batch], validation: Sequence[Sample], out: Path, how: LoopSettings
 ) -> None:
-    """Train to the end of the last stage (or of patience), writing checkpoints and the history on the way.
+    """Train on all batches of the feed (or until patience ends), writing checkpoints and the history.
 
     An interrupt (SIGINT, SIGTERM) writes a checkpoint after the current step, then ends the program.
     """
-    settings, total = trainer.settings, total_passes(trainer.settings.stages)
-    order = (settings.stages, settings.batch, trainer.passes, settings.seed, how.workers)
-    feed = batches(training, *order, settings.augmentation)
-    mean, written, stalled = torch.zeros(0), time.monotonic(), False
+    total, written, stalled = total_passes(trainer.settings.stages), time.monotonic(), False
+    mean, note = torch.zeros(0), ""
     with TrainingLog(out, trainer.passes) as journal, Progress(total, trainer.passes) as progress:
         with _interrupts() as stopped:
             for batch in feed:
                 validations_before = trainer.passes // how.validate_every
-                terms = trainer.step(batch).cpu()
-                mean = mean.lerp(terms, 0.02) if mean.any() else terms
-                journal.step(trainer, terms)
-                progress.show(
-                    trainer.passes, f"{batch.stage.width}x{batch.stage.height} loss {mean.sum():.3f}"
-                )
+                terms = trainer.step(batch)  # stays on the device, which else would wait for the host
+                mean = mean.lerp(terms, 0.02) if len(mean) else terms
+                if journal.step(trainer, terms):
+                    note = f"{batch.stage.width}x{batch.stage.height} loss {mean.sum():.3f}"
+                progress.show(trainer.passes, note)
                 if validation and validations_before < trainer.passes // how.validate_every:
                     journal.validation(trainer, validation[: how.validate_images], mean)
                     stalled = how.patience > 0 and journal.stalled(how.patience)

@@ -9,7 +9,7 @@ command runs on a CPU and on a GPU.
 import argparse
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -20,15 +20,18 @@ from foreride.detector.data.yolo_folder import dataset_hash
 from foreride.detector.detections import CLASS_NAMES
 from foreride.detector.evaluation.plots import write_curves
 from foreride.detector.network.checkpoint import save_weights
-from foreride.detector.network.models import MODELS
+from foreride.detector.training.batches import Batch, batches
+from foreride.detector.training.device.feed import DeviceAugmentation, DeviceFeed
 from foreride.detector.training.distillation import DistillationWeights
 from foreride.detector.training.image_store import load_cached_dataset
 from foreride.detector.training.loop import LoopSettings, train
 from foreride.detector.training.losses import LossWeights
-from foreride.detector.training.schedule import DECAYS, parse_stages
+from foreride.detector.training.mixture import Mixture
+from foreride.detector.training.options import parser
+from foreride.detector.training.schedule import parse_stages
 from foreride.detector.training.trainer import Settings, Trainer
-from foreride.files.command_line import Parser, notify
-from foreride.files.errors import InputError
+from foreride.files.command_line import notify
+from foreride.files.errors import InputError, shown
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim
 from foreride.files.writing.sharing import shared_name
@@ -37,47 +40,9 @@ KIND = "training"
 """Of run folders of trainings, in their marker."""
 
 
-def parser() -> argparse.ArgumentParser:
-    """Command line of `detector train`."""
-    p = Parser(prog="foreride detector train", description=__doc__)
-    p.add_argument("--data", type=Path, required=True, help="folder with train/ and val/")
-    p.add_argument("--out", type=Path, required=True, help="folder for checkpoint, history and weights")
-    p.add_argument("--stages", default="320x192:60000,640x384:15000", help="WIDTHxHEIGHT:PASSES[,...]")
-    p.add_argument("--skip-bad", action="store_true", help="leave out unusable files")
-    p.add_argument("--model", choices=MODELS, default="sbp-yolo", help="architecture to train")
-    p.add_argument("--batch", type=int, default=16)
-    p.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of AdamW")
-    p.add_argument("--decay", choices=DECAYS, default="linear", help="of the rate, after its warm-up")
-    p.add_argument("--nwd-alpha", type=float, default=1.0, help="share of CIoU in the box loss; 1 = no NWD")
-    p.add_argument("--nwd-scale", type=float, default=12.8, help="the constant C of the NWD, in strides")
-    p.add_argument("--edge-weight", type=float, default=0.0, help="weight of the row edge error (strides)")
-    p.add_argument("--mosaic", type=float, default=0.0, help="share of views made of four images")
-    p.add_argument("--weather", type=float, default=0.0, help="share of views with added rain, snow or fog")
-    p.add_argument(
-        "--litter", type=float, default=0.0, help="share of views with leaves and stones added to the road"
-    )
-    p.add_argument("--plain-last", type=float, default=0.1, help="share of passes at the end without mosaic")
-    p.add_argument("--teacher", type=Path, help="weights file of a larger model to learn from (BCKD and CWD)")
-    p.add_argument("--distil-logits", type=float, default=0.5, help="weight of BCKD; 0 = none")
-    p.add_argument("--distil-features", type=float, default=0.5, help="weight of CWD; 0 = none")
-    p.add_argument("--seed", type=int, default=0)
-    p.add_argument("--init", type=Path, help="weights file to start from")
-    p.add_argument("--resume", action="store_true", help="continue from the checkpoint in --out")
-    p.add_argument("--device", default="auto", help="auto, cpu or cuda")
-    p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")
-    p.add_argument("--threads", type=int, default=2, help="threads of torch on a CPU")
-    p.add_argument("--memory-mib", type=float, default=2048, help="for decoded images; others are read again")
-    p.add_argument("--workers", type=int, default=1, help="threads that prepare batches")
-    p.add_argument(
-        "--patience", type=int, default=0, help="stop after N validations without improvement; 0 = never"
-    )
-    p.add_argument("--validate-every", type=int, default=8000, help="passes between two validations")
-    return p
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; exit code 0, or 2 on bad input."""
-    args = parser().parse_args(arguments)
+    args = parser(__doc__).parse_args(arguments)
     try:
         run(args)
     except InputError as error:
@@ -111,6 +76,44 @@ def _settings(args: argparse.Namespace) -> Settings:
     )
 
 
+def _mixture(args: argparse.Namespace, longest: int) -> Mixture:
+    """The training images, and those of `--mix` at their shares."""
+    folders, shares = [args.data / "train"], []
+    for text in args.mix:
+        folder, _, share = text.rpartition("=")
+        try:
+            shares.append(float(share))
+        except ValueError:
+            raise InputError(
+                f"--mix must be DIR=SHARE, with a share such as 0.2, got {shown(text)}"
+            ) from None
+        folders.append(Path(folder))
+    memory_mib = args.memory_mib / len(folders)
+    return Mixture([load_cached_dataset(one, longest, memory_mib, args.skip_bad) for one in folders], shares)
+
+
+def _feed(
+    args: argparse.Namespace, trainer: Trainer, training: Mixture, on_device: DeviceAugmentation | None
+) -> Iterator[Batch]:
+    """Batches of views made on the device or, without settings for it, on the host. Raises InputError."""
+    settings = trainer.settings
+    if on_device is None:
+        order = (settings.stages, settings.batch, trainer.passes, settings.seed, args.workers)
+        return batches(training, *order, settings.augmentation)
+    feed = DeviceFeed(training, trainer.device, settings.seed, on_device)
+    return feed.batches(settings.stages, settings.batch, trainer.passes)
+
+
+def _device_views(args: argparse.Namespace, device: str) -> DeviceAugmentation | None:
+    """Settings of views made on the device; None for views made on the host. Raises InputError."""
+    if args.views == "host" or (args.views == "auto" and device == "cpu"):
+        return None
+    for name in ("mosaic", "weather", "litter"):
+        if getattr(args, name):
+            raise InputError(f"--{name}: device views have none; must come with --views host")
+    return DeviceAugmentation(args.zoom, args.style)
+
+
 def _device(requested: str) -> str:
     cuda = torch.cuda.is_available()
     if requested not in ("auto", "cpu", "cuda"):
@@ -124,14 +127,16 @@ def run(args: argparse.Namespace) -> None:
     """Train as specified by the command line. Raises InputError."""
     settings = _settings(args)
     device = _device(args.device)
+    on_device = _device_views(args, device)
     checkpoint = args.out / "checkpoint.pt"
     if checkpoint.exists() and not args.resume:
         raise InputError(f"{checkpoint}: already exists; add --resume to continue or choose another --out")
     if args.out.exists():
         claim(args.out, KIND)  # refused before the images are read
     torch.set_num_threads(args.threads)
+    torch.backends.cudnn.benchmark = device == "cuda"  # sizes of images are few, and each is used for long
     longest = max(max(stage.width, stage.height) for stage in settings.stages)
-    training = load_cached_dataset(args.data / "train", max(longest, 640), args.memory_mib, args.skip_bad)
+    training = _mixture(args, max(longest, 640))
     validation = load_cached_dataset(args.data / "val", max(longest, 640), 0, args.skip_bad)
     trainer = Trainer(settings, torch.device(device), args.init, args.teacher)
     if args.resume:
@@ -146,8 +151,8 @@ def run(args: argparse.Namespace) -> None:
         f"{len(training)} training, {len(validation)} validation images; {args.stages} on {device}",
         flush=True,
     )
-    how = LoopSettings(workers=args.workers, validate_every=args.validate_every, patience=args.patience)
-    train(trainer, training, validation, args.out, how)
+    how = LoopSettings(validate_every=args.validate_every, patience=args.patience)
+    train(trainer, _feed(args, trainer, training, on_device), validation, args.out, how)
     metadata = {
         "model": settings.model,
         "names": list(CLASS_NAMES),

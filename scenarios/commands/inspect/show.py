@@ -36,6 +36,8 @@ KIND = "detections"
 """Of output folders, in their marker."""
 MAX_ASPECT_ERROR = 0.01
 """Greatest relative difference of the aspect ratios of the camera and an image."""
+MAX_RANGE_M = 60.0
+"""Greatest range told: farther away, a row of pixels is ten metres and more."""
 
 Labelled = tuple[dict[str, Any], str, NDArray[np.uint8]]
 """What identifies an image in `boxes.jsonl`, its caption, and the image."""
@@ -150,7 +152,8 @@ def ranges_m(
         raise InputError(f"{name}: must have the shape of the camera's {wanted} px, got {width} x {height}")
     pose = pose_of(camera.mount(0.0), 0.0, 0.0, 0.0)
     bottom = np.stack([(found.boxes[:, 0] + found.boxes[:, 2]) / 2, found.boxes[:, 3]], axis=1) * scale
-    return np.asarray(ground_point(intrinsics, pose, bottom)[:, 0] - pose.x)
+    distance = ground_point(intrinsics, pose, bottom)[:, 0] - pose.x
+    return np.where(distance <= MAX_RANGE_M, distance, np.nan)
 
 
 def _row(found: Detections, ranges: NDArray[np.float64]) -> dict[str, Any]:

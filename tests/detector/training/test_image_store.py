@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -38,3 +39,16 @@ def test_a_bad_file_is_told_before_anything_is_trained(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"001\.png: cannot be decoded"):
         load_cached_dataset(folder, 640, 100)
     assert [s.name for s in load_cached_dataset(folder, 640, 100, skip_bad=True)] == ["000.png", "002.png"]
+
+
+def test_what_is_not_annotated_is_grey(tmp_path: Path) -> None:
+    folder = write(tmp_path / "data", 2)
+    mask = np.zeros((24, 32), np.uint8)
+    mask[:, :16] = 255
+    (folder / "lane").mkdir()
+    cv2.imwrite(str(folder / "lane" / "001.png"), mask)
+    for memory in (0, 100):
+        whole, masked = load_cached_dataset(folder, 640, memory)
+        assert (whole.image[:, 64:] != 114).any()
+        assert (masked.image[:, 64:] == 114).all()
+        assert (masked.image[:, :64] != 114).any()
