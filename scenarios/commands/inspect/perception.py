@@ -2,10 +2,10 @@
 
 import argparse
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 from foreride.detector.calibration import to_text
+from foreride.files.command_line import output_path
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
@@ -71,7 +71,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument(
         "--calibration",
-        type=Path,
+        type=output_path,
         metavar="FILE",
         help="write edge biases and score curves of the detector's weights, fitted to these drives, as JSON",
     )

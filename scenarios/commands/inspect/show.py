@@ -7,7 +7,6 @@ edge, along a flat road.
 """
 
 import json
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from foreride.detector.data.yolo_folder import SUFFIXES
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.evaluation.unlabelled import FilmAlbum, Picture, SheetAlbum
 from foreride.detector.runtime import Detector
-from foreride.files.command_line import Parser
+from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.progress import Progress
 from foreride.files.reading import films, strict
@@ -71,7 +70,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         camera = None if args.camera is None else strict.read(CameraFile, args.camera).camera
         rows = show(args.source, args.out, detect, camera)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        notify(error)
         return 2
     print(f"{args.out}: {sum(len(row['boxes']) for row in rows)} boxes in {len(rows)} images")
     return 0
@@ -122,7 +121,7 @@ def _images(paths: Sequence[Path]) -> Iterator[Labelled]:
             image = cv2.cvtColor(read_pixels(path, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
         except InputError as error:
             faults.append(str(error))
-            print(f"left out: {error}", file=sys.stderr)
+            notify(f"left out: {error}")
             continue
         yield {"image": path.name}, path.name, image.astype(np.uint8, copy=False)
     if len(faults) == len(paths):

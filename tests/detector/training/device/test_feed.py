@@ -87,4 +87,4 @@ def test_options_that_do_not_go_together_are_refused(
         write(tmp_path / "data" / name, 2)
     words = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "out"), "--stages", "64x64:2"]
     assert main([*words, "--threads", "1", *more]) == 2
-    assert message in capsys.readouterr().out
+    assert message in capsys.readouterr().err
