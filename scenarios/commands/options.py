@@ -9,6 +9,7 @@ from foreride.controller.registry import CONTROLLERS
 from foreride.controller.settings import ControllerSettings
 from foreride.files.command_line import STDOUT, output_path
 from foreride.files.errors import InputError, shown
+from foreride.files.own_code import say_once
 from foreride.files.reading import strict, yaml12
 from foreride.files.reading.numbers import parse_whole_numbers, within
 from foreride.files.reading.ranges import MAX_SEED
@@ -18,6 +19,7 @@ from foreride.scenarios.cases import Case, cases, distinct
 from foreride.scenarios.commands.console import progress_bar
 from foreride.scenarios.comparison.parallel import simulate_each
 from foreride.scenarios.comparison.table import short_name
+from foreride.scenarios.definition.doubts import doubts_of_metrics, doubts_of_scenario
 from foreride.scenarios.definition.overrides import Override, collect_overrides, parse_override
 from foreride.scenarios.definition.sets import load_all
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
@@ -127,7 +129,14 @@ def cases_of(arguments: argparse.Namespace, names: Iterable[str]) -> list[Case]:
     _check_names(selected)
     for case in selected:
         check_case_files(case)
+    for scenario in scenarios:
+        _say(scenario.name, doubts_of_scenario(scenario))
     return selected
+
+
+def _say(subject: str, doubts: Iterable[str]) -> None:
+    for doubt in doubts:
+        say_once(f"{subject} {doubt}", f"{subject}: {doubt}")
 
 
 def _check_names(selected: Sequence[Case]) -> None:
@@ -155,4 +164,6 @@ def simulated(selected: Sequence[Case], keep_images: bool = False, jobs: int = 1
             description = f"{case.scenario.name} {short_name(case.controller)} {case.perception}"
             progress.update(bar, description=description, advance=ticks)
 
-        yield from simulate_each(selected, jobs, keep_images, advance)
+        for run in simulate_each(selected, jobs, keep_images, advance):
+            _say(run.case.scenario.name, doubts_of_metrics(run.metrics))
+            yield run

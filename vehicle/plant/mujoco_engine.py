@@ -17,6 +17,8 @@ import numpy as np
 from mujoco.rollout import Rollout
 from numpy.typing import NDArray
 
+from foreride.files.errors import printable
+from foreride.files.own_code import say_once
 from foreride.vehicle.clock import STEP_S
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS
@@ -25,6 +27,8 @@ from foreride.vehicle.plant.mjcf import car_xml
 
 Array = NDArray[np.float64]
 _RATE_INCREMENT_M_S = 1e-4
+mujoco.set_mju_user_warning(lambda text: say_once(f"MuJoCo {text}", f"MuJoCo: {printable(text)}"))
+"""MuJoCo's own handler would append its warnings to MUJOCO_LOG.TXT in the user's folder."""
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 

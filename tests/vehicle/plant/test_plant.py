@@ -12,7 +12,7 @@ from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.actuator import SlowActive
-from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar
+from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from foreride.vehicle.plant.plant import Plant, build_model
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 from foreride.vehicle.state_layout import state_layout
@@ -218,3 +218,15 @@ def test_divergence_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     plant.reset([Haversine(1e200, 0.5)], 0.0, 10.0)
     with pytest.raises(InputError, match=r"vehicle diverged at 0\.\d+ s"):
         plant.step([1500.0], 300)
+
+
+def test_warnings_of_mujoco_leave_no_file_in_the_users_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    model = build_model(load_vehicle("quarter"))
+    data = mujoco.MjData(model)
+    data.qpos[0] = np.nan
+    mujoco.mj_step(model, data)
+    assert list(tmp_path.iterdir()) == []
+    assert "MuJoCo" in capsys.readouterr().err
