@@ -32,3 +32,23 @@ def test_what_has_no_class_is_refused():
         spectrum(np.zeros(600), 0.05)
     with pytest.raises(InputError, match="road must be rough"):
         fit(spectrum(np.zeros(4000), 0.05))
+
+
+@pytest.mark.parametrize("length_m", [60.0, 200.0])
+def test_the_interval_holds_the_true_level_in_nine_of_ten_records(length_m):
+    inside, widths = [], []
+    for seed in range(40):
+        z = rough_surface(Roughness("B", seed), 300.0).heights[4][: round(length_m / STEP_M) : 2]
+        line = fit(spectrum(z, 2 * STEP_M))
+        inside.append(line.low_m3 <= 64e-6 <= line.high_m3)
+        widths.append(line.high_m3 / line.low_m3)
+    assert 0.75 <= np.mean(inside) <= 1.0
+    assert np.median(widths) == pytest.approx({60.0: 2.9, 200.0: 1.65}[length_m], rel=0.15)
+
+
+def test_a_short_record_gives_a_range_of_classes():
+    classes = {
+        fit(spectrum(rough_surface(Roughness("B", seed), 300.0).heights[4][:3000], STEP_M)).iso_class
+        for seed in range(12)
+    }
+    assert any("-" in iso_class for iso_class in classes)
