@@ -38,6 +38,11 @@ class Column:
     style: str = ".3f"
     factor: float = 1.0
 
+    def shown(self, value: float) -> str:
+        """Value (SI) as the column shows it, a zero without a sign."""
+        text = format(value * self.factor, self.style)
+        return text if set(text) & set("123456789") else text.replace("-", "")
+
 
 DEFAULT_TOLERANCE = Tolerance(1e-6, 0.02)
 

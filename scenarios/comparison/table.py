@@ -111,10 +111,10 @@ def _effect_head(variants: Sequence[Variant], baseline: str | None) -> str:
 def _shown(value: Interval | None, column: Column, spread: bool = False) -> str:
     if value is None:
         return "-"
-    text = format(value.mean * column.factor, column.style)
+    text = column.shown(value.mean)
     if not spread or value.low is None or value.high is None or value.low == value.high:
         return text
-    low, high = (format(limit * column.factor, column.style) for limit in (value.low, value.high))
+    low, high = column.shown(value.low), column.shown(value.high)
     return f"{text} [{low} {high}]"
 
 

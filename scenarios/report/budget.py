@@ -6,7 +6,7 @@ from typing import Any
 from foreride.files.errors import InputError, shortened
 from foreride.files.reading.strict_json import read_json
 from foreride.scenarios.report.markup import text
-from foreride.scenarios.report.sections import bar_of, table, with_small
+from foreride.scenarios.report.sections import bar_of, scrolling, table, with_small
 
 _NUMBERS = ("reactive", "whole", "all_true")
 
@@ -28,7 +28,7 @@ def error_budget_section(path: Path) -> str:
         f"{summary}. J is relative to passive. A source's cost is the share of the possible gain that would "
         "be kept in addition if it were exact; costs need not add up, because errors hide one another."
     )
-    body = f'<div class="scroll">{"".join(events)}</div><p class="hint">{text(note)}</p>'
+    body = f'{"".join(events)}<p class="hint">{text(note)}</p>'
     return f"<section><h2>Where the gain is lost</h2>{body}</section>"
 
 
@@ -53,4 +53,4 @@ def _event(event: dict[str, Any]) -> str:
         ["all of it exact", "", "", f"{exact:.3f}", "100%"],
     ]
     heads = ["drive with", "", "cost of its error", "J / passive", "kept of the gain"]
-    return f"<h3>{title}</h3>{table(heads, lines, 1)}"
+    return f"<h3>{title}</h3>{scrolling(table(heads, lines, 1))}"

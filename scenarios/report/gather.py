@@ -12,6 +12,7 @@ from foreride.files.reading.strict_json import read_json
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.statistics import Row
+from foreride.scenarios.report.labels import drive_of
 from foreride.scenarios.runs.read import is_run, read
 from foreride.scenarios.runs.validate import check_row
 from foreride.scenarios.runs.write import row, scenario_hash
@@ -89,16 +90,13 @@ def _folder(path: Path, folders: Sequence[Path]) -> ReportInput:
         runs.items(),
         key=lambda item: (
             order.get(item[0], len(order)),
-            *_drive(item[1]),
+            *drive_of(item[1]),
+            item[1].case.seed,
             item[1].case.controller != "passive",
         ),
     )
     ordered_runs = tuple(run for _, run in ordered)
     return ReportInput(ordered_runs, tuple(row(run) for run in ordered_runs), tuple(missing))
-
-
-def _drive(run: Run) -> tuple[str, str, int]:
-    return run.case.scenario.name, run.case.scenario.vehicle.model, run.case.seed
 
 
 def _rows(document: dict[str, Any], path: Path) -> list[Row]:

@@ -1,16 +1,17 @@
 """HTML report as one self-contained file."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from foreride.scenarios.comparison.statistics import summarise, variants_of
-from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.gather import ReportInput
-from foreride.scenarios.report.labels import label_of
+from foreride.scenarios.report.glossary import glossary_section
+from foreride.scenarios.report.labels import drive_of, label_of
 from foreride.scenarios.report.markup import embedded, text
+from foreride.scenarios.report.palette import colours_of
 from foreride.scenarios.report.replay import scene
 from foreride.scenarios.report.sections import (
     budget_section,
@@ -18,7 +19,6 @@ from foreride.scenarios.report.sections import (
     metrics_section,
     solver_section,
 )
-from foreride.scenarios.report.window import event_window
 from foreride.scenarios.simulation.simulate import Run
 
 _PAGE = Path(__file__).parent / "page"
@@ -32,15 +32,20 @@ def page(gathered: ReportInput, frames_from: str = "", budget: str = "") -> str:
     runs = first_seeds(gathered.runs)
     baseline = "passive" if any(name == "passive" for name, _ in variants_of(gathered.rows)) else None
     variants = summarise(gathered.rows, baseline)
+    colours = colours_of(str(row["controller"]) for row in gathered.rows)
+    titles = {drive_of(run): run.case.scenario.title for run in gathered.runs}
     pieces: dict[str, str] = {
         "title": text(_title(gathered)),
         "subtitle": text(_subtitle(gathered)),
         "banner": _banner(gathered.missing),
         "replay_hidden": "" if runs else "hidden",
-        "sections": metrics_section(variants, baseline) + budget_section(variants) + budget,
+        "sections": metrics_section(variants, baseline, colours, titles)
+        + glossary_section(variants, baseline, gathered.runs)
+        + budget_section(variants)
+        + budget,
         "tail": solver_section(gathered.runs) + manifest_section(gathered.runs) if runs else "",
         "style": _file("vendor/uPlot.min.css") + _file("style.css"),
-        "data": embedded({"scenes": _scenes(runs, frames_from)}),
+        "data": embedded({"scenes": _scenes(runs, colours, frames_from)}),
         "uplot": _file("vendor/uPlot.iife.min.js"),
         "script": "".join(_file(name) for name in _SCRIPTS),
     }
@@ -52,23 +57,18 @@ def page(gathered: ReportInput, frames_from: str = "", budget: str = "") -> str:
 def first_seeds(runs: Sequence[Run]) -> list[Run]:
     """Runs of the first seed of each scenario and vehicle, which the replay shows."""
     first_seed: dict[tuple[str, str], int] = {}
-    return [run for run in runs if first_seed.setdefault(_drive(run), run.case.seed) == run.case.seed]
+    return [run for run in runs if first_seed.setdefault(drive_of(run), run.case.seed) == run.case.seed]
 
 
-def _drive(run: Run) -> tuple[str, str]:
-    return run.case.scenario.name, run.case.scenario.vehicle.model
-
-
-def _scenes(runs: Sequence[Run], frames_from: str) -> list[dict[str, Any]]:
+def _scenes(runs: Sequence[Run], colours: Mapping[str, str], frames_from: str) -> list[dict[str, Any]]:
     images = sum(look.image is not None for run in runs for look in run.looks)
     frame_stride = max(1, -(-images // MAX_FRAMES))
     shown, ladder = [], PERCEPTIONS.names()
-    for _, group in groupby(runs, key=_drive):
+    for _, group in groupby(runs, key=drive_of):
         members = list(group)
         notes = {label_of(run): _frames_note(run, frames_from, frame_stride) for run in members}
-        start = event_window(members[0], before_s=0.5)[0] / TICKS_PER_SECOND
         best = max(range(len(members)), key=lambda i: ladder.index(members[i].case.perception))
-        shown.append(scene(members, notes, frame_stride) | {"start": start, "best": best})
+        shown.append(scene(members, colours, notes, frame_stride) | {"best": best})
     return shown
 
 
@@ -77,7 +77,7 @@ def _frames_note(run: Run, frames_from: str, frame_stride: int) -> str:
         return "This run drove without a camera."
     if run.looks[0].image is None:
         return "Boxes and tracks only: this run kept no images."
-    thinned = f" Every {frame_stride}. exposure is shown." if frame_stride > 1 else ""
+    thinned = f" One exposure in {frame_stride} is shown." if frame_stride > 1 else ""
     return (
         f"{frames_from} Boxes with their scores; lines are tracks, dashed until confirmed.{thinned}".strip()
     )

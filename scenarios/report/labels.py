@@ -1,6 +1,7 @@
 """Names of runs, wheels and seats in figures, the report and the film."""
 
 from foreride.files.errors import printable
+from foreride.scenarios.runs.record import vehicle_name
 from foreride.scenarios.simulation.simulate import Run
 from foreride.vehicle.load import Car
 
@@ -16,6 +17,11 @@ def variant_label(controller: str, perception: str) -> str:
 def label_of(run: Run) -> str:
     """Name of a run."""
     return variant_label(run.case.controller, run.case.perception)
+
+
+def drive_of(run: Run) -> tuple[str, str]:
+    """Names of the scenario and the vehicle of a run, as in the rows of a comparison."""
+    return run.case.scenario.name, vehicle_name(run.case.scenario)
 
 
 def wheel_label(car: Car, wheel: int, noun: str) -> str:

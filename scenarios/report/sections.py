@@ -1,41 +1,72 @@
 """Tables of the HTML report."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from itertools import groupby
 
+from foreride.comfort.registry import Column
 from foreride.scenarios.comparison.statistics import Interval, Variant
 from foreride.scenarios.comparison.table import columns, short_name
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
-from foreride.scenarios.report.labels import label_of
+from foreride.scenarios.report.labels import label_of, variant_label
 from foreride.scenarios.report.markup import Html, text
 from foreride.scenarios.runs.write import manifest, to_json
 from foreride.scenarios.simulation.simulate import Run
 
 _REACTIVE = ("mpc_reactive", "none")
+_J = Column("J", "(m/s²)²")
+_SHARE = Column("captured", "", ".1%")
+
+Drive = tuple[str, str]
+"""Names of a scenario and of a vehicle."""
 
 
-def metrics_section(variants: Sequence[Variant], baseline: str | None) -> str:
-    """Means with confidence intervals, one table per scenario; a bar shows J relative to the baseline."""
-    tables = []
-    for (scenario, vehicle), group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
+def metrics_section(
+    variants: Sequence[Variant], baseline: str | None, colours: Mapping[str, str], titles: Mapping[Drive, str]
+) -> str:
+    """Bars of J and a table of all metrics for each drive, in the order of the variants."""
+    parts = []
+    for drive, group in groupby(variants, key=lambda v: (v.scenario, v.vehicle)):
         members = list(group)
-        captured = any(v.captured for v in members)
-        effect = f"J / {baseline}" if baseline else "J"
-        heads: list[str] = ["controller", "preview", "", effect, *(["captured"] if captured else [])]
-        heads += [_two_lines(c.name, c.unit) for _, c in columns()] + ["fallbacks", "seeds"]
-        maximum = max(_effect(v).mean for v in members) or 1.0
-        rows = []
-        for v in members:
-            bar = bar_of(_effect(v).mean / maximum)
-            row: list[str] = [short_name(v.controller), v.perception, bar, _cell(_effect(v), ".3f")]
-            row += [_cell(v.captured, ".1%")] if captured else []
-            row += [_cell(v.metrics.get(name), c.style, c.factor) for name, c in columns()]
-            rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
-        tables.append(f"<h2>{text(scenario)} · {text(vehicle)}</h2>{table(heads, rows, left=2)}")
-    note = "Means over seeds with 95 % bootstrap intervals (three seeds or more); effects are paired by seed."
-    return f'<section><div class="scroll">{"".join(tables)}</div><p class="hint">{note}</p></section>'
+        named = with_small(titles.get(drive, ""), " · ".join(drive)) if drive in titles else " · ".join(drive)
+        parts.append(f"<h2>{text(named)}</h2>{bars(members, baseline, colours)}")
+        parts.append(scrolling(_metrics_table(members, baseline)))
+    return f"<section>{''.join(parts)}</section>"
+
+
+def bars(variants: Sequence[Variant], baseline: str | None, colours: Mapping[str, str]) -> str:
+    """Bar chart of J, relative to the baseline if there is one, with the intervals over seeds."""
+    effects = [_effect(v) for v in variants]
+    greatest = (
+        max(value.mean if value.high is None else max(value.mean, value.high) for value in effects) or 1.0
+    )
+    rows = []
+    for v, value in zip(variants, effects, strict=True):
+        name = variant_label(v.controller, v.perception)
+        fill = f"width:{100 * value.mean / greatest:.2f}%;background:{colours[v.controller]}"
+        spread = ""
+        if value.low is not None and value.high is not None and value.high > value.low:
+            at, wide = (100 * part / greatest for part in (value.low, value.high - value.low))
+            spread = f'<span class="spread" style="left:{at:.2f}%;width:{wide:.2f}%"></span>'
+        rows.append(
+            f'<span class="name">{text(name)}</span><span class="value">{text(_cell(value, _J, " "))}</span>'
+            f'<span class="track"><span class="fill" style="{fill}"></span>{spread}</span>'
+        )
+    return f'<h3>{text(_effect_name(baseline))}</h3><div class="bars">{"".join(rows)}</div>'
+
+
+def _metrics_table(variants: Sequence[Variant], baseline: str | None) -> str:
+    captured = any(v.captured for v in variants)
+    heads: list[str] = ["controller", "preview", _effect_name(baseline), *(["captured"] if captured else [])]
+    heads += [_two_lines(c.name, c.unit) for _, c in columns()] + ["fallbacks", "seeds"]
+    rows = []
+    for v in variants:
+        row: list[str] = [short_name(v.controller), v.perception, _cell(_effect(v), _J)]
+        row += [_cell(v.captured, _SHARE)] if captured else []
+        row += [_cell(v.metrics.get(name), column) for name, column in columns()]
+        rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
+    return table(heads, rows, left=2)
 
 
 def budget_section(variants: Sequence[Variant]) -> str:
@@ -56,7 +87,7 @@ def budget_section(variants: Sequence[Variant]) -> str:
     shown = table(
         ["drive", "how the road is known", "J (m/s²)²", "kept of the gain over mpc_reactive"], rows, 2
     )
-    return f'<section><h2>Comfort budget</h2><div class="scroll">{shown}</div></section>'
+    return f"<section><h2>Comfort budget</h2>{scrolling(shown)}</section>"
 
 
 def solver_section(runs: Sequence[Run]) -> str:
@@ -72,8 +103,8 @@ def solver_section(runs: Sequence[Run]) -> str:
                 run.case.scenario.name,
                 label_of(run),
                 str(run.case.seed),
-                with_small(run.solver.get("solves", "–"), f"bound: {bound}" if bound else ""),
-                with_small(run.solver.get("fallbacks", "–"), reasons),
+                with_small(run.solver.get("solves", "–"), f"bound: {bound}" if bound else "", long=True),
+                with_small(run.solver.get("fallbacks", "–"), reasons, long=True),
                 *(_number(run.timing.get(name)) for name in ("median_ms", "max_ms")),
                 str(run.perception_stats.get("frames", "–")),
                 str(run.perception_stats.get("boxes", "–")),
@@ -84,7 +115,7 @@ def solver_section(runs: Sequence[Run]) -> str:
     heads += [_two_lines("step longest", "ms"), "exposures", "boxes"]
     heads += [_two_lines("look median", "ms"), "× real time"]
     shown = table(heads, rows, 2)
-    return f'<section><h2>Solver, fallbacks, perception</h2><div class="scroll">{shown}</div></section>'
+    return f"<section><h2>Solver, fallbacks, perception</h2>{scrolling(shown)}</section>"
 
 
 def manifest_section(runs: Sequence[Run]) -> str:
@@ -101,22 +132,34 @@ def _effect(variant: Variant) -> Interval:
     return variant.ratio.get("objective", variant.metrics["objective"])
 
 
-def _cell(value: Interval | None, style: str, factor: float = 1.0) -> str:
+def _effect_name(baseline: str | None) -> str:
+    return f"J / {baseline}" if baseline else "J"
+
+
+def _cell(value: Interval | None, column: Column, separator: str = "") -> str:
+    """Mean, and its interval in small type on a line of its own or after a separator."""
     if value is None:
         return "–"
-    mean = format(value.mean * factor, style)
+    mean = column.shown(value.mean)
     if value.low is None or value.high is None or value.low == value.high:
         return mean
-    return with_small(mean, f"{format(value.low * factor, style)} … {format(value.high * factor, style)}")
+    return with_small(mean + separator, f"[{column.shown(value.low)} {column.shown(value.high)}]")
 
 
 def _number(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
 
 
-def with_small(value: object, note: str) -> Html:
-    """Table cell with an optional note in small type."""
-    return Html(text(value) + (f"<small>{text(note)}</small>" if note else ""))
+def with_small(value: object, note: str, long: bool = False) -> Html:
+    """Table cell with an optional note in small type, broken into lines if it is long."""
+    kind = " class=long" if long else ""
+    return Html(text(value) + (f"<small{kind}>{text(note)}</small>" if note else ""))
+
+
+def scrolling(content: str) -> str:
+    """Region that scrolls sideways where the page is narrower than its content, and then says so."""
+    hint = '<p class="hint more">Scroll sideways for more columns →</p>'
+    return f'<div class="scroll" role="region" aria-label="Table">{content}</div>{hint}'
 
 
 def bar_of(share: float) -> Html:

@@ -68,3 +68,12 @@ def test_a_metric_that_fails_is_told_in_one_line(function: Any, told: str) -> No
 def test_what_is_no_metric_is_refused(name: str, value: Any, told: str) -> None:
     with pytest.raises(InputError, match=told):
         METRICS.register(name, value)
+
+
+@pytest.mark.parametrize(
+    ("style", "value", "shown"),
+    [(".2f", -0.004, "0.00"), (".2f", -0.006, "-0.01"), ("+.1f", -0.0, "0.0"), (".1%", -1e-9, "0.0%"),
+     ("e", -0.0, "0.000000e+00"), (".0f", -12.0, "-12")],
+)  # fmt: skip
+def test_a_zero_is_shown_without_a_sign(style: str, value: float, shown: str) -> None:
+    assert Column("c", "", style).shown(value) == shown

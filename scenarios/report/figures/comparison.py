@@ -11,7 +11,7 @@ from foreride.scenarios.report.figures.drive import drive_figure
 from foreride.scenarios.report.figures.files import PAPER, save
 from foreride.scenarios.report.figures.overview import Drive, Excerpt, excerpt, overview_figure
 from foreride.scenarios.report.figures.spectrum import spectrum_figure
-from foreride.scenarios.runs.record import vehicle_name
+from foreride.scenarios.report.labels import drive_of
 from foreride.scenarios.simulation.simulate import Run
 
 FOLDER = "figures"
@@ -31,7 +31,7 @@ class ComparisonFigures:
 
     def add(self, run: Run) -> None:
         """Take a run; the figures of the drive before it are written when a new drive begins."""
-        if self._runs and _drive(self._runs[0]) != _drive(run):
+        if self._runs and drive_of(self._runs[0]) != drive_of(run):
             self._finish_drive()
         self._runs.append(replace(run, looks=[]))
 
@@ -46,9 +46,5 @@ class ComparisonFigures:
         name = component(self._runs[0].case.scenario.name)
         for kind, figure in _KINDS.items():
             save(figure(self._runs), self._folder / f"{name}-{kind}", PAPER)
-        self._excerpts[_drive(self._runs[0])] = excerpt(self._runs)
+        self._excerpts[drive_of(self._runs[0])] = excerpt(self._runs)
         self._runs = []
-
-
-def _drive(run: Run) -> Drive:
-    return run.case.scenario.name, vehicle_name(run.case.scenario)

@@ -15,7 +15,6 @@ from foreride.scenarios.report.budget import error_budget_section
 from foreride.scenarios.report.frames import with_frames
 from foreride.scenarios.report.replay import encode_float32, spectra
 from foreride.scenarios.runs.read import read
-from tests.scenarios.browser import CHROMIUM, told_by
 
 SHORT = """
 title: A short <drive> over a hump
@@ -26,24 +25,6 @@ road:
     - {kind: flat_top_hump, start_m: 11, length_m: 3.6, height_m: 0.09, ramp_m: 0.6}
 vehicle: {model: half}
 """
-KEYS = """
-const press = (key, shiftKey) => document.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey }));
-const clock = () => document.getElementById("clock").textContent;
-const inks = (id) => {
-  const c = document.getElementById(id), pixels = c.getContext("2d").getImageData(0, 0, c.width, c.height);
-  return new Set(new Uint32Array(pixels.data.buffer)).size;
-};
-const told = {};
-press("End"); told.end = clock(); press("Home"); told.home = clock();
-for (let i = 0; i < 3; i++) press("ArrowRight", true);
-press("ArrowLeft"); told.stepped = clock();
-told.inks = ["cars", "ahead"].map(inks);
-told.charts = document.querySelectorAll("#charts .uplot").length;
-told.spectrum = document.querySelectorAll("#spectrum .uplot").length;
-told.sideways = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-told.errors = errors;
-document.title = "TOLD" + JSON.stringify(told) + "END";
-"""
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +33,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("compared")
     (folder / "short.yaml").write_text(SHORT)
     arguments = [str(folder / "short.yaml"), "--controllers", "passive,mpc_preview", "--perception", "camera"]
-    assert main(["compare", *arguments, "--out", str(folder / "runs")]) == 0
+    assert main(["compare", *arguments, "--no-figures", "--out", str(folder / "runs")]) == 0
     assert main(["report", str(folder / "runs"), "--out", str(folder / "report.html")]) == 0
     return folder
 
@@ -179,7 +160,7 @@ def test_a_map_has_its_place_among_the_perceptions(tmp_path: Path) -> None:
     road = tmp_path / "mapped.yaml"
     road.write_text(SHORT.replace("half", "quarter") + "map: {file: map.csv}\n")
     seen = ["--controllers", "mpc_reactive,mpc_preview", "--perception", "oracle,map"]
-    assert main(["compare", str(road), *seen, "--out", str(tmp_path / "runs")]) == 0
+    assert main(["compare", str(road), *seen, "--no-figures", "--out", str(tmp_path / "runs")]) == 0
     out = tmp_path / "report.html"
     assert main(["report", str(tmp_path / "runs"), "--out", str(out)]) == 0
     (scene,) = data_of(out.read_text())["scenes"]
@@ -267,17 +248,3 @@ def test_the_spectrum_of_a_sine_lies_at_its_frequency_and_holds_its_power() -> N
 
 def test_numbers_are_packed_as_little_endian_float32() -> None:
     assert encode_float32([1.0]) == "AACAPw=="
-
-
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
-@pytest.mark.parametrize("width", [1280, 500])
-def test_it_lives_in_a_browser_and_obeys_the_keyboard(compared: Path, tmp_path: Path, width: int) -> None:
-    told = json.loads(told_by((compared / "report.html").read_text(), KEYS, tmp_path, width))
-    assert told["errors"] == []
-    assert told["home"] == "0.00 s"
-    assert told["stepped"] == "0.29 s"
-    assert float(told["end"].split()[0]) > 1.0
-    assert min(told["inks"]) > 3
-    assert told["charts"] == 3
-    assert told["spectrum"] == 1
-    assert told["sideways"] <= 0
