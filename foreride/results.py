@@ -1,6 +1,6 @@
 """Results of drives: metrics, signals with units, tables for pandas and Arrow, and views in notebooks."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,8 +12,8 @@ import pyarrow as pa
 from foreride.files.errors import InputError
 from foreride.notebook import result_view, table
 from foreride.scenarios.comparison.document import flat
+from foreride.scenarios.comparison.publication import caption, cells, latex, markdown
 from foreride.scenarios.comparison.statistics import Variant, summarise, variants_of
-from foreride.scenarios.comparison.table import latex, markdown
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import folder_name, row, signal_table, write
 from foreride.scenarios.simulation.simulate import Run
@@ -142,13 +142,18 @@ class Comparison:
         """One row a drive, as a DataFrame. Needs pandas."""
         return _pandas().DataFrame([flat(one) for one in self.rows])
 
-    def to_markdown(self) -> str:
-        """The table of the comparison in Markdown."""
-        return markdown(self.variants, self.baseline)
+    @property
+    def caption(self) -> str:
+        """Conditions of the drives and the meaning of the table's numbers, in sentences."""
+        return caption([result.record.case for result in self.results], self.baseline)
 
-    def to_latex(self) -> str:
-        """The table of the comparison in LaTeX (package booktabs)."""
-        return latex(self.variants, self.baseline)
+    def to_markdown(self, columns: Sequence[str] | None = None) -> str:
+        """The table in Markdown under its caption; `columns` as for `foreride compare --columns`."""
+        return markdown(self.variants, self.baseline, columns, self.caption)
+
+    def to_latex(self, columns: Sequence[str] | None = None) -> str:
+        """The table in LaTeX (package booktabs) with its caption; `columns` as in Markdown."""
+        return latex(self.variants, self.baseline, columns, self.caption)
 
     def save(self, folder: Path | str) -> Path:
         """Write a run folder for each drive into `folder`, and return its path."""
@@ -168,8 +173,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """Table of the comparison, for notebooks."""
-        head, _, *rows = (line.strip("|\n ").split(" | ") for line in self.to_markdown().splitlines() if line)
-        return table(head, rows)
+        return table(*cells(self.variants, self.baseline))
 
 
 def _pandas() -> Any:

@@ -83,7 +83,7 @@ def _stream(path: Path) -> BinaryIO | None:
         status = os.stat(path)
     except FileNotFoundError:
         return None
-    for stream in (sys.stdout, sys.stderr):
+    for stream in filter(None, (sys.stdout, sys.stderr, sys.__stdout__)):
         with suppress(OSError, ValueError, AttributeError):
             if os.path.samestat(status, os.fstat(stream.fileno())):
                 stream.flush()

@@ -5,12 +5,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from foreride.files.command_line import output_path
+from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.files.writing.sharing import shared_target
+from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.console import console
+from foreride.scenarios.commands.options import comma_list
+from foreride.scenarios.comparison.columns import check_keys
 from foreride.scenarios.comparison.document import document, parquet
+from foreride.scenarios.comparison.publication import caption, latex, markdown
 from foreride.scenarios.comparison.statistics import Row, pick, summarise, variants_of
-from foreride.scenarios.comparison.table import comparison, latex, markdown
+from foreride.scenarios.comparison.table import comparison
 from foreride.scenarios.runs.write import environment, to_json
 
 DEFAULT_BASELINE = "passive"
@@ -20,6 +25,8 @@ def add_table_options(command: argparse.ArgumentParser) -> None:
     """Add the options for the baseline of the effects and for output files of the table."""
     told = f"reference of the effects, such as mpc_preview@oracle (default {DEFAULT_BASELINE})"
     command.add_argument("--baseline", metavar="NAME[@PERCEPTION]", help=told)
+    told = "J, captured, seeds, fallbacks, any metric (`foreride list metrics`) or its ratio, wk_rms/baseline"
+    command.add_argument("--columns", type=_columns, metavar="A,B,...", help=told)
     for option, told in (
         ("--parquet", "write one row per run as Parquet"),
         ("--markdown", "write the table as Markdown"),
@@ -37,21 +44,34 @@ def baseline_of(requested: str | None, variants: Sequence[tuple[str, str]]) -> s
     return DEFAULT_BASELINE if any(controller == DEFAULT_BASELINE for controller, _ in variants) else None
 
 
-def publish(arguments: argparse.Namespace, rows: Sequence[Row], title: str = "") -> dict[str, Any]:
-    """Print the table of the rows and write the requested files; return the JSON document."""
+def _columns(text: str) -> list[str]:
+    keys = comma_list(text)
+    try:
+        check_keys(keys)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error).removeprefix("--columns ")) from None
+    return keys
+
+
+def publish(
+    arguments: argparse.Namespace, cases: Sequence[Case], rows: Sequence[Row], title: str = ""
+) -> dict[str, Any]:
+    """Print the table of the cases' rows and write the requested files; return the JSON document."""
     baseline = baseline_of(arguments.baseline, variants_of(rows))
     variants = summarise(rows, baseline)
-    console.print(comparison(variants, title, console.width, baseline))
+    keys, text = arguments.columns, caption(cases, baseline)
+    console.print(comparison(variants, title, console.width, baseline, keys))
     table_document = document(rows, variants, baseline, environment())
     if arguments.json:
         write_text(arguments.json, to_json(table_document) + "\n")
     if arguments.parquet:
         write_bytes(arguments.parquet, parquet(rows))
     if arguments.markdown:
-        write_text(arguments.markdown, markdown(variants, baseline))
+        write_text(arguments.markdown, markdown(variants, baseline, keys, text))
     if arguments.latex:
-        write_text(arguments.latex, latex(variants, baseline))
+        write_text(arguments.latex, latex(variants, baseline, keys, text))
     files = (arguments.json, arguments.parquet, arguments.markdown, arguments.latex)
-    if any(files):
-        console.print(f"numbers: {', '.join(str(path) for path in files if path)}")
+    named = [str(path) for path in files if path and path.is_file()]
+    if named:
+        console.print(f"numbers: {', '.join(named)}")
     return table_document

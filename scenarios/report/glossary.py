@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 
 from foreride.comfort.registry import METRICS
+from foreride.scenarios.comparison.columns import metric_columns
 from foreride.scenarios.comparison.statistics import MIN_SEEDS, Variant
-from foreride.scenarios.comparison.table import columns
 from foreride.scenarios.report.labels import acceleration_label
 from foreride.scenarios.report.markup import text
 from foreride.scenarios.simulation.simulate import Run
@@ -33,7 +33,7 @@ def _terms(
             "controller that knows the whole road",
         )
     metrics = METRICS.parts()
-    for name, column in columns():
+    for name, column in metric_columns():
         yield column.name, metrics[name].meaning
     yield "fallbacks", "control steps that a simpler law took over, as the solver or its input failed"
     seats = {acceleration_label(run.case.scenario.vehicle.parameters) for run in runs}

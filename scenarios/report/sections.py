@@ -6,8 +6,9 @@ from html import escape
 from itertools import groupby
 
 from foreride.comfort.registry import Column
+from foreride.scenarios.comparison.columns import metric_columns
 from foreride.scenarios.comparison.statistics import Interval, Variant
-from foreride.scenarios.comparison.table import columns, short_name
+from foreride.scenarios.comparison.table import short_name
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.labels import label_of, variant_label
 from foreride.scenarios.report.markup import Html, text
@@ -59,12 +60,12 @@ def bars(variants: Sequence[Variant], baseline: str | None, colours: Mapping[str
 def _metrics_table(variants: Sequence[Variant], baseline: str | None) -> str:
     captured = any(v.captured for v in variants)
     heads: list[str] = ["controller", "preview", _effect_name(baseline), *(["captured"] if captured else [])]
-    heads += [_two_lines(c.name, c.unit) for _, c in columns()] + ["fallbacks", "seeds"]
+    heads += [_two_lines(c.name, c.unit) for _, c in metric_columns()] + ["fallbacks", "seeds"]
     rows = []
     for v in variants:
         row: list[str] = [short_name(v.controller), v.perception, _cell(_effect(v), _J)]
         row += [_cell(v.captured, _SHARE)] if captured else []
-        row += [_cell(v.metrics.get(name), column) for name, column in columns()]
+        row += [_cell(v.metrics.get(name), column) for name, column in metric_columns()]
         rows.append([*row, str(v.fallbacks), str(len(v.seeds))])
     return table(heads, rows, left=2)
 

@@ -56,7 +56,7 @@ def execute(arguments: argparse.Namespace) -> int:
             write(run, arguments.out / folder_name(run.case))
         if figures:
             figures.add(run)
-    document = publish(arguments, rows)
+    document = publish(arguments, selected, rows)
     for scenario, bound in {line["scenario"]: line["bound"] for line in rows if "bound" in line}.items():
         gap = f"starts end within {100 * bound['gap_between_starts']:.2f} %"
         console.print(f"bound of {scenario}: J {bound['objective']:.4f} (m/s²)², {gap}", highlight=False)

@@ -38,7 +38,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for run in runs:
         write(run, out / folder_name(run.case))
     rows = [row(run) for run in runs]
-    document = publish(arguments, rows, "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
+    document = publish(arguments, selected, rows, "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
     planned = [folder_name(case) for case in selected]
     write_text(out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
     figures = ComparisonFigures(out)

@@ -37,7 +37,7 @@ def execute(arguments: argparse.Namespace) -> int:
     for run in simulated(selected, arguments.frames, jobs):
         write(run, out / folder_name(run.case))
         runs.append(run)
-    publish(arguments, [row(run) for run in runs])
+    publish(arguments, selected, [row(run) for run in runs])
     save(drive_figure(runs), out / component(f"{runs[0].case.scenario.name}.png"))
     console.print(f"run folders and figure: {out}/")
     suggest("foreride", "report", out)

@@ -109,7 +109,6 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.json:
         document = {"schema": 1, "manifest": environment(), "rows": rows}
         write_text(arguments.json, to_json(document) + "\n")
-        console.print(f"numbers: {arguments.json}")
     if arguments.calibration:
         weights = load_detector(groups[0][1][0].scenario)
         write_text(arguments.calibration, to_text(fit(samples, weights.calibration)) + "\n")
