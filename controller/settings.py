@@ -153,6 +153,7 @@ class MpcSettings(Checked):
     fine_s: initial part of the horizon with intervals of one period, s; later intervals have two periods.
     rho: weight of the relative tyre load, as in the objective J, (m/s²)².
     input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
+    move_weight: weight of the square of the change of c from one period to the next, c in kN·s/m.
     force: use of the actuators, if the car has any.
     road: fusion of preview and measurement.
     """
@@ -162,6 +163,7 @@ class MpcSettings(Checked):
     fine_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.2
     rho: LoadWeight = 3.0
     input_weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/(kN·s/m)²"] = 1e-3
+    move_weight: Annotated[float, Interval(ge=0.0, le=1e6), "(m/s²)²/(kN·s/m)²"] = 0.0
     force: ForceSettings = field(default_factory=ForceSettings)
     road: RoadSettings = field(default_factory=RoadSettings)
 

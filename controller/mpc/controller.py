@@ -67,6 +67,7 @@ class PredictiveController(BaseController):
         """Clear the plan, the past commands and the statistics."""
         self._program = self._preview_program
         self._plan = np.tile(self._passive / KILO, (len(self._program.shift), 1))
+        self._issued = self._passive
         self._filter.reset()
         self._delay_line.reset()
         self._road.reset()
@@ -89,11 +90,13 @@ class PredictiveController(BaseController):
         self.problem = self._correct_plan(estimate)
         command = np.minimum(np.maximum(KILO * self._plan[0], self._command_min), self._command_max)
         self._delay_line.issue(command)
+        self._issued = command
         return command.copy()
 
     def acted(self, command: np.ndarray) -> None:
         """Record that this command (inputs,), N·s/m and N, was issued in place of the last answer."""
         self._delay_line.replace_last(command)
+        self._issued = command
 
     def _use(self, program: Program) -> None:
         """Continue the plan on the horizon of this program."""
@@ -108,7 +111,13 @@ class PredictiveController(BaseController):
         cost = program.condensed(state, self._plan, roads, road.weights)
         states = program.condense.states
         rows = program.constraints.rows(self._plan, states)
-        solution = program.solve(cost, self._plan_min - self._plan, self._plan_max - self._plan, rows)
+        follows = self._plan, self._issued / KILO
+        solution = program.solve(
+            program.moves.penalised(cost, *follows),
+            self._plan_min - self._plan,
+            self._plan_max - self._plan,
+            program.moves.limited(rows, *follows),
+        )
         if solution.problem is not None:
             self.active = ()
         else:

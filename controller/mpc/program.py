@@ -3,6 +3,7 @@
 import numpy as np
 
 from foreride.controller.interface import Timing
+from foreride.controller.mpc.command_moves import CommandMoves
 from foreride.controller.mpc.condensing import Condensed, Condenser
 from foreride.controller.mpc.constraints import Constraints
 from foreride.controller.mpc.move_blocking import MoveBlocks
@@ -34,6 +35,7 @@ class Program:
         forces = input_size(vehicle) - vehicle.wheels
         weights = np.repeat([settings.input_weight, settings.force.weight], [vehicle.wheels, forces])
         self.condense = Condenser(model, terminal, self.grid, timing.period_s, weights)
+        self.moves = CommandMoves(vehicle, self.grid, timing, settings.move_weight)
         self.constraints = Constraints(vehicle, self.grid, settings.force)
         self.shift = self.grid.shift(timing.period_s)
         self.node_times_s = timing.delay_s + self.grid.nodes_s

@@ -59,6 +59,7 @@ class MultirateLoop:
         self._delay = ticks(control.delay_s + different.actuation_delay_s)
         stroke_s = control.full_stroke_s if different.full_stroke_s is None else different.full_stroke_s
         self._valves = Valves(car, stroke_s, different.hysteresis)
+        self._known_valves = Valves(car, control.full_stroke_s, 0.0)
         self._rate_hz, self._total = control.rate_hz, scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
@@ -111,7 +112,9 @@ class MultirateLoop:
         self._perception.sense(checked.measurement)
         if self._observer is None:
             return replace(exact_estimate(state), x=state.x[: self._states])
-        estimate = self._observer.update(checked, self._command)
+        known, period_s = self._known_valves, 1.0 / self._rate_hz
+        acting = self._command if known.ideal else known.advance(self._command, period_s)
+        estimate = self._observer.update(checked, acting)
         self.estimates.append(estimate)
         return estimate
 
