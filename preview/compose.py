@@ -8,6 +8,7 @@ from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Track
+from foreride.road.tyre.tyre import Tyre
 
 _MIN_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
 
@@ -21,6 +22,7 @@ def compose(
     settings: Settings,
     time_s: float,
     age_s: float,
+    tyre: Tyre | None = None,
 ) -> RoadPreview:
     """Road preview of a car with odometer reading `x_m` and wheels at `axle_x_m` and `wheel_y_m` from it.
 
@@ -37,7 +39,9 @@ def compose(
             if overlap < _MIN_OVERLAP:
                 continue
             section = track.section(y)
-            profile_x, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
+            profile_x, profile = tyre_profile(
+                track.best.kind, section.length_m, section.height_m, tyre or Tyre()
+            )
             distance_past_edge = distance_m + x_m + axle - section.start_m
             expected_height = overlap * np.interp(distance_past_edge, profile_x, profile)
             in_reach = (distance_past_edge > -2 * sigma) & (distance_past_edge < section.length_m + 2 * sigma)

@@ -22,6 +22,7 @@ from foreride.preview.tracking.observation import rectify_frame
 from foreride.preview.tracking.track import Track
 from foreride.preview.tracking.tracker import Tracker
 from foreride.preview.tracking.wheel_strike import WheelStrikeDetector
+from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.obstacle_classes import CLASS_NAMES
 
@@ -37,6 +38,7 @@ class Estimator:
     `events` and `memory()` are of that odometer. memory: result of an earlier drive over the same road.
     stereo_base_m: baseline to a second, equal camera, right of the first and parallel to it; 0 for none.
     calibration: of the detector that the boxes are from; its edge biases apply unless the settings have some.
+    facts: of the car's masses and tyres; by default those of a compact car.
     """
 
     def __init__(
@@ -51,6 +53,7 @@ class Estimator:
         memory: Memory | None = None,
         stereo_base_m: float = 0.0,
         calibration: Calibration = DEFAULT_CALIBRATION,
+        facts: VehicleFacts | None = None,
     ) -> None:
         if len(axle_x_m) != len(wheel_y_m):
             raise InputError(
@@ -60,7 +63,9 @@ class Estimator:
         self.axle_x_m, self.wheel_y_m = axle_x_m, wheel_y_m
         self.settings = (Settings() if settings is None else settings).calibrated(calibration)
         self.distance_m = distance_grid() if distance_m is None else distance_m
-        self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m)
+        facts = VehicleFacts.typical(len(axle_x_m)) if facts is None else facts
+        self._tyre = facts.tyre
+        self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m, facts)
         uses_marks = self.settings.distance == "cross_ratio"
         marks = marks_of(camera, mount) if uses_marks else None
         self.tracker = Tracker(self.settings, camera.focal_px, marks, calibration)
@@ -69,7 +74,7 @@ class Estimator:
             self.tracker.expect(expectations(memory, self.tracker.calibration, self.settings, x_m))
         measures_heights = stereo_base_m > 0.0 or self.settings.parallax
         self._gauge = HeightGauge(camera, stereo_base_m, self.settings) if measures_heights else None
-        self._front = WheelStrikeDetector(wheel_y_m[0], self.settings)
+        self._front = WheelStrikeDetector(wheel_y_m[0], self.settings, facts)
         self._newest_frame_s = -np.inf
 
     @property
@@ -132,7 +137,7 @@ class Estimator:
         x = self.motion.at(time_s).x_m
         age = max(time_s - self._newest_frame_s, 0.0) if np.isfinite(self._newest_frame_s) else 0.0
         wheels = self.axle_x_m, self.wheel_y_m
-        return compose(tracks, x, *wheels, self.distance_m, self.settings, time_s, age)
+        return compose(tracks, x, *wheels, self.distance_m, self.settings, time_s, age, self._tyre)
 
     def stats(self) -> list[dict[str, Any]]:
         """State of every living track, one row each."""

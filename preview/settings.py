@@ -87,8 +87,6 @@ class Settings(Checked):
     # Hit feedback
     hit_sigma_m: Annotated[float, Interval(ge=1e-4, le=10.0), "m"] = 0.03
     hit_gate_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.5
-    wheel_hop_hz: Annotated[float, Interval(ge=0.5, le=100.0), "Hz"] = 10.8  # wheel on its tyre only
-    body_hop_hz: Annotated[float, Interval(ge=0.1, le=50.0), "Hz"] = 3.5  # body on the tyres only
 
     # Heights measured in images
     parallax: bool = False  # measure with one moving camera; a stereo pair is always used

@@ -5,6 +5,7 @@ import numpy as np
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.kinematic_filter import filter_layout, gyros, kinematic_filter
 from foreride.controller.observer.sensor_monitor import ValidatedReading
+from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.equations import body_acceleration, forces, rest_state
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorNoise, channel_layout
@@ -50,9 +51,8 @@ class Observer:
             if vehicle.wheels > kinematic_rows.shape[1]
             else None
         )
-        corner_mass = force_distribution @ np.diag(vehicle.generalised_mass) @ self._body
         self._vehicle = vehicle
-        self._mass = np.hstack([corner_mass, np.diag([corner.unsprung_mass_kg for corner in corners])])
+        self._mass = corner_inertia(vehicle)
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])

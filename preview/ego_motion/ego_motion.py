@@ -15,6 +15,7 @@ from foreride.preview.ego_motion.heave_pitch_filter import HEAVE, PITCH, HeavePi
 from foreride.preview.ego_motion.path import curvature
 from foreride.preview.ego_motion.roll_filter import RollFilter
 from foreride.preview.settings import Settings
+from foreride.preview.vehicle_facts import VehicleFacts
 
 _MAX_FRAME_AGE_S = 0.5  # greatest age of an arriving frame
 
@@ -70,8 +71,8 @@ class EgoMotion:
 
     axle_x_m: position of each wheel relative to the centre of gravity, front first (one for a quarter
     car, which has no pitch); wheels at the same place share an axle, which moves by their mean. wheel_y_m:
-    their lateral positions, for a car that can roll. The odometer starts at `x_m` and reads the centre of
-    gravity.
+    their lateral positions, for a car that can roll. facts: of the car, by default those of a compact car.
+    The odometer starts at `x_m` and reads the centre of gravity.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class EgoMotion:
         settings: Settings,
         x_m: float = 0.0,
         wheel_y_m: tuple[float, ...] | None = None,
+        facts: VehicleFacts | None = None,
     ) -> None:
         axles = sorted(set(axle_x_m), reverse=True)
         if len(axles) not in (1, 2):
@@ -88,6 +90,7 @@ class EgoMotion:
         self._wheels_of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
         self.settings = settings
         self.x_m = x_m
+        self._tyre_compliance = (facts or VehicleFacts.typical(len(axle_x_m))).tyre_compliance
         self._body = HeavePitchFilter(self.axle_x_m, settings)
         self._roll = RollFilter(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
         self._last_inertial: tuple[float, float, float] | None = None
@@ -189,11 +192,10 @@ class EgoMotion:
     def _deflection(self, measurement: Measurement) -> np.ndarray:
         """Height of the body over the road less its value at rest, at each wheel.
 
-        Newton for wheel and body above one tyre: k (road - wheel) = m_u a_u + m_s a_s.
+        Newton for wheels and body above the tyres: k (road - wheel) = m_u a_u + m_s a_s.
         """
-        wheel_rate, body_rate = 2 * np.pi * self.settings.wheel_hop_hz, 2 * np.pi * self.settings.body_hop_hz
-        tyre = measurement.wheel_acc / wheel_rate**2 + measurement.body_acc / body_rate**2
-        return measurement.rattle_m - tyre
+        inertial = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        return measurement.rattle_m - self._tyre_compliance @ inertial
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""

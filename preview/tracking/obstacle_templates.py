@@ -5,11 +5,11 @@ from functools import lru_cache
 import numpy as np
 
 from foreride.preview.obstacle_classes import ObstacleTemplate
-from foreride.road.tyre.wheel_profile import envelope
+from foreride.road.tyre.tyre import Tyre
 
 Array = np.ndarray
 TEMPLATE_STEP_M = 0.01
-TEMPLATE_MARGIN_M = 0.5  # more than a wheel radius, so that the envelope is back to zero at both ends
+TEMPLATE_MARGIN_M = 0.5  # at least; more than a wheel radius, so that both ends are flat under the tyre
 RAMP = 1.0 / 6.0  # ramp length of a table, as a share of its length
 _WALL_M = 0.06  # wall length of potholes, from rim to floor
 
@@ -38,20 +38,25 @@ def chord(length_m: float, width_m: float, offset_m: float) -> float:
     return length_m * float(np.sqrt(max(0.0, 1.0 - ratio**2)))
 
 
-def tyre_profile(kind: ObstacleTemplate, length_m: float, height_m: float) -> tuple[Array, Array]:
+def tyre_profile(
+    kind: ObstacleTemplate, length_m: float, height_m: float, tyre: Tyre | None = None
+) -> tuple[Array, Array]:
     """(x, height): the effective profile under a tyre, x in m from the near edge.
 
     Zero at both ends, so it may be continued flat. Lengths are rounded to 1 cm and heights to 2 mm.
     """
-    return _tyre_profile(kind, round(length_m, 2), round(height_m / 0.002) * 0.002)
+    return _tyre_profile(kind, round(length_m, 2), round(height_m / 0.002) * 0.002, tyre or Tyre())
 
 
 @lru_cache(maxsize=512)
-def _tyre_profile(kind: ObstacleTemplate, length_m: float, height_m: float) -> tuple[Array, Array]:
-    steps = round((length_m + 2 * TEMPLATE_MARGIN_M) / TEMPLATE_STEP_M)
-    x = np.arange(steps + 1) * TEMPLATE_STEP_M - TEMPLATE_MARGIN_M
+def _tyre_profile(
+    kind: ObstacleTemplate, length_m: float, height_m: float, tyre: Tyre
+) -> tuple[Array, Array]:
+    margin_m = max(TEMPLATE_MARGIN_M, 1.6 * tyre.radius_m)
+    steps = round((length_m + 2 * margin_m) / TEMPLATE_STEP_M)
+    x = np.arange(steps + 1) * TEMPLATE_STEP_M - margin_m
     share = np.clip(x / max(length_m, 1e-6), 0.0, 1.0)
-    height = envelope(height_m * unit_profile(kind, share, length_m), TEMPLATE_STEP_M)
+    height = tyre.effective_height(height_m * unit_profile(kind, share, length_m), TEMPLATE_STEP_M)
     x.setflags(write=False)
     height.setflags(write=False)
     return x, height

@@ -9,11 +9,11 @@ from foreride.preview.tracking.gauss_newton import DirectMeasurement
 from foreride.preview.tracking.object_state import X
 from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Section, Track
+from foreride.preview.vehicle_facts import VehicleFacts
 
 _STEP_M = 0.01
 _LEVEL_BASE_M = 0.5  # length of road before the object that defines the level
 _MAX_FLANK_M = 0.6  # greatest length of the near flank used: beyond it a light wheel may lift off
-_CONTACT_LOSS_M = 0.02  # static tyre deflection: below it the wheel loses contact
 _MIN_EXPLAINED = 0.6
 _HISTORY_M = 12.0
 
@@ -21,8 +21,9 @@ _HISTORY_M = 12.0
 class WheelStrikeDetector:
     """Road profile measured by the front wheel, over the position of its contact centre."""
 
-    def __init__(self, y_m: float, settings: Settings) -> None:
+    def __init__(self, y_m: float, settings: Settings, facts: VehicleFacts | None = None) -> None:
         self.y_m, self.settings = y_m, settings
+        self._facts = VehicleFacts.typical(1) if facts is None else facts
         self._path: deque[tuple[float, float]] = deque()
 
     def update(self, x_m: float, road_height_m: float) -> None:
@@ -54,11 +55,14 @@ class WheelStrikeDetector:
         if not level_mask.any():
             return None
         in_window = (x >= start - max_shift - _LEVEL_BASE_M) & (x < start + flank + max_shift)
-        measured = np.clip(height[in_window] - height[level_mask].mean(), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
+        limit = self._facts.static_deflection_m  # beyond it the wheel loses contact
+        measured = np.clip(height[in_window] - height[level_mask].mean(), -limit, limit)
         shifts = np.arange(-max_shift, max_shift + _STEP_M / 2, _STEP_M)
         ahead = x[in_window] - start - shifts[:, None]
-        profile_x, profile = tyre_profile(track.best.kind, section.length_m, section.height_m)
-        template = np.clip(np.interp(ahead, profile_x, profile), -_CONTACT_LOSS_M, _CONTACT_LOSS_M)
+        profile_x, profile = tyre_profile(
+            track.best.kind, section.length_m, section.height_m, self._facts.tyre
+        )
+        template = np.clip(np.interp(ahead, profile_x, profile), -limit, limit)
         on_flank = ahead < flank
         error = (np.where(on_flank, measured - template, 0.0) ** 2).sum(axis=1)
         explained = 1.0 - error / (np.where(on_flank, measured, 0.0) ** 2).sum(axis=1).clip(1e-9)

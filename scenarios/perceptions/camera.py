@@ -16,13 +16,18 @@ from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.memory_file import read as read_memory
+from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
 from foreride.road.render.outline_boxes import outline_boxes
 from foreride.road.render.scene import Scene
+from foreride.road.tyre.contact_models import Enveloping
+from foreride.road.tyre.tyre import Tyre
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.detector_perception import DetectorPerception
 from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
 from foreride.scenarios.perceptions.interface import Drive, Exposure, ReferencedFile
+from foreride.vehicle.corner_inertia import corner_inertia
+from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 BoxSource = Callable[[int, VehicleState], Exposure]
@@ -60,9 +65,20 @@ def _with_estimator(
         memory=_memory(scenario),
         stereo_base_m=setup.stereo_base_m,
         calibration=calibration,
+        facts=vehicle_facts(car, scenario.enveloping),
     )
     correct = track_corrector(scenario.road.features, scenario.told)
     return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
+
+
+def vehicle_facts(car: Car, enveloping: Enveloping) -> VehicleFacts:
+    """Facts of a car, which its maker knows, for the estimator."""
+    stiffness = np.array([corner.tyre_n_m for corner in car.corners])
+    return VehicleFacts(
+        tyre_compliance=corner_inertia(car) / stiffness[:, None],
+        static_deflection_m=car.corners[0].static_tyre_deflection_m,
+        tyre=Tyre(car.wheel_radius_m, enveloping),
+    )
 
 
 def nominal_mount(scenario: Scenario) -> CameraMount:

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from foreride.files.errors import InputError
 from foreride.preview.ego_motion.ego_motion import EgoMotion
 from foreride.preview.settings import Settings
+from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.vertical_alignment import GradeChange, grade_height
 from tests.preview.kinematic_drive import Reading
 
@@ -26,8 +27,10 @@ def oscillating(t, frequency_hz=1.4, pitch_amplitude=0.01, heave_amplitude=0.02)
     body = heave - axle * pitch
     acceleration = -(omega**2) * body
     # The tyre carries both masses: -k wheel = m_u wheel'' + m_s acceleration, all of frequency omega.
-    hop, lift = 2 * np.pi * Settings().wheel_hop_hz, 2 * np.pi * Settings().body_hop_hz
-    wheel = -(acceleration / lift**2) / (1 - omega**2 / hop**2)
+    wheels = len(acceleration)
+    compliance = VehicleFacts.typical(wheels).tyre_compliance
+    sprung, unsprung = np.diag(compliance[:, :wheels]), np.diag(compliance[:, wheels:])
+    wheel = -sprung * acceleration / (1 - omega**2 * unsprung)
     reading = Reading(acceleration, -(omega**2) * wheel, body - wheel, -omega * pitch_amplitude * s, 10.0)
     return reading, heave, pitch
 

@@ -4,6 +4,7 @@ import pytest
 from foreride.preview.ego_motion.ego_motion import EgoMotion
 from foreride.preview.ego_motion.roll_filter import RollFilter
 from foreride.preview.settings import Settings
+from foreride.preview.vehicle_facts import VehicleFacts
 from tests.preview.kinematic_drive import Reading
 
 AXLE_X_M = (1.25, 1.25, -1.45, -1.45)
@@ -17,8 +18,10 @@ def swaying(t, offset=0.0, amplitude=0.02, frequency_hz=1.3):
     roll, beside = amplitude * np.sin(omega * t), np.array(WHEEL_Y_M)
     acceleration = -(omega**2) * roll * beside
     # The tyre carries both masses: -k wheel = m_u wheel'' + m_s acceleration, all of frequency omega.
-    hop, lift = 2 * np.pi * Settings().wheel_hop_hz, 2 * np.pi * Settings().body_hop_hz
-    wheel = -(acceleration / lift**2) / (1 - omega**2 / hop**2)
+    wheels = len(acceleration)
+    compliance = VehicleFacts.typical(wheels).tyre_compliance
+    sprung, unsprung = np.diag(compliance[:, :wheels]), np.diag(compliance[:, wheels:])
+    wheel = -sprung * acceleration / (1 - omega**2 * unsprung)
     rate = omega * amplitude * np.cos(omega * t) + offset
     return Reading(acceleration, -(omega**2) * wheel, roll * beside - wheel, 0.0, 10.0, rate), roll
 
