@@ -82,6 +82,31 @@ def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     return sum((lfilter(b, a, corrected, axis=-1) for b, a in sections), start=np.zeros_like(samples))
 
 
+class StreamedWeighting:
+    """`weight` of a signal that arrives in parts: call it with each part, (..., n), in order of time."""
+
+    def __init__(self, rate: float, weighting: str = "Wk") -> None:
+        """Start from rest at this sampling rate, Hz. Raises InputError as `weight`."""
+        check_rate(rate, weighting)
+        correction, sections = _digital(_weighting_by_name(weighting), float(rate))
+        self._correction = (correction, np.array([1.0]))
+        self._sections = sections
+        self._kept: list[Array] = []
+
+    def __call__(self, acc: ArrayLike) -> Array:
+        """Weighted acceleration of the next samples, m/s^2, in the same shape."""
+        samples = _samples(acc)
+        filters = [self._correction, *self._sections]
+        if not self._kept:
+            self._kept = [np.zeros((*samples.shape[:-1], len(a_or_b) - 1)) for a_or_b, _ in filters]
+        corrected, self._kept[0] = lfilter(*filters[0], samples, axis=-1, zi=self._kept[0])
+        weighted = np.zeros_like(samples)
+        for place, (b, a) in enumerate(self._sections, 1):
+            part, self._kept[place] = lfilter(b, a, corrected, axis=-1, zi=self._kept[place])
+            weighted += part
+        return weighted
+
+
 class SecondOrder(NamedTuple):
     """Second-order filter (b1 s + b0) / (s^2 + a1 s + a0) from acceleration to weighted acceleration."""
 

@@ -1,8 +1,8 @@
 """Multirate loop of a run: expose, sense, decide, actuate, integrate, event by event."""
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Generator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from foreride.controller.laws.passive import Constant
 from foreride.controller.observer.observer import Observer, exact_estimate
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.controller.registry import build
+from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.perceptions.interface import Event, Perception
@@ -26,8 +27,19 @@ from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
 
 
+@dataclass(frozen=True)
+class Decision:
+    """Request for a command: the time, the estimate of that time and the preview, if there is one."""
+
+    time_s: float
+    estimate: Estimate
+    preview: RoadPreview | None
+
+
 class MultirateLoop:
     """Scheduler of plant, perception and controller for one case; call `drive` once, then read the rest.
+
+    `decisions` is the same drive for a caller who decides.
 
     events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
     controller's counts, without its run times; timing: those run times; estimates: the observer's, one per
@@ -76,7 +88,22 @@ class MultirateLoop:
         self.timing: dict[str, float] = {}
 
     def drive(self, advance: Callable[[int], None]) -> None:
-        """Run all ticks, from one event to the next."""
+        """Run all ticks with the controller."""
+        decisions, command = self.decisions(advance), None
+        while True:
+            try:
+                decision = decisions.send(command)
+            except StopIteration:
+                break
+            command = self._command_of_controller(decision)
+        stats = dict(self._controller.stats)
+        self.timing = {
+            name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
+        }
+        self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
+
+    def decisions(self, advance: Callable[[int], None]) -> Generator[Decision, np.ndarray | None, None]:
+        """Run all ticks, from one event to the next; each decision yielded is answered with its command."""
         tick = 0
         while tick < self._total:
             state = self._plant.state
@@ -85,18 +112,14 @@ class MultirateLoop:
             estimate = self._sense(state) if asked else None
             self.events += self._perception.receive(tick)
             if estimate is not None:
-                self._waiting.append((tick + self._delay, self._decide(tick, estimate, state)))
+                command = yield self._decision(tick, estimate, state)
+                self._waiting.append((tick + self._delay, np.asarray(command, dtype=float)))
             while self._waiting and self._waiting[0][0] <= tick:
                 self._command = self._waiting.popleft()[1]
             following = self._next_event(tick)
             self._move(following - tick)
             advance(following - tick)
             tick = following
-        stats = dict(self._controller.stats)
-        self.timing = {
-            name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
-        }
-        self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
 
     def _move(self, count: int) -> None:
         """Advance the plant by `count` ticks; valves that are not ideal move in each of them."""
@@ -118,21 +141,24 @@ class MultirateLoop:
         self.estimates.append(estimate)
         return estimate
 
-    def _decide(self, tick: int, estimate: Estimate, state: VehicleState) -> np.ndarray:
+    def _decision(self, tick: int, estimate: Estimate, state: VehicleState) -> Decision:
         time_s = tick / TICKS_PER_SECOND
         preview = self._faults.preview(self._perception.preview(time_s, state), time_s)
         if preview is not None and due(tick, preview_log.RATE_HZ):
             self.seen.append(preview_log.decimated(preview, self._wheel))
         if self._faults.late(time_s):
             estimate = replace(estimate, faults=(*estimate.faults, LATE_ANSWER))
-        command = self._controller.step(estimate, preview)
+        return Decision(time_s, estimate, preview)
+
+    def _command_of_controller(self, decision: Decision) -> np.ndarray:
+        command = self._controller.step(decision.estimate, decision.preview)
         if problem := self._controller.problem:
-            self.events.append({"time_s": time_s, "event": "fallback", "reason": problem})
+            self.events.append({"time_s": decision.time_s, "event": "fallback", "reason": problem})
         active = self._controller.active
         if active != self._active:
-            self.events.append({"time_s": time_s, "event": "constraints", "active": list(active)})
+            self.events.append({"time_s": decision.time_s, "event": "constraints", "active": list(active)})
             self._active = active
-        return np.asarray(command, dtype=float)
+        return command
 
     def _next_event(self, tick: int) -> int:
         asking = tick + TICKS_PER_SECOND if self._open_loop else next_due(tick, self._rate_hz)

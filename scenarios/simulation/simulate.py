@@ -15,7 +15,7 @@ from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.random_streams import random_stream
-from foreride.scenarios.perceptions.interface import Drive, Event, Exposure
+from foreride.scenarios.perceptions.interface import Drive, Event, Exposure, Perception
 from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation.fault_injection import Faults
 from foreride.scenarios.simulation.multirate_loop import MultirateLoop
@@ -76,6 +76,37 @@ def simulate(
     The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
     """
     started = perf_counter()
+    car = case.scenario.vehicle.parameters
+    loop, plant, perception = assembled(case, keep_images, controller)
+    files_sha256 = hashes(case)
+    try:
+        loop.drive(advance)
+    finally:
+        perception.close()
+    record = plant.signals
+    wall_s = perf_counter() - started
+    timing = {"wall_s": wall_s, "real_time_factor": case.scenario.ticks / TICKS_PER_SECOND / wall_s}
+    return Run(
+        case=case,
+        signals=flat_signals(record),
+        metrics=metrics_of(record, case),
+        events=loop.events,
+        solver=loop.solver,
+        observer=observer_errors(control_model(car), loop.estimates, record),
+        perception_stats=perception.stats(),
+        timing=timing | loop.timing | perception.timing(),
+        files_sha256=files_sha256,
+        track_y_m=min(car.wheel_y_m),
+        looks=perception.looks,
+        previews=collect(loop.seen),
+        memory=perception.memory(),
+    )
+
+
+def assembled(
+    case: Case, keep_images: bool = False, controller: MonitoredController | None = None
+) -> tuple[MultirateLoop, Plant, Perception]:
+    """Loop of a case before its first tick, with its plant and its perception, which must be closed."""
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     profiles = wheel_profiles(scenario)
     plant = Plant(scenario.true_car)
@@ -83,31 +114,8 @@ def simulate(
     sensors = Sensors(car.wheels, random_stream(case.seed, "sensors"), scenario.sensors)
     delivered = DeliveredReadings(sensors, scenario.plant, car.wheels)
     perception = perception_entry(case.perception).build(Drive(scenario, profiles, case.seed, keep_images))
-    files_sha256 = hashes(case)
     faults = Faults(scenario.faults, random_stream(case.seed, "faults"))
-    driver = MultirateLoop(case, plant, delivered, perception, faults, controller)
-    try:
-        driver.drive(advance)
-    finally:
-        perception.close()
-    record = plant.signals
-    wall_s = perf_counter() - started
-    timing = {"wall_s": wall_s, "real_time_factor": scenario.ticks / TICKS_PER_SECOND / wall_s}
-    return Run(
-        case=case,
-        signals=flat_signals(record),
-        metrics=metrics_of(record, case),
-        events=driver.events,
-        solver=driver.solver,
-        observer=observer_errors(control_model(car), driver.estimates, record),
-        perception_stats=perception.stats(),
-        timing=timing | driver.timing | perception.timing(),
-        files_sha256=files_sha256,
-        track_y_m=min(car.wheel_y_m),
-        looks=perception.looks,
-        previews=collect(driver.seen),
-        memory=perception.memory(),
-    )
+    return MultirateLoop(case, plant, delivered, perception, faults, controller), plant, perception
 
 
 def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:

@@ -4,7 +4,7 @@ from scipy.signal import lsim
 
 from foreride.comfort import WEIGHTINGS, frequency_weighting, vdv, weight
 from foreride.comfort.iso_tables import ISO_2631_1, NOMINAL_HZ, bands
-from foreride.comfort.weighting import _sections, wk_second_order
+from foreride.comfort.weighting import StreamedWeighting, _sections, wk_second_order
 from foreride.files.errors import InputError
 
 RATE = 1000.0
@@ -118,3 +118,14 @@ def test_second_order_wk_is_as_close_as_it_says():
 def test_bad_input_is_told_in_one_line(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("weighting", ["Wk", "Wd"])
+@pytest.mark.parametrize("cuts", [[1, 7, 400], [250], []])
+def test_weighting_in_parts_is_the_weighting_of_the_whole(weighting: str, cuts: list[int]) -> None:
+    acc = np.random.default_rng(3).normal(size=(2, 700))
+    streamed = StreamedWeighting(1000.0, weighting)
+    parts = [streamed(part) for part in np.split(acc, cuts, axis=-1)]
+    np.testing.assert_allclose(
+        np.concatenate(parts, axis=-1), weight(acc, 1000.0, weighting), rtol=1e-9, atol=1e-12
+    )

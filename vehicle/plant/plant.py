@@ -134,19 +134,27 @@ class Plant:
     @property
     def signals(self) -> VehicleState:
         """Signals of the car at every tick since `reset`, including the standstill; n = ticks + 1."""
+        return self.recent(self._tick + 1)
+
+    def recent(self, ticks: int) -> VehicleState:
+        """Signals of the car at the ends of its last `ticks` ticks; n = ticks."""
         driven = slice(1, self._driven_ticks + 1)
         segments = [*self._segments, self._segment_between(driven)]
+        recorded = [*self._recorded_rows, self._rows[: self._driven_ticks]]
+        first = _first_of_last([len(rows) for rows in recorded], ticks)
+        segments, recorded = segments[first:], recorded[first:]
+        first = _first_of_last(self._hold_ticks, ticks)
+        commands = np.repeat(self._commands[first:], self._hold_ticks[first:], axis=0)
         forward = None
         if any(segment.forward_acc is not None for segment in segments):
             parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in segments]
-            forward = np.concatenate(parts)
-        rows = np.concatenate([*self._recorded_rows, self._rows[: self._driven_ticks]])
+            forward = np.concatenate(parts)[-ticks:]
         return self._observe(
-            np.arange(self._tick + 1) / RATE_HZ,
-            np.concatenate([segment.x_m for segment in segments]),
-            np.concatenate([segment.speed_m_s for segment in segments]),
-            rows[:, self._order].T,
-            np.repeat(self._commands, self._hold_ticks, axis=0).T,
+            np.arange(self._tick + 1 - ticks, self._tick + 1) / RATE_HZ,
+            np.concatenate([segment.x_m for segment in segments])[-ticks:],
+            np.concatenate([segment.speed_m_s for segment in segments])[-ticks:],
+            np.concatenate(recorded)[-ticks:, self._order].T,
+            commands[-ticks:].T,
             forward,
         )
 
@@ -186,6 +194,15 @@ class Plant:
             arm = self.parameters.generalised_mass[0] * self.parameters.inertial_lever_arm_m[1]
             self._control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
         self._rows: Array = np.empty((self._prepared, self._engine.size))
+
+
+def _first_of_last(lengths: Sequence[int], ticks: int) -> int:
+    """First of the parts of these lengths whose tail holds the last `ticks` ticks."""
+    first = len(lengths)
+    while first > 0 and ticks > 0:
+        first -= 1
+        ticks -= lengths[first]
+    return first
 
 
 def standstill_state(parameters: Car, road_height: list[float]) -> Array:

@@ -1,0 +1,1 @@
+"""Gymnasium environment of damper control."""
