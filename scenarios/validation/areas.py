@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 
-from foreride.scenarios.validation import comfort, ride, road, vehicle
+from foreride.scenarios.validation import comfort, published, ride, road, vehicle
 from foreride.scenarios.validation.check import Check, Checks
 
 AREAS: dict[str, Checks] = {
     "Road": road.CHECKS,
     "Vehicle": vehicle.CHECKS,
+    "Published cases": published.CHECKS,
     "Comfort": comfort.CHECKS,
     "Ride": ride.CHECKS,
 }

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from foreride.scenarios.cli import main
-from foreride.scenarios.validation import areas
+from foreride.scenarios.validation import areas, published
 from foreride.scenarios.validation.check import Check, relative
 
 
@@ -53,3 +53,9 @@ def test_a_deviation_that_is_not_a_number_fails():
 @pytest.mark.slow
 def test_everything_passes(tmp_path):
     assert main(["validation", "--out", str(tmp_path / "validation.md")]) == 0
+
+
+@pytest.mark.parametrize("check", published.CHECKS)
+def test_published_cases_are_met_by_whole_drives(check):
+    result = check()
+    assert result.passed, f"{result.name}: {result.deviation:.2g} of {result.bound:.2g}"
