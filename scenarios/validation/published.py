@@ -1,4 +1,4 @@
-"""Validation of whole drives against published quarter cars, in the scenarios that the library ships for it."""
+"""Validation of whole drives against published quarter cars, in scenarios of the library."""
 
 from functools import cache
 
@@ -27,7 +27,7 @@ def _deviation(found: Array, expected: Array) -> float:
 
 
 def _mathworks() -> Check:
-    """State space of the example, states xb, its rate, xw, its rate, over its road of 0.025 (1 - cos 8 pi t)."""
+    """State space of the example (xb, its rate, xw, its rate) over its road of 0.025 (1 - cos 8 pi t)."""
     mb, mw, bs, ks, kt = MATHWORKS.values()
     a = [[0, 1, 0, 0], [-ks / mb, -bs / mb, ks / mb, bs / mb],
          [0, 0, 0, 1], [ks / mw, bs / mw, (-ks - kt) / mw, -bs / mw]]  # fmt: skip
