@@ -88,7 +88,7 @@ def test_command_trains_writes_and_resumes(tmp_path: Path, capsys: pytest.Captur
     made = load_weights(run / "weights.pt", Network())
     assert made["passes"] == 4
     assert main([*words, "--stages", "96x64:4"]) == 2
-    assert "add --resume" in capsys.readouterr().out
+    assert "add --resume" in capsys.readouterr().err
     assert main([*words, "--stages", "96x64:6", "--resume"]) == 0
     assert load_weights(run / "weights.pt", Network())["passes"] == 6
     start = ["--stages", "96x64:2", "--init", str(run / "weights.pt")]
@@ -124,7 +124,7 @@ def test_bad_options_are_told_in_one_line_and_leave_nothing(
     write(tmp_path / "data" / "val", 1)
     words = ["--data", str(tmp_path / "data"), "--out", str(tmp_path / "run"), "--stages", "96x64:4"]
     assert main([*words, "--threads", "1", *options]) == 2
-    printed = capsys.readouterr().out
+    printed = capsys.readouterr().err
     assert message in printed
     assert printed.count("\n") == 1
     assert not (tmp_path / "run").exists()
