@@ -37,6 +37,7 @@ def write_dataset(
     report: Callable[[int], None] = lambda done: None,
     approach: bool = False,
     plain: bool = False,
+    near: bool = False,
 ) -> dict:
     """Render `counts[split]` images per split into `out` and return the content of dataset.json.
 
@@ -44,7 +45,8 @@ def write_dataset(
     set, so the number of workers is immaterial; labels appear before their images, each in one step. `report`
     is called with the number of finished images after each road. With `approach` the views of a road are
     those of a car that drives towards a feature, from 18 m to 3 m, mostly with the default camera. With
-    `plain` no road has a bump or a pothole, but many distractors: patches, covers, stains, crossings.
+    `plain` no road has a bump or a pothole, but many distractors: patches, covers, stains, crossings. With
+    `near` cameras are held a few steps before a pothole or a bump and aim at it, and many potholes are large.
 
     Raises InputError for negative counts or an `out` that already holds a data set.
     """
@@ -60,7 +62,7 @@ def write_dataset(
     digest, done = hashlib.sha256(), 0
     for split in _ORDER:
         lines = []
-        for rows in _run(_jobs(out, split, counts.get(split, 0), seed, approach, plain), workers):
+        for rows in _run(_jobs(out, split, counts.get(split, 0), seed, approach, plain, near), workers):
             for row in rows:
                 digest.update(f"{split}/{row['image']} {row.pop('sha256')}\n".encode())
                 lines.append(json.dumps(row) + "\n")
@@ -76,6 +78,7 @@ def write_dataset(
         "views_per_road": VIEWS_PER_ROAD,
         "approach": approach,
         "plain": plain,
+        "near": near,
         "label_minimum": {
             "height_px": MIN_BOX_HEIGHT_PX,
             "width_px": MIN_BOX_WIDTH_PX,
@@ -88,10 +91,10 @@ def write_dataset(
     return summary
 
 
-def _jobs(out: Path, split: str, count: int, seed: int, approach: bool, plain: bool) -> Iterator[Job]:
+def _jobs(out: Path, split: str, count: int, seed: int, *kinds: bool) -> Iterator[Job]:
     for road, first in enumerate(range(0, count, VIEWS_PER_ROAD)):
         views = min(VIEWS_PER_ROAD, count - first)
-        yield Job(out / split, SPLITS.index(split), road, views, seed, approach, plain)
+        yield Job(out / split, SPLITS.index(split), road, views, seed, *kinds)
 
 
 def _run(jobs: Iterator[Job], workers: int) -> Iterator[list[dict]]:
@@ -134,6 +137,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--plain", action="store_true", help="no bump or pothole, but many distractors (patches, covers)"
     )
+    parser.add_argument(
+        "--near", action="store_true", help="views from a few steps, as photographs of a pothole or bump"
+    )
     parser.add_argument("--workers", type=int, default=1, help="processes (default 1)")
     options = parser.parse_args(arguments)
     counts = {split: getattr(options, split) for split in SPLITS}
@@ -147,6 +153,7 @@ def main(arguments: list[str] | None = None) -> int:
                 report,
                 options.approach,
                 options.plain,
+                options.near,
             )
     except InputError as error:
         notify(error)

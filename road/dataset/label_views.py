@@ -10,6 +10,7 @@ import numpy as np
 
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.road.camera.pinhole import Camera, CameraPose
+from foreride.road.dataset.near_views import LARGE_HOLES, near_view
 from foreride.road.dataset.random_scenes import approach_positions, random_positions, random_road, random_view
 from foreride.road.features.feature import Feature
 from foreride.road.render.appearance import Appearance, random_appearance
@@ -35,6 +36,7 @@ class Job:
     seed: int
     approach: bool = False
     plain: bool = False
+    near: bool = False
 
 
 def render_road(job: Job) -> list[dict]:
@@ -42,16 +44,13 @@ def render_road(job: Job) -> list[dict]:
     cv2.setNumThreads(1)
     rng = np.random.default_rng((job.seed, job.split, job.road))
     appearance = random_appearance(rng)
-    road = random_road(rng, appearance)
+    road = random_road(rng, appearance, *((LARGE_HOLES,) if job.near else ()))
     if job.plain:
         road, appearance = replace(road, features=()), with_distractors(appearance, rng)
     scene = Scene(road, appearance, int(rng.integers(1 << 31)))
     roadside = static_objects(rng, appearance)
     rows = []
-    draw_positions = approach_positions if job.approach else random_positions
-    shares = (APPROACH_SHARES,) if job.approach else ()
-    for view, x in enumerate(draw_positions(rng, road, VIEWS_PER_ROAD)[: job.views]):
-        camera, pose = random_view(rng, x, *shares)
+    for view, (x, camera, pose) in enumerate(_views(job, rng, road)):
         frame = scene.render(camera, pose, view, [*roadside, *random_traffic(rng, appearance, x)])
         name = f"{SPLITS[job.split]}_{job.road:05d}_{view}.jpg"
         objects = list(_objects(road, frame, pose))
@@ -72,6 +71,19 @@ def render_road(job: Job) -> list[dict]:
             }
         )
     return rows
+
+
+def _views(job: Job, rng: np.random.Generator, road: Road) -> Iterator[tuple[float, Camera, CameraPose]]:
+    """Position along the road, camera and pose of each view, drawn one by one."""
+    if job.near:
+        for _ in range(job.views):
+            camera, pose = near_view(rng, road)
+            yield pose.x, camera, pose
+        return
+    draw_positions = approach_positions if job.approach else random_positions
+    shares = (APPROACH_SHARES,) if job.approach else ()
+    for x in draw_positions(rng, road, VIEWS_PER_ROAD)[: job.views]:
+        yield x, *random_view(rng, x, *shares)
 
 
 def with_distractors(appearance: Appearance, rng: np.random.Generator) -> Appearance:

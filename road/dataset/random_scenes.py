@@ -30,14 +30,17 @@ _HOLE_LOG_WIDTH = (np.log(0.2), np.log(1.1))
 _GAP_M = 1.0
 
 
-def random_road(rng: np.random.Generator, appearance: Appearance) -> Road:
-    """Random road with bumps and potholes in the carriageway of `appearance`; about one in seven has none."""
+def random_road(rng: np.random.Generator, appearance: Appearance, large_holes: float = 0.15) -> Road:
+    """Random road with bumps and potholes in the carriageway of `appearance`; about one in seven has none.
+
+    large_holes: share of the groups of potholes that are 0.7 to 1.8 m wide.
+    """
     features: list[Feature] = []
     if rng.random() > 0.08:
         for _ in range(int(rng.choice((0, 1, 2, 3), p=(0.18, 0.4, 0.28, 0.14)))):
             _add(features, random_bump(rng, appearance))
         for _ in range(int(rng.choice((0, 1, 2, 4, 6), p=(0.2, 0.26, 0.26, 0.18, 0.1)))):
-            for hole in random_potholes(rng, appearance):
+            for hole in random_potholes(rng, appearance, large_holes):
                 _add(features, hole)
     roughness = None
     if rng.random() < 0.85:
@@ -87,10 +90,12 @@ def random_bump(rng: np.random.Generator, appearance: Appearance) -> Feature:
     )
 
 
-def random_potholes(rng: np.random.Generator, appearance: Appearance) -> list[Pothole]:
+def random_potholes(
+    rng: np.random.Generator, appearance: Appearance, large_holes: float = 0.15
+) -> list[Pothole]:
     """Random pothole, or a cluster of up to nine."""
     count = int(rng.choice((1, 2, 3, 5, 9), p=(0.55, 0.2, 0.12, 0.08, 0.05)))
-    large = rng.random() < 0.15
+    large = rng.random() < large_holes
     shallow = rng.random() < 0.35
     x = rng.uniform(2.5, ROAD_M - 4)
     # Most potholes lie in a wheel track of the ego lane, where the load is.
