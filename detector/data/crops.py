@@ -63,8 +63,9 @@ def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool)
         scale = np.exp(rng.uniform(np.log(0.9 * fit_scale), np.log(1.3 * max(fit_scale, 1.0))))
     w, h = round(width / scale), round(height / scale)
     centre = rng.random(2) * (columns, rows)
-    if len(sample.boxes) and rng.random() < 0.8:
-        box = sample.boxes[rng.integers(len(sample.boxes))]
+    boxes = sample.boxes[sample.classes >= 0]
+    if len(boxes) and rng.random() < 0.8:
+        box = boxes[rng.integers(len(boxes))]
         centre = (box[:2] + rng.random(2) * (box[2:] - box[:2])) * (columns, rows)
     x = _random_start(centre[0], w, columns, rng)
     y = _random_start(centre[1], h, rows, rng)

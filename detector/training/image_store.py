@@ -1,6 +1,7 @@
 """Training data set: checked as a whole, cached in memory up to a limit, beyond that read again."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple, overload
 
@@ -8,14 +9,17 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from foreride.detector.data.crops import PADDING_GREY
+from foreride.detector.data.crops import IGNORED
 from foreride.detector.data.image_io import read_image
 from foreride.detector.data.yolo_folder import Sample, read_samples, shrunk
 from foreride.files.reading.images import read_pixels
 
+MASK_BANDS = 12
+"""Number of bands of rows in which the unannotated part of an image is covered by boxes."""
+
 
 class Entry(NamedTuple):
-    """Sample whose image may have been left on disk (image None)."""
+    """Sample, with the parts to ignore (class IGNORED); its image may have been left on disk (None)."""
 
     path: Path
     image: NDArray[np.uint8] | None
@@ -41,7 +45,7 @@ class CachedDataset(Sequence[Sample]):
             return CachedDataset(self.entries[index], self.longest)
         path, image, classes, boxes = self.entries[index]
         if image is None:
-            image = annotated_part(shrunk(read_image(path), self.longest), path)
+            image = shrunk(read_image(path), self.longest)
         return Sample(path.name, image, classes, boxes)
 
 
@@ -56,16 +60,29 @@ def load_cached_dataset(
     for sample in read_samples(folder, longest, skip_bad):
         path = folder / "images" / sample.name
         bytes_left -= sample.image.nbytes
-        image = annotated_part(sample.image, path) if bytes_left >= 0 else None
-        entries.append(Entry(path, image, sample.classes, sample.boxes))
+        image = sample.image if bytes_left >= 0 else None
+        unlabelled = unannotated_parts(folder / "lane" / f"{path.stem}.png")
+        classes = np.append(sample.classes, np.full(len(unlabelled), IGNORED))
+        entries.append(Entry(path, image, classes, np.concatenate((sample.boxes, unlabelled))))
     return CachedDataset(entries, longest)
 
 
-def annotated_part(image: NDArray[np.uint8], path: Path) -> NDArray[np.uint8]:
-    """Image of a data set, grey where its mask in lane/ (if any) is black: objects there have no label."""
-    mask_path = path.parent.parent / "lane" / f"{path.stem}.png"
-    if not mask_path.exists():
-        return image
-    mask = read_pixels(mask_path, cv2.IMREAD_GRAYSCALE)
-    inside = cv2.resize(mask, image.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 127
-    return np.where(inside[..., None], image, np.uint8(PADDING_GREY))
+def unannotated_parts(mask: Path) -> NDArray[np.float32]:
+    """Boxes (n, 4) of what a mask in lane/ leaves out, as fractions; none without a mask.
+
+    Objects there have no label, so training has to ignore these parts. To paint them grey instead would teach
+    that potholes lie between grey verges, and to find none elsewhere.
+    """
+    boxes: list[tuple[float, float, float, float]] = []
+    if mask.exists():
+        inside = read_pixels(mask, cv2.IMREAD_GRAYSCALE) > 127
+        rows, columns = inside.shape
+        limits = np.linspace(0, rows, min(MASK_BANDS, rows) + 1).astype(int)
+        for top, bottom in pairwise(limits.tolist()):
+            outside = np.concatenate(([False], ~inside[top:bottom].any(axis=0), [False]))
+            starts, ends = np.flatnonzero(np.diff(outside.astype(int))).reshape(-1, 2).T
+            boxes += [
+                (a / columns, top / rows, b / columns, bottom / rows)
+                for a, b in zip(starts, ends, strict=True)
+            ]
+    return np.array(boxes, np.float32).reshape(-1, 4)
