@@ -7,6 +7,7 @@ Every test has its own baseline, `ride_baselines/<module>-<test>.json` beside th
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -65,6 +66,7 @@ class RideComfort:
         )
         from foreride.scenarios.simulation.simulate import simulate
 
+        __tracebackhide__ = True
         requested = BaselineEntry(scenario, collect_overrides(overrides), controller, perception, seed, {})
         texts = requested.override_texts
         case = requested.case(self._file.parent.parent)
@@ -75,11 +77,16 @@ class RideComfort:
             return run
         entry = {item.key: item for item in baseline.entries}.get(requested.key)
         if entry is None:
-            pytest.fail(f"{self._file}: no baseline of {label(case, texts)}; pytest --ride-accept writes it")
+            pytest.fail(
+                f"{self._file}: no baseline of {label(case, texts)} yet; pytest --ride-accept writes it",
+                pytrace=False,
+            )
         own_tolerances = {metric: Tolerance(value) for metric, value in (tolerances or {}).items()}
         if failed(found := changes(entry.metrics, baseline_values(run), own_tolerances)):
             pytest.fail(
                 "\n  ".join([f"{label(case, texts)} rides worse:", *change_lines(found)]),
                 pytrace=False,
             )
+        if missing := ", ".join(change.metric for change in found if change.before is None):
+            warnings.warn(f"{self._file}: lacks {missing}; pytest --ride-accept adds it", stacklevel=2)
         return run

@@ -22,22 +22,26 @@ def tolerance_of(metric: str) -> Tolerance:
 
 @dataclass(frozen=True)
 class Change:
-    """Metric outside its tolerance (`allowed`, in the metric's unit)."""
+    """Metric outside its tolerance (`allowed`, in the metric's unit); `before` is None if it is new."""
 
     metric: str
-    before: float
+    before: float | None
     after: float
     allowed: float
 
     @property
     def used(self) -> float:
         """Change as a multiple of the permitted one."""
+        if self.before is None:
+            return 0.0
         change = abs(self.after - self.before)
         return change / self.allowed if math.isfinite(change) else math.inf
 
     @property
     def verdict(self) -> str:
-        """`worse`, `better`, or `changed` for a neutral metric."""
+        """`worse`, `better`, `changed` for a neutral metric, or `new` for one that the baseline lacks."""
+        if self.before is None:
+            return "new"
         if not (math.isfinite(self.before) and math.isfinite(self.after)):
             return "worse"
         entry = METRICS.find(self.metric)
@@ -54,17 +58,17 @@ def baseline_values(run: Run) -> dict[str, float]:
 def changes(
     before: Mapping[str, float], after: Mapping[str, float], tolerances: Mapping[str, Tolerance]
 ) -> list[Change]:
-    """Metrics outside their tolerance, worst first; a missing metric counts as NaN.
+    """Metrics outside their tolerance, worst first, then those that the baseline lacks.
 
-    tolerances: those that replace the default ones.
+    A metric that the run lacks counts as NaN. tolerances: those that replace the default ones.
     """
-    results = []
+    results = [Change(metric, None, value, 0.0) for metric, value in after.items() if metric not in before]
     for metric, expected in before.items():
         value = after.get(metric, math.nan)
         allowed = (tolerances.get(metric) or tolerance_of(metric)).of(expected)
         if not (math.isfinite(expected) and abs(value - expected) <= allowed):
             results.append(Change(metric, expected, value, allowed))
-    return sorted(results, key=lambda change: (change.verdict != "worse", -change.used))
+    return sorted(results, key=lambda c: (c.verdict != "worse", c.verdict == "new", -c.used))
 
 
 def failed(case_changes: Sequence[Change]) -> bool:
@@ -72,11 +76,20 @@ def failed(case_changes: Sequence[Change]) -> bool:
     return any(change.verdict == "worse" for change in case_changes)
 
 
+def holds(case_changes: Sequence[Change]) -> bool:
+    """Whether every metric of the baseline is within its tolerance."""
+    return all(change.verdict == "new" for change in case_changes)
+
+
 def change_lines(case_changes: Sequence[Change]) -> list[str]:
     """One line per change: metric, old and new value, and the change in units of its tolerance."""
     lines = []
     for change in case_changes:
         tolerance = tolerance_of(change.metric)
+        if change.before is None:
+            value = f"{change.after * tolerance.factor:.4g} {tolerance.unit}".rstrip()
+            lines.append(f"new     {change.metric:<13} {value} (not in the baseline)")
+            continue
         before, after, allowed = (
             value * tolerance.factor for value in (change.before, change.after, change.allowed)
         )

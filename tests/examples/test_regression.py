@@ -23,7 +23,10 @@ assert pytest.main(["-q", "ride"]) == pytest.ExitCode.OK
 def test_the_example_asks_for_baselines_records_them_and_then_holds(tmp_path: Path) -> None:
     shutil.copytree(EXAMPLE, tmp_path / "ride")
     shutil.rmtree(tmp_path / "ride" / "ride_baselines")
-    subprocess.run([sys.executable, "-c", SESSION], cwd=tmp_path, check=True, capture_output=True)
+    command = [sys.executable, "-c", SESSION]
+    told = subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert told.count("yet; pytest --ride-accept writes it") >= 2
+    assert "pytest_plugin.py" not in told
     assert len(list((tmp_path / "ride" / "ride_baselines").iterdir())) == 2
 
 

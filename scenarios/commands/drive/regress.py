@@ -25,6 +25,7 @@ from foreride.scenarios.regression.tolerances import (
     change_lines,
     changes,
     failed,
+    holds,
     label,
 )
 from foreride.scenarios.runs.write import to_json
@@ -108,15 +109,18 @@ def _print_changes(
     """Print the changes case by case, and their total."""
     for name, case_changes in zip(labels, changes_by_case, strict=True):
         if case_changes:
-            console.print(f"{'FAILED' if failed(case_changes) else 'moved '} {name}", highlight=False)
+            told = "FAILED" if failed(case_changes) else "lacks " if holds(case_changes) else "moved "
+            console.print(f"{told} {name}", highlight=False)
             for line in change_lines(case_changes):
                 console.print(f"         {line}", highlight=False, soft_wrap=True)
     worse = sum(failed(case_changes) for case_changes in changes_by_case)
-    unchanged = sum(not case_changes for case_changes in changes_by_case)
+    unchanged = sum(holds(case_changes) for case_changes in changes_by_case)
+    lacking = sum(any(c.verdict == "new" for c in case_changes) for case_changes in changes_by_case)
     same_version = baseline_version == version("foreride")
     version_note = "" if same_version else f"; the baseline is of foreride {baseline_version}"
     other = len(changes_by_case) - unchanged - worse
     counts = f"{unchanged} hold, {worse} got worse, {other} moved otherwise"
+    counts += f"; the baseline lacks metrics of {lacking}" if lacking else ""
     console.print(f"{len(changes_by_case)} cases: {counts}{version_note}")
-    if unchanged < len(changes_by_case):
+    if any(changes_by_case):
         console.print("to take what is measured now as the new baseline: --accept")

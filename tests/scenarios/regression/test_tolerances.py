@@ -182,6 +182,27 @@ def test_the_fixture_accepts_then_holds_then_tells_what_got_worse(folder: Path) 
     RideComfort(file, accept=False)("short.yaml", "passive", tolerances={"tyre_load_rms": 1.0})
 
 
+def test_a_metric_that_the_baseline_lacks_is_said_and_does_not_fail(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = changes({"wk_rms": 1.0}, {"wk_rms": 2.0, "rattle_peak": 0.04}, {})
+    assert [change.verdict for change in found] == ["worse", "new"]
+    assert change_lines(found)[1] == "new     rattle_peak   40 mm (not in the baseline)"
+    file = folder / "ride_baselines" / "test.json"
+    RideComfort(file, accept=True)("short.yaml", "passive")
+    document = json.loads(file.read_text())
+    del document["cases"][0]["metrics"]["vdv"]
+    file.write_text(json.dumps(document))
+    with pytest.warns(UserWarning, match="lacks vdv; pytest --ride-accept adds it"):
+        RideComfort(file, accept=False)("short.yaml", "passive")
+    document["cases"][0]["scenario"] = str(folder / "short.yaml")
+    (own := folder / "own.json").write_text(json.dumps(document))
+    assert main(["regress", "--baseline", str(own)]) == 0
+    told = capsys.readouterr().out
+    assert "new     vdv" in told
+    assert "1 hold, 0 got worse, 0 moved otherwise; the baseline lacks metrics of 1" in told
+
+
 def test_a_broken_baseline_is_an_input_error_for_the_fixture_too(folder: Path) -> None:
     file = folder / "ride_baselines" / "test.json"
     file.parent.mkdir()
