@@ -65,7 +65,7 @@ def blocks(root: Any) -> Iterator[tuple[str, Any]]:
         hints = get_type_hints(cls, include_extras=True)
         inner = []
         for item in fields(cls):
-            members = list(_dataclasses(hints[item.name])) if item.init else []
+            members = list(dict.fromkeys(_dataclasses(hints[item.name]))) if item.init else []
             place = f"{path.partition(':')[0]}.{item.name}".lstrip(".")
             for member in members:
                 kind = getattr(member, "kind", None) if len(members) > 1 else None

@@ -123,9 +123,7 @@ def evaluate_forces(
     travel, rate = _rattle(parameters, state)
     spring, damper, stop, actuator, tyre = [], [], [], [], []
     for i, corner in enumerate(parameters.corners):
-        spring.append(-corner.spring_n_m * travel[i])
-        if corner.spring_n_m3:
-            spring[i] = spring[i] - corner.spring_n_m3 * travel[i] ** 3
+        spring.append(corner.spring_force(travel[i], xp))
         setting = state.damping[i]
         damper.append(
             corner.damper.force(

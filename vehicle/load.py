@@ -15,6 +15,7 @@ from foreride.vehicle.cars.full_car import FullCar
 from foreride.vehicle.cars.half_car import HalfCar
 from foreride.vehicle.cars.quarter_car import QuarterCar
 from foreride.vehicle.corner import GRAVITY_M_S2, Corner
+from foreride.vehicle.dampers.damper import each_damper
 
 __all__ = [
     "GRAVITY_M_S2",
@@ -39,7 +40,9 @@ def control_model(parameters: Car) -> Car:
     those of the car without the dampers' internal ones, which come last.
     """
     lightest = min(corner.unsprung_mass_kg for corner in parameters.corners)
-    return replace(parameters, damper=parameters.damper.reduced(1.6 * lightest / 0.005))
+    steepest_ns_m = 1.6 * lightest / 0.005
+    dampers = each_damper(parameters.damper, lambda damper: damper.reduced(steepest_ns_m))
+    return replace(parameters, damper=dampers)
 
 
 def vehicle_names() -> list[str]:

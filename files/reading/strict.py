@@ -117,6 +117,10 @@ def _union(members: tuple, value: Any, path: str) -> Any:
     if value is None and type(None) in members:
         return None
     concrete = tuple(member for member in members if member is not type(None))
+    lists = [member for member in concrete if get_origin(member) is tuple]
+    if len(lists) == 1 and isinstance(value, list | tuple):
+        return _build(lists[0], value, path)
+    concrete = tuple(member for member in concrete if member not in lists) or concrete
     if len(concrete) == 1:
         return _build(concrete[0], value, path)
     kinds = {_tag(member): member for member in concrete}

@@ -129,7 +129,7 @@ def least(hint: Any) -> Any:
     if get_origin(hint) is Literal:
         return members[0]
     if get_origin(hint) is tuple:
-        return ["x"] if members == (str, Ellipsis) else [least(inner) for inner in members]
+        return [least(inner) for inner in members if inner is not Ellipsis]
     if members:
         return None if type(None) in members else {"kind": members[0].kind} | required(members[0])
     return "x" if hint is str else required(hint)

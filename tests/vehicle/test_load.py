@@ -14,7 +14,7 @@ from foreride.vehicle.load import GRAVITY_M_S2, FullCar, HalfCar, QuarterCar, lo
 QUARTER, HALF = load_vehicle("quarter_car"), load_vehicle("half_car")
 FULL = load_vehicle("full_car")
 PAIRS = {*CORNER_FIELDS, "rebound_gap_m", "anti_roll_n_m"}
-UNCHECKED = {"seat_x_m", "seat_y_m", "damper", "actuator"}
+UNCHECKED = {"seat_x_m", "seat_y_m", "damper", "actuator", "spring_table"}
 CHECKED: list[tuple[Any, str]] = [
     (car, f.name)
     for car, kind in ((QUARTER, QuarterCar), (HALF, HalfCar), (FULL, FullCar))

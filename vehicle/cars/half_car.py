@@ -27,6 +27,7 @@ from foreride.vehicle.quantities import (
     UnsprungMass,
     WheelRadius,
 )
+from foreride.vehicle.spring_table import SpringTable
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,8 @@ class HalfCar(Checked):
     rebound_gap_m: tuple[Gap, Gap] | None = None
     stop_n_m2: tuple[Stop, Stop] = (1e7, 1e7)
     spring_n_m3: tuple[CubicSpring, CubicSpring] = (0.0, 0.0)
-    damper: Damper = field(default_factory=IdealDamper)
+    spring_table: tuple[SpringTable, SpringTable] | None = None
+    damper: Damper | tuple[Damper, Damper] = field(default_factory=IdealDamper)
     actuator: Actuator | None = None
     damper_lag_s: Lag = 0.008
     wheel_radius_m: WheelRadius = 0.31

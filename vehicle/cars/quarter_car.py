@@ -23,6 +23,7 @@ from foreride.vehicle.quantities import (
     UnsprungMass,
     WheelRadius,
 )
+from foreride.vehicle.spring_table import SpringTable, require_stiffness
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,8 @@ class QuarterCar(Checked):
 
     The damper is semi-active: its setting follows the command with a first-order lag within
     [damping_min_ns_m, damping_max_ns_m]; `damper` is its force law (`vehicle.dampers.damper`). An `actuator`
-    may be in parallel (`vehicle.dampers.actuator`). The spring may have a cubic stiffness. Beyond stop_gap_m
+    may be in parallel (`vehicle.dampers.actuator`). The spring may have a cubic stiffness or a
+    `spring_table`. Beyond stop_gap_m
     of jounce or rebound_gap_m of rebound (None: the same) a stop pushes back with stop_n_m2 · (overlap)². The
     tyre cannot pull.
     """
@@ -51,6 +53,7 @@ class QuarterCar(Checked):
     rebound_gap_m: Gap | None = None
     stop_n_m2: Stop = 1e7
     spring_n_m3: CubicSpring = 0.0
+    spring_table: SpringTable | None = None
     damper: Damper = field(default_factory=IdealDamper)
     actuator: Actuator | None = None
     wheel_radius_m: WheelRadius = 0.31
@@ -59,6 +62,8 @@ class QuarterCar(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_damping_order(self.damping_min_ns_m, self.damping_passive_ns_m, self.damping_max_ns_m)
+        if self.spring_table is not None:
+            require_stiffness(self.spring_n_m, self.spring_n_m3, self.corners[0].spring_ramps)
         require_plausible(self)
 
     @property
@@ -115,6 +120,7 @@ class QuarterCar(Checked):
                 rebound_gap_m=self.stop_gap_m if self.rebound_gap_m is None else self.rebound_gap_m,
                 damper=self.damper,
                 actuator=self.actuator,
+                spring_table=self.spring_table,
                 **common,
             ),
         )

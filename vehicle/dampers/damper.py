@@ -1,5 +1,6 @@
 """Dampers by kind: those of foreride, and those of installed packages and users (`DAMPERS`)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -30,6 +31,8 @@ ForceRatio = Annotated[float, Interval(ge=0.05, le=20.0), "1"]
 class ValveDamper(DamperModel):
     """Continuously variable valve damper: a force map over velocity and current, linear between its points.
 
+    A single current makes it a passive damper, whose force no command changes.
+
     rebound_n, compression_n: one row for each of currents_a (ascending), one value for each of speeds_m_s
     (ascending, above zero); beyond the last speed the last slope is continued. The speeds are those of the
     usual dynamometer test; the forces are typical of a valve-controlled twin-tube damper for a compact car,
@@ -56,8 +59,9 @@ class ValveDamper(DamperModel):
         super().__post_init__()
         for name in ("currents_a", "speeds_m_s"):
             values = getattr(self, name)
-            if len(values) < 2 or any(a >= b for a, b in pairwise(values)):
-                raise InputError(f"{name} must hold at least 2 ascending values, got {shown(values)}")
+            least = 1 if name == "currents_a" else 2
+            if len(values) < least or any(a >= b for a, b in pairwise(values)):
+                raise InputError(f"{name} must hold at least {least} ascending values, got {shown(values)}")
         for name in ("rebound_n", "compression_n"):
             rows = getattr(self, name)
             if len(rows) != len(self.currents_a) or any(len(row) != len(self.speeds_m_s) for row in rows):
@@ -154,6 +158,11 @@ class ScaledDamper(DamperModel):
         """Return the other damper's reduced model, scaled."""
         steepest = max(self.rebound_ratio, self.compression_ratio)
         return replace(self, base=self.base.reduced(steepest_ns_m / steepest))
+
+
+def each_damper(dampers: Any, change: Callable[[DamperModel], DamperModel]) -> Any:
+    """Change a car's damper, or that of each axle."""
+    return tuple(map(change, dampers)) if isinstance(dampers, tuple) else change(dampers)
 
 
 _OWN: tuple[type[DamperModel], ...] = (IdealDamper, ValveDamper, MrTanhDamper, MrBoucWenDamper, ScaledDamper)

@@ -13,8 +13,9 @@ import numpy as np
 from annotated_types import Interval
 from numpy.typing import NDArray
 
+from foreride.files.errors import InputError
 from foreride.files.reading.ranges import Checked, Share
-from foreride.vehicle.dampers.damper import ScaledDamper
+from foreride.vehicle.dampers.damper import ScaledDamper, each_damper
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement, channel_layout
 from foreride.vehicle.quantities import Lag
@@ -64,6 +65,8 @@ class PlantDifference(Checked):
 
     def applied(self, car: Car) -> Car:
         """The simulated car. Raises InputError for one that is not plausible."""
+        if car.spring_table is not None and (self.spring_ratio, self.sprung_mass_ratio) != (1.0, 1.0):
+            raise InputError("spring_ratio and sprung_mass_ratio must be 1 for a car with a spring_table")
         changed: dict[str, Any] = {}
         own = {item.name for item in fields(car)}
         for ratio, names in _SCALED.items():
@@ -74,7 +77,7 @@ class PlantDifference(Checked):
             changed["damper_lag_s"] = self.damper_lag_s
         if (self.rebound_force_ratio, self.compression_force_ratio) != (1.0, 1.0):
             ratios = self.rebound_force_ratio, self.compression_force_ratio
-            changed["damper"] = ScaledDamper(*ratios, base=car.damper)
+            changed["damper"] = each_damper(car.damper, lambda damper: ScaledDamper(*ratios, base=damper))
         return replace(car, **changed) if changed else car
 
 

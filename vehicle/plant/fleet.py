@@ -35,7 +35,7 @@ class Fleet:
         shapes = {(car.kind, input_size(car)) for car in cars}
         if len(shapes) != 1:
             raise InputError(f"cars must be of one kind and at least one, got {len(shapes)} kinds")
-        if not all(isinstance(car.damper, IdealDamper) for car in cars):
+        if not all(isinstance(corner.damper, IdealDamper) for car in cars for corner in car.corners):
             raise InputError("cars must have ideal dampers to be stepped together")
         self.cars = tuple(cars)
         self._models = [build_model(car) for car in cars]

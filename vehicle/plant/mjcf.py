@@ -77,6 +77,7 @@ def car_xml(parameters: Car, step_s: float) -> str:
     tendons = [_strut(name, corner) for name, corner in wheels]
     tendons += [stop for name, corner in wheels for stop in _stops(name, corner)]
     tendons += [_progression(name, corner) for name, corner in wheels if corner.spring_n_m3]
+    tendons += [bend for name, corner in wheels for bend in _bends(name, corner)]
     tendons += _anti_roll_bars(parameters)
     return _CAR.format(
         kind=parameters.kind,
@@ -115,7 +116,8 @@ def _rattle(name: str, corner: Corner, sign: float = 1.0) -> dict[str, float]:
 
 def _strut(name: str, corner: Corner) -> str:
     length = _rattle(name, corner)
-    return _tendon(f"{name}_strut", f"{corner.spring_n_m}", f"{corner.static_rattle_m}", length)
+    stiffness, _ = corner.spring_ramps
+    return _tendon(f"{name}_strut", f"{stiffness}", f"{corner.static_rattle_m}", length)
 
 
 def _stops(name: str, corner: Corner) -> list[str]:
@@ -130,6 +132,15 @@ def _stops(name: str, corner: Corner) -> list[str]:
 def _progression(name: str, corner: Corner) -> str:
     """Progressive (cubic) part of the spring."""
     return _tendon(f"{name}_progression", f"0 0 {corner.spring_n_m3}", "0", _rattle(name, corner))
+
+
+def _bends(name: str, corner: Corner) -> list[str]:
+    """Stiffness that a spring table adds beyond each of its bends."""
+    length = _rattle(name, corner, -1.0)
+    return [
+        _tendon(f"{name}_bend_{i}", f"{added}", f"-1e3 {place}", length)
+        for i, (place, added) in enumerate(corner.spring_ramps[1])
+    ]
 
 
 def _anti_roll_bars(parameters: Car) -> list[str]:

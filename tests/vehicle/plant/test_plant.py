@@ -14,6 +14,7 @@ from foreride.vehicle import equations
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from foreride.vehicle.plant.plant import Plant, build_model
+from foreride.vehicle.spring_table import SpringTable
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 from foreride.vehicle.state_layout import state_layout
 from tests.vehicle.plant.short_drives import CARS, FLAT, HALF, QUARTER, Haversine, Ledge, drive
@@ -42,7 +43,11 @@ def with_everything(car: Car) -> Car:
     return replace(car, spring_n_m3=(2e6, 1e6), rebound_gap_m=(0.05, 0.06), actuator=SlowActive())
 
 
-@pytest.mark.parametrize("car", [*CARS, *(with_everything(car) for car in CARS)])
+TABLE = SpringTable((0.0, 0.1, 0.2, 0.25, 0.35), (0.0, 1500.0, 3600.0, 4900.0, 9000.0))
+PROGRESSIVE = replace(QUARTER, spring_n_m=26000.0, spring_table=TABLE)
+
+
+@pytest.mark.parametrize("car", [*CARS, *(with_everything(car) for car in CARS), PROGRESSIVE])
 def test_mujoco_and_the_equations_give_the_same_accelerations(car: Car) -> None:
     model = build_model(car)
     data = mujoco.MjData(model)
