@@ -19,7 +19,8 @@ class Estimate:
     """Estimated state of the vehicle and the road under its wheels at one instant.
 
     time_s: time for which the estimate is valid.
-    x: (n,) state in the order of `vehicle.equations`, heights relative to the local road plane.
+    x: (n,) state in the order of `vehicle.equations`, heights and velocities relative to the plane that the
+    car runs on (`controller.observer.road_plane`): a steady climb is no heave.
     road_height: (wheels,) effective road height under each wheel in the same frame as `x`, m.
     road_velocity: (wheels,) its rate of change as the wheel moves along, m/s.
     speed_m_s: forward speed.

@@ -209,8 +209,9 @@ class SupervisorSettings(Checked):
     """Conditions and fallback of the supervisor.
 
     reactive: fallback law. stale_s: age at which a preview becomes invalid, s. highest_m: largest valid
-    height in a preview, m. transfer_s: time constant with which the step between two controllers decays, s.
-    gate: when a preview is dropped because the road contradicts it.
+    relief of a preview, m: departure from a straight line, or rise within a metre. transfer_s: time constant
+    with which the step between two controllers decays, s. gate: when a preview is dropped because the road
+    contradicts it.
     """
 
     reactive: Literal["skyhook", "skyhook2", "groundhook", "hybrid", "add", "sh_add", "pdd"] = "skyhook"

@@ -34,7 +34,8 @@ class KinematicFilter(NamedTuple):
     s: heights of body corners and wheels (2w), their velocities (2w), accelerometer offsets (2w), gyro
     offsets (g): pitch and, in a car that rolls, roll.
     a: (2w,) accelerations of body corners, then wheels. y: suspension travel (w), pitch rate and, in a car
-    that rolls, roll rate; then distances of the wheels from the mean road, and warp, both taken as zero.
+    that rolls, roll rate; then heights of the mean road at the wheels, zero where none are given, and warp,
+    taken as zero.
     """
 
     transition: np.ndarray

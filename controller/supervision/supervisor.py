@@ -17,6 +17,9 @@ from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
+MAX_LEVEL_M = 1.0
+"""Largest difference of previewed and estimated height under a wheel, which have no common level, m."""
+
 
 class FallbackSupervisor:
     """Controller with a reactive law and fixed damping as fallbacks, effective in the sample that fails.
@@ -132,6 +135,21 @@ def preview_problem(
         return "preview of another car"
     if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
         return "stale preview"
-    if np.abs(preview.height_m).max() > settings.highest_m:
+    level_m = [preview.height(wheel, 0.0) for wheel in range(preview.wheels)] - estimate.road_height
+    if relief_m(preview) > settings.highest_m or np.abs(level_m).max() > MAX_LEVEL_M:
         return "absurd preview"
     return None
+
+
+def relief_m(preview: RoadPreview) -> float:
+    """Relief of a preview, m: the greatest departure from its own straight lines, or rise within a metre.
+
+    The grade of a preview says nothing of its soundness: a road ahead may climb.
+    """
+    heights, along_m = preview.height_m, preview.distance_m - preview.distance_m.mean()
+    level = heights - heights.mean(axis=1, keepdims=True)
+    grade = level @ along_m / (along_m @ along_m)
+    departure = np.abs(level - grade[:, None] * along_m).max()
+    metre = max(1, round(1.0 / (along_m[1] - along_m[0])))
+    rise = np.abs(heights[:, metre:] - heights[:, :-metre]).max(initial=0.0)
+    return float(max(departure, rise))

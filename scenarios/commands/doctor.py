@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 
 from foreride.controller.interface import Timing
-from foreride.controller.observer.observer import exact_estimate
+from foreride.controller.observer.exact_observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.detector.runtime import Detector
 from foreride.files.cache import cached, writable

@@ -12,6 +12,7 @@ from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
 from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.perceptions.interface import Drive, Perception
+from foreride.scenarios.perceptions.plane_frame import PlaneFrame
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
@@ -24,7 +25,7 @@ class OraclePerception(Perception):
         super().__init__()
         self._believed, self._errors = believed, errors
         self._exact = errors == OracleErrors()
-        self._axles = np.asarray(car.axle_x_m)
+        self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
         self._speed_m_s = 0.0
         self._travelled_m = 0.0
         self._views: deque[tuple[float, float, float]] = deque()
@@ -39,7 +40,8 @@ class OraclePerception(Perception):
         errors = self._errors
         if errors.latency_s > 0.0:
             x_m = self._carried_forward(time_s, x_m)
-        seen = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s)
+        believed = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s)
+        seen = self._frame.relative(believed, state)
         if self._exact:
             return seen
         height = errors.height_gain * seen.height_m

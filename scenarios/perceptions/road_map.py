@@ -10,6 +10,7 @@ from foreride.preview.road_preview import RoadPreview
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.interface import Drive, Perception, ReferencedFile
+from foreride.scenarios.perceptions.plane_frame import PlaneFrame
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
@@ -23,12 +24,13 @@ class MapPerception(Perception):
         super().__init__()
         self._map, self._tracks = road_map, tracks
         self._sigma_m, self._error_m = sigma_m, error_m
-        self._axles = np.asarray(car.axle_x_m)
+        self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
 
     def preview(self, time_s: float, state: VehicleState) -> RoadPreview:
         """Return the mapped road ahead of the wheels."""
         wheels = float(state.x_m) + self._error_m + self._axles
-        return map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
+        mapped = map_preview(self._map, self._tracks, wheels, self._sigma_m, time_s)
+        return self._frame.relative(mapped, state)
 
 
 def read_map(scenario: Scenario) -> tuple[RoadMap, float]:

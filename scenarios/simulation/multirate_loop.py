@@ -8,7 +8,8 @@ import numpy as np
 
 from foreride.controller.interface import Estimate, MonitoredController
 from foreride.controller.laws.passive import Constant
-from foreride.controller.observer.observer import Observer, exact_estimate
+from foreride.controller.observer.exact_observer import ExactObserver
+from foreride.controller.observer.observer import Observer
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.controller.registry import build
 from foreride.preview.road_preview import RoadPreview
@@ -63,6 +64,7 @@ class MultirateLoop:
         known = control_model(car)
         self._controller = controller or build(case.controller, known, control.settings, timing)
         self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
+        self._exact = ExactObserver(known)
         self._states = state_size(known)
         self._watch = SensorMonitor(car.wheels, scenario.sensors)
         self._plant, self._sensors, self._perception = plant, sensors, perception
@@ -134,7 +136,7 @@ class MultirateLoop:
         checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
         self._perception.sense(checked.measurement)
         if self._observer is None:
-            return replace(exact_estimate(state), x=state.x[: self._states])
+            return self._exact.update(replace(state, x=state.x[: self._states]))
         known, period_s = self._known_valves, 1.0 / self._rate_hz
         acting = self._command if known.ideal else known.advance(self._command, period_s)
         estimate = self._observer.update(checked, acting)

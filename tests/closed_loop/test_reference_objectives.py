@@ -13,7 +13,7 @@ import pytest
 
 from foreride.comfort.metrics import ride_metrics
 from foreride.controller.interface import Controller, Timing
-from foreride.controller.observer.observer import exact_estimate
+from foreride.controller.observer.exact_observer import exact_estimate
 from foreride.controller.registry import build
 from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.preview.road_preview import distance_grid, oracle_preview

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from foreride.controller.interface import Estimate, Timing
-from foreride.controller.observer.observer import Observer, exact_estimate
+from foreride.controller.observer.exact_observer import ExactObserver
+from foreride.controller.observer.observer import Observer
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
@@ -48,11 +49,11 @@ def drive(
     rng = np.random.default_rng(5)
     sensors = Sensors(vehicle.wheels, rng, noise)
     observer, watch = Observer(vehicle, noise, Timing(1 / rate_hz)), SensorMonitor(vehicle.wheels, noise)
-    pairs, command = [], np.full(vehicle.wheels, 1500.0)
+    exact, pairs, command = ExactObserver(vehicle), [], np.full(vehicle.wheels, 1500.0)
     for k in range(int(8.4 * rate_hz)):
         state = plant.state
         checked = watch.check(silenced(sensors.measure(state), lost))
-        pairs.append((observer.update(checked, command), exact_estimate(state)))
+        pairs.append((observer.update(checked, command), exact.update(state)))
         if k % (rate_hz // 100) == 0:
             command = rng.uniform(500.0, 2500.0, vehicle.wheels)
         plant.step(command, 1000 // rate_hz)

@@ -13,10 +13,12 @@ from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
+from foreride.road.vertical_alignment import GradeChange
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.perceptions.interface import Drive
 from foreride.scenarios.perceptions.oracle import OraclePerception, believed_road, build_oracle
+from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle
 
 CAR = load_vehicle("half")
@@ -30,9 +32,15 @@ def oracle(errors: OracleErrors, road: Road = ROAD) -> OraclePerception:
     return build_oracle(Drive(scenario, [wheel_profile(road, -0.75)] * 2, seed=4))
 
 
+def state_at(x_m: float, climb_m_s: float = 0.0) -> Any:
+    """State of a car that rides along its plane at 10 m/s, as far as the oracle reads it."""
+    x = rest_state(CAR)
+    x[1] = climb_m_s
+    return SimpleNamespace(x_m=x_m, speed_m_s=10.0, x=x)
+
+
 def seen(errors: OracleErrors, x_m: float = 26.0, road: Road = ROAD) -> RoadPreview:
-    state: Any = SimpleNamespace(x_m=x_m)
-    return oracle(errors, road).preview(0.0, state)
+    return oracle(errors, road).preview(0.0, state_at(x_m))
 
 
 def crest(preview: RoadPreview) -> float:
@@ -43,12 +51,21 @@ def crest(preview: RoadPreview) -> float:
 SMOOTH = Road(80.0, (HalfSineBump(30.0, 0.05, 0.5),))
 
 
-def test_without_errors_it_is_the_true_road_and_says_so() -> None:
-    expected = oracle_preview(PROFILES, 26.0 + np.array(CAR.axle_x_m), 0.0)
+def test_without_errors_it_is_the_true_road_over_the_plane_and_says_so() -> None:
+    expected = oracle_preview(PROFILES, 26.0 + np.array(CAR.axle_x_m), 0.0).height_m
     found = seen(OracleErrors())
-    np.testing.assert_array_equal(found.height_m, expected.height_m)
+    zero = int(np.flatnonzero(np.isclose(found.distance_m, 0.0))[0])
+    np.testing.assert_allclose(found.height_m, expected - expected[:, zero : zero + 1], atol=1e-12)
     assert found.position_sigma_m.max() == found.age_s == 0.0
     assert found.existence.min() == 1.0
+
+
+def test_a_steady_climb_is_not_in_the_preview() -> None:
+    climbing = Road(80.0, SMOOTH.features, grades=(GradeChange(0.0, 0.06, 2.0),))
+    level = oracle(OracleErrors(), SMOOTH).preview(0.0, state_at(26.0))
+    found = oracle(OracleErrors(), climbing).preview(0.0, state_at(26.0, climb_m_s=0.6))
+    # The tyre's envelope leans with the road, so the bump shifts by R·0.06.
+    np.testing.assert_allclose(found.height_m, level.height_m, atol=0.01)
 
 
 @pytest.mark.parametrize("bias", [-0.5, 0.2])
@@ -75,7 +92,7 @@ def test_an_old_view_is_carried_forward_by_the_measured_speed(speed_error: float
         time_s = 0.005 * step
         x_m = 25.0 + 10.0 * time_s
         late.sense(SimpleNamespace(speed_m_s=10.0 * (1.0 + speed_error)))  # type: ignore[arg-type]
-        found = late.preview(time_s, SimpleNamespace(x_m=x_m))  # type: ignore[arg-type]
+        found = late.preview(time_s, state_at(x_m))
     believed = oracle_preview(late._believed, x_m + 1.5 * speed_error + np.array(CAR.axle_x_m))
     np.testing.assert_allclose(found.height_m, believed.height_m, atol=1e-6)
     assert found.age_s == 0.15

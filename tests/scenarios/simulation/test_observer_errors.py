@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.interface import Estimate
-from foreride.controller.observer.observer import exact_estimate
+from foreride.controller.observer.exact_observer import exact_estimate
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile

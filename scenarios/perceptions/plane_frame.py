@@ -1,0 +1,33 @@
+"""Frame of previews in world heights: relative to the plane that the car runs on, as estimates are."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from foreride.controller.observer.road_plane import RoadPlane
+from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.load import Car
+from foreride.vehicle.state import VehicleState
+from foreride.vehicle.state_layout import state_layout
+
+
+class PlaneFrame:
+    """Converter of previews with absolute heights; `relative` once a period, in order of time."""
+
+    def __init__(self, car: Car) -> None:
+        self._plane, self._body_velocity = RoadPlane(car), state_layout(car).body_velocity
+        self._time_s: float | None = None
+
+    def relative(self, preview: RoadPreview, state: VehicleState) -> RoadPreview:
+        """Return the preview over the plane of the previewed road under the wheels so far."""
+        plane, rows, speed_m_s = self._plane, self._plane.kinematic_rows, float(state.speed_m_s)
+        road_m = np.array([preview.height(wheel, 0.0) for wheel in range(preview.wheels)])
+        if self._time_s is None:
+            plane.start(road_m, np.array(state.x[self._body_velocity], float), speed_m_s)
+        else:
+            plane.advance(preview.time_s - self._time_s)
+            plane.correct(road_m - rows @ plane.level, speed_m_s)
+        self._time_s = preview.time_s
+        ahead_m = preview.distance_m[None]
+        height_m = preview.height_m - (rows @ plane.level)[:, None] - (rows @ plane.slope)[:, None] * ahead_m
+        return replace(preview, height_m=height_m)

@@ -1,0 +1,83 @@
+"""Tests of the road plane: it follows grade and bank, and neither obstacles nor the climb disturb it."""
+
+import numpy as np
+import pytest
+
+from foreride.controller.observer.road_plane import RoadPlane
+from foreride.vehicle.load import load_vehicle
+
+PERIOD_S, SPEED_M_S = 0.005, 15.0
+CARS = ["quarter", "half", "full"]
+
+
+def followed(plane: RoadPlane, axles: np.ndarray, height, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rates (n, body) and levels of the plane's first coordinate over the road of `height(x, wheel)`."""
+    rates, levels = [], []
+    for k in range(1, round(seconds / PERIOD_S)):
+        road = height(SPEED_M_S * PERIOD_S * k + axles)
+        plane.advance(PERIOD_S)
+        plane.correct(road - plane.kinematic_rows @ plane.level, SPEED_M_S)
+        rates.append(plane.rate)
+        levels.append(plane.level)
+    return np.array(rates), np.array(levels)
+
+
+@pytest.mark.parametrize("name", CARS)
+@pytest.mark.parametrize("grade", [-0.06, 0.04])
+def test_a_climb_from_the_start_is_the_frame(name: str, grade: float) -> None:
+    car = load_vehicle(name)
+    plane, axles = RoadPlane(car), np.array(car.axle_x_m)
+    climb = np.zeros(len(car.generalised_mass))
+    climb[0] = grade * SPEED_M_S
+    plane.start(grade * axles, climb, SPEED_M_S)
+    rates, _ = followed(plane, axles, lambda x: grade * x, 2.0)
+    np.testing.assert_allclose(rates, np.tile(climb, (len(rates), 1)), atol=1e-9)
+    np.testing.assert_allclose(plane.road_m, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", CARS)
+def test_a_vertical_curve_is_learnt_within_its_length(name: str) -> None:
+    """6 % over 120 m: the frame climbs with the road to 8 cm/s, and stands on it after the curve."""
+    car = load_vehicle(name)
+    plane, axles = RoadPlane(car), np.array(car.axle_x_m)
+
+    def height(x: np.ndarray) -> np.ndarray:
+        curve = np.clip(x - 10.0, 0.0, 120.0)
+        return 0.06 * (curve**2 / 240.0 + np.maximum(x - 130.0, 0.0))
+
+    rates, _ = followed(plane, axles, height, 14.0)
+    x = SPEED_M_S * PERIOD_S * np.arange(1, len(rates) + 1)
+    true = 0.06 * np.clip((x - 10.0) / 120.0, 0.0, 1.0) * SPEED_M_S
+    assert np.abs(rates[:, 0] - true).max() < 0.08
+    assert abs(rates[-1, 0] - true[-1]) < 0.002
+    np.testing.assert_allclose(plane.road_m, 0.0, atol=0.005)
+
+
+def test_a_bank_is_learnt_by_the_car_that_can_roll() -> None:
+    car = load_vehicle("full")
+    plane, axles, y_m = RoadPlane(car), np.array(car.axle_x_m), np.array(car.wheel_y_m)
+    followed(plane, axles, lambda x: 0.03 * y_m * np.clip(x / 60.0, 0.0, 1.0), 10.0)
+    assert plane.level[2] == pytest.approx(0.03, abs=1e-3)
+
+
+def test_a_hump_leaves_the_plane_where_it_is() -> None:
+    car = load_vehicle("half")
+    plane, axles = RoadPlane(car), np.array(car.axle_x_m)
+    rates, _ = followed(plane, axles, lambda x: 0.09 * ((x > 30.0) & (x < 34.0)), 4.0)
+    assert np.abs(rates).max() < 1e-6
+
+
+def test_a_kink_of_a_hill_is_learnt_within_three_seconds() -> None:
+    car = load_vehicle("quarter")
+    plane, axles = RoadPlane(car), np.array(car.axle_x_m)
+    rates, _ = followed(plane, axles, lambda x: 0.06 * np.maximum(x - 10.0, 0.0), 6.0)
+    assert rates[round((10.0 / SPEED_M_S + 3.0) / PERIOD_S), 0] == pytest.approx(0.9, rel=0.1)
+    assert rates[-1, 0] == pytest.approx(0.9, rel=0.02)
+
+
+def test_a_standing_car_learns_no_grade() -> None:
+    plane = RoadPlane(load_vehicle("quarter"))
+    for _ in range(400):
+        plane.advance(PERIOD_S)
+        plane.correct(np.array([0.5]) - plane.level, 0.0)
+    assert plane.rate == plane.level == 0.0
