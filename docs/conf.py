@@ -8,7 +8,7 @@ from foreride.scenarios import reference_docs
 
 project = "foreride"
 release = metadata.version("foreride")
-author = copyright = "the foreride developers"
+author = copyright = "foreride contributors"
 
 extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "dollarmath"]

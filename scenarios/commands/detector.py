@@ -4,6 +4,7 @@ import argparse
 import importlib
 
 from foreride.files.errors import InputError
+from foreride.files.extras import install_command
 
 MODULES = {
     "data": ("foreride.road.dataset.generate", "render a labelled image set"),
@@ -43,5 +44,5 @@ def execute(arguments: argparse.Namespace) -> int:
         if error.name not in {"torch", "onnx"}:
             raise
         raise InputError(
-            f"detector {arguments.step}: needs {error.name}: pip install 'foreride[training]'"
+            f"detector {arguments.step}: needs {error.name}: {install_command('training')}"
         ) from None

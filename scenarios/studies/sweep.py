@@ -12,6 +12,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from foreride.files.errors import InputError, shown
+from foreride.files.extras import install_command
 from foreride.files.writing.sharing import shared_name, shared_target, without_folders
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.comparison.document import flat
@@ -120,7 +121,7 @@ def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Ite
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise InputError("sweep needs Dask: pip install 'foreride[sweep]'") from None
+        raise InputError(f"sweep needs Dask: {install_command('sweep')}") from None
     host, _, port = dashboard.rpartition(":")
     if not host or not (port.isascii() and port.isdigit()) or int(port) > 65535:
         raise InputError(f"--dashboard: must be HOST:PORT, such as 0.0.0.0:8787, got {shown(dashboard)}")

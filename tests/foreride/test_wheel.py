@@ -1,20 +1,26 @@
 """Tests of the built wheel, beside a project whose modules have the names of foreride's packages."""
 
+import json
+import shlex
 import shutil
 import subprocess
 import sys
 import sysconfig
+import tomllib
 import venv
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+import yaml
 
 import foreride
 
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
+PROJECT_URLS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["urls"]
 PACKAGES = ("comfort", "controller", "detector", "files", "preview", "road", "scenarios", "vehicle")
 DATA = {".py", ".yaml", ".json", ".onnx", ".pt", ".html", ".css", ".js", ".typed"}
 """Suffixes of the files that belong to a package."""
@@ -197,6 +203,51 @@ def test_a_checkout_works_without_installation(python: Path, tmp_path: Path) -> 
         assert str(ROOT) in called(python, ROOT, "-c", "import foreride.road as r; print(r.__file__)")
     finally:
         shutil.move(tmp_path / "foreride", site / "foreride")
+
+
+def interpreters() -> list[str]:
+    """Interpreters of the supported versions that this machine has."""
+    versions = [f"3.{minor}" for minor in (11, 12, 13)]
+    managed = Path.home() / ".pyenv" / "versions"
+    beside = [path for version in versions for path in managed.glob(f"{version}.*/bin/python{version}")]
+    on_path = [found for version in versions if (found := shutil.which(f"python{version}"))]
+    proper = [found for found in on_path if "shims" not in found]
+    return sorted({sys.executable, *proper, *map(str, beside)})
+
+
+@pytest.mark.parametrize("interpreter", interpreters(), ids=lambda path: Path(path).parents[1].name)
+def test_every_supported_version_reads_the_wheel(interpreter: str, wheel: Path, tmp_path: Path) -> None:
+    """All modules compile, and what needs no library works: version, help, names of the interface."""
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path)
+    called(Path(interpreter), tmp_path, "-m", "compileall", "-q", "foreride")
+    cli = ("-m", "foreride.scenarios.cli")
+    assert called(Path(interpreter), tmp_path, *cli, "--version") == f"foreride {version('foreride')}\n"
+    assert "lower bound" in called(Path(interpreter), tmp_path, *cli, "--help")
+    called(Path(interpreter), tmp_path, "-c", "import foreride; assert 'run' in foreride.__all__")
+
+
+def test_the_workflow_of_the_example_passes_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None:
+    """Its steps run as they stand; the wheel takes the place of the repository; libraries are borrowed."""
+    shutil.copytree(ROOT / "examples" / "regression", project := tmp_path / "project")
+    shutil.rmtree(project / "ride_baselines")  # numbers may differ from platform to platform
+    venv.create(environment := tmp_path / "environment", with_pip=True, symlinks=True)
+    (site,) = environment.glob("lib/python*/site-packages")
+    python, command = environment / "bin" / "python", environment / "bin" / "foreride"
+    called(python, project, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", str(wheel))
+    (site / "libraries.pth").write_text(sysconfig.get_path("purelib"))
+    called(python, project, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--ride-accept")
+    cases = ("short_bump.yaml", "--controllers", "passive", "--perception", "none")
+    called(command, project, "regress", *cases, "--baseline", "ride.json", "--accept")
+    workflow = yaml.safe_load((project / "github_actions.yml").read_text())
+    install, *steps = [step["run"] for step in workflow["jobs"]["ride"]["steps"] if "run" in step]
+    (address,) = {url for name, url in PROJECT_URLS.items() if name == "Repository"}
+    assert install == f'pip install "foreride @ git+{address}" pytest'
+    for step in steps:
+        program, *arguments = shlex.split(step, comments=True)
+        called(environment / "bin" / program if program == "foreride" else python, project,
+               *(("-m", program) if program != "foreride" else ()), *arguments)  # fmt: skip
+    assert json.loads((project / "ride-diff.json").read_text())["rows"]
 
 
 def test_a_user_of_the_public_interface_is_checked_by_mypy(python: Path, tmp_path: Path) -> None:
