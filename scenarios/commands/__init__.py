@@ -8,6 +8,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("drive.run", "simulate one scenario and write a run folder"),
     "compare": ("drive.compare", "compare controllers and perceptions on scenarios"),
     "sweep": ("drive.sweep", "run all drives of a study, in parallel and resumable"),
+    "front": ("drive.front", "Pareto fronts of comfort, tyre load and travel on random roads"),
     "regress": ("drive.regress", "check ride metrics against a committed baseline"),
     "bound": ("drive.bound", "lower bound of J on a scenario, for any controller"),
     "tune": ("drive.tune", "tune the reactive controllers on a set of roads"),

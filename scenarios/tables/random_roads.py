@@ -9,7 +9,7 @@ where the first ended, with other controllers too.
 """
 
 import json
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,16 +17,15 @@ import numpy as np
 
 from foreride.controller.registry import CONTROLLERS
 from foreride.controller.tuned_settings import TUNED_CONTROLLERS
-from foreride.files.command_line import Parser
 from foreride.files.errors import InputError
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.commands.console import tracked
+from foreride.scenarios.comparison import row_file
 from foreride.scenarios.definition.overrides import parse_override
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.random_roads.drives import Drive, Line, Row, lines, missing, simulated
 from foreride.scenarios.random_roads.events import REPORTING, event_fields, kind_of
 from foreride.scenarios.random_roads.results import Results, collected, interval, mean, share_kept, worse
-from foreride.scenarios.tables import row_file
 from foreride.scenarios.tables.options import parse_words, table_parser, whole_numbers
 from foreride.scenarios.tables.runs import shown
 
@@ -52,15 +51,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print("\n".join([*line_table(results), "", *kept_table(results), "", *kind_table(results)]))
 
 
-def add_random_options(parser: Parser, events: int, seeds: str) -> None:
-    """Add the options of tables over random events."""
-    default = ",".join([*RIVALS, "mpc_preview"])
+def add_random_options(
+    parser: ArgumentParser, events: int, seeds: str, controllers: str = ",".join([*RIVALS, "mpc_preview"])
+) -> None:
+    """Add the options of commands over random events."""
     parser.add_argument(
         "--first", type=int, default=REPORTING, help=f"number of the first event (default {REPORTING})"
     )
     parser.add_argument("--events", type=int, default=events, help=f"how many (default {events})")
     parser.add_argument("--seeds", default=seeds, help=f"of sensors and boxes (default {seeds})")
-    parser.add_argument("--controllers", default=default, help=f"beside passive (default {default})")
+    parser.add_argument("--controllers", default=controllers, help=f"beside passive (default {controllers})")
     parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="PATH.TO.FIELD=VALUE")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default 1)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep one row a line, and go on from there")

@@ -22,9 +22,9 @@ from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.console import tracked
+from foreride.scenarios.comparison import row_file
 from foreride.scenarios.comparison.parallel import each_result
 from foreride.scenarios.simulation.simulate import Run
-from foreride.scenarios.tables import row_file
 from foreride.scenarios.tables.options import table_parser
 from foreride.scenarios.tables.wrong_maps import wrong_map
 from foreride.scenarios.tables.wrong_roads import drawn_road, scenario

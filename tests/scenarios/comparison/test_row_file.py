@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from foreride.files.errors import InputError
-from foreride.scenarios.tables import row_file
+from foreride.scenarios.comparison import row_file
 
 
 def test_rows_are_kept_as_they_come_and_a_line_cut_short_is_left_out(tmp_path: Path) -> None:
