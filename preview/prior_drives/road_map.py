@@ -7,8 +7,8 @@ CSV with one line per station,
     0.00,0.0000,0.0000,0.004,0.05,1
     0.05,0.0004,0.0001,0.004,0.05,1
 
-where the height columns are those of `road.io.csv_profile` and the last three are optional, or as ASAM
-OpenCRG, which has no uncertainty.
+where the height columns are those of `road.io.readers.csv_profile` and the last three are optional, or as
+ASAM OpenCRG, which has no uncertainty.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ import numpy as np
 
 from foreride.files.errors import InputError, shortened
 from foreride.preview.road_preview import RoadPreview, distance_grid
-from foreride.road.io import csv_profile, opencrg
+from foreride.road.io.readers import csv_profile, opencrg
 from foreride.road.io.surface_file import MeasuredSurface, surface
 from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 from foreride.road.tyre.wheel_profile import PATCH_M, STEP_M, WheelProfile

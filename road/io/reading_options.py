@@ -22,6 +22,7 @@ class ReadingOptions(Checked):
     speed_kmh: constant speed of a record over time, whose stations are times in s.
     x, z, left, right: names of the columns of stations and of heights, for the whole width or for the wheel
     tracks at y = ±0.75 m; a file without a header has columns 1, 2, 3...
+    cell_m: size of the cells into which a point cloud is gridded, 0.1 m if not set.
     """
 
     unit: LengthUnit | None = None
@@ -34,6 +35,7 @@ class ReadingOptions(Checked):
     z: str | None = None
     left: str | None = None
     right: str | None = None
+    cell_m: Annotated[float, Interval(ge=0.01, le=1.0), "m"] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

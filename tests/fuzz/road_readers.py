@@ -1,6 +1,9 @@
 """Readers of roads, maps and YAML files, each with a small valid file."""
 
+from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 from tests.fuzz.reader import Reader, copy_file, text_file
 
@@ -31,6 +34,63 @@ $$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$$
  0.0100000-0.0200000
  0.0300000 0.0400000
 """
+
+
+ERD = """ERDFILEV2.00
+   2,     4,     -1,      1,      5,   0.500,     -1,
+SHORTNAMLElev.  RElev.
+UNITSNAMmm      mm
+XUNITS  m
+END
+ 0.0 0.0
+ 10.0 20.0
+ 0.0 10.0
+ 0.0 0.0
+"""
+TEXT = "section 1\n0.0 0.0 0.0\n0.5 0.01 0.02\n1.0 0.0 0.01\n"
+XODR = """<OpenDRIVE><road name="r" length="3" id="1"><elevationProfile>
+<elevation s="0" a="0" b="0.01" c="0" d="0"/></elevationProfile><lateralProfile>
+<superelevation s="0" a="0.01" b="0" c="0" d="0"/></lateralProfile></road></OpenDRIVE>
+"""
+
+
+def _columns() -> dict[str, np.ndarray]:
+    return {"x_m": np.arange(4.0), "left_m": np.zeros(4), "right_m": np.full(4, 0.01)}
+
+
+def _matlab_5(folder: Path) -> Path:
+    from scipy.io import savemat
+
+    savemat(folder / "road.mat", _columns())
+    return folder / "road.mat"
+
+
+def _matlab_7(folder: Path) -> Path:
+    import h5py
+
+    with h5py.File(folder / "road.mat", "w") as file:
+        for name, values in _columns().items():
+            file[name] = values
+    return folder / "road.mat"
+
+
+def _parquet(folder: Path) -> Path:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    pq.write_table(pa.table(_columns()), folder / "road.parquet")
+    return folder / "road.parquet"
+
+
+def _cloud(ending: str) -> Callable[[Path], Path]:
+    def place(folder: Path) -> Path:
+        from tests.road.io.readers.clouds import save_cloud
+
+        u, v = np.meshgrid(np.arange(0.0, 2.0, 0.05), np.arange(-0.5, 0.5, 0.1))
+        points = np.stack([u.ravel(), v.ravel(), 0.01 * np.sin(u).ravel()], axis=1)
+        return save_cloud(folder / f"road.{ending}", points)
+
+    return place
 
 
 def _road(path: Path) -> object:
@@ -106,6 +166,16 @@ def _settings(path: Path) -> object:
 ROAD_READERS: dict[str, Reader] = {
     "road.csv": Reader(text_file("road.csv", CSV), _road),
     "road.crg": Reader(text_file("road.crg", CRG), _road),
+    "road.erd": Reader(text_file("road.erd", ERD), _road),
+    "road.txt": Reader(text_file("road.txt", TEXT), _road),
+    "road.xodr": Reader(text_file("road.xodr", XODR), _road),
+    "road.mat": Reader(_matlab_5, _road),
+    "road.mat 7.3": Reader(_matlab_7, _road),
+    "road.parquet": Reader(_parquet, _road),
+    "road.las": Reader(_cloud("las"), _road),
+    "road.laz": Reader(_cloud("laz"), _road),
+    "road.ply": Reader(_cloud("ply"), _road),
+    "road.pcd": Reader(_cloud("pcd"), _road),
     "map.csv": Reader(text_file("map.csv", MAP), _map),
     "scenario": Reader(copy_file("scenario.yaml", "scenarios/library/bump_8x40_30.yaml"), _scenario),
     "vehicle": Reader(copy_file("vehicle.yaml", "vehicle/parameters/half_car.yaml"), _vehicle),

@@ -6,17 +6,22 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from rich.table import Table
 
 from foreride.files.own_code import say_once
+from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.road.io.formats import FORMATS
 from foreride.road.io.plausibility import doubts
 from foreride.road.io.raw_profile import TRACK_M
 from foreride.road.io.reading_options import ReadingOptions
 from foreride.road.io.surface_file import MeasuredSurface, read_surface
+from foreride.road.io.writing import write_surface
 from foreride.road.summary import (
     SEGMENTS_M,
+    STEP_M,
     Track,
     TrackSummary,
     list_features,
@@ -33,6 +38,7 @@ from foreride.scenarios.report.figures.files import save
 from foreride.scenarios.report.figures.road import road_figure
 from foreride.scenarios.runs.write import to_json
 
+Array = NDArray[np.float64]
 MOST_ROWS = 25
 """Most segments that are printed; `--json` and `--plot` have all."""
 _UNITS = ("m", "cm", "mm", "um", "in", "ft", "km")
@@ -43,6 +49,8 @@ def configure(command: argparse.ArgumentParser) -> None:
     endings = ", ".join(FORMATS)
     command.add_argument("road", help=f"a scenario (name or YAML file), or a road file ({endings})")
     add_reading_options(command)
+    command.add_argument("--write", type=Path, metavar="FILE", help="write the road as .csv or .crg")
+    command.add_argument("--step", type=float, metavar="M", help="spacing of the stations of --write")
     command.add_argument("--plot", type=Path, metavar="FILE.png", help="draw heights and IRI of segments")
     add_json_option(command)
     command.set_defaults(execute=execute)
@@ -61,6 +69,7 @@ def add_reading_options(command: argparse.ArgumentParser) -> None:
     )
     for name, told in (("x", "stations"), ("z", "heights"), ("left", "left track"), ("right", "right track")):
         group.add_argument(f"--{name}", metavar="COLUMN", help=f"name of the column of the {told}")
+    group.add_argument("--cell", type=float, metavar="M", dest="cell_m", help="cell of a point cloud's grid")
 
 
 def reading_options(arguments: argparse.Namespace) -> ReadingOptions:
@@ -82,6 +91,8 @@ def execute(arguments: argparse.Namespace) -> int:
             console.print(_segment_table(length, tracks, by_track))
     if features:
         console.print(_feature_table(features))
+    if arguments.write:
+        write_surface(arguments.write, *_sampled(arguments))
     if arguments.plot:
         save(road_figure(tracks), arguments.plot)
     if arguments.json:
@@ -109,6 +120,26 @@ def _subject(
     half, road = scenario.vehicle.parameters.track_m / 2, scenario.road
     tracks = [road_track(road, y_m) for y_m in (half, -half)]
     return road.length_m, tracks, list_features(road), doubts_of_scenario(scenario)
+
+
+def _sampled(arguments: argparse.Namespace) -> tuple[Array, Array, Array]:
+    """Stations, lines and heights to write: those of a file, or a grid that holds the wheels' lines."""
+    if arguments.step is not None:
+        within("--step", arguments.step, 0.005, 0.5, "m")
+    if Path(arguments.road).suffix.lower() in FORMATS:
+        surface = read_surface(arguments.road, reading_options(arguments))
+        if arguments.step is None:
+            return surface.x_m, surface.y_m, surface.heights
+        x = _stations(surface.length_m, arguments.step)
+        return x, surface.y_m, surface.height(x, surface.y_m[:, None])
+    scenario = load(arguments.road)
+    x = _stations(scenario.road.length_m, arguments.step or STEP_M)
+    y = scenario.vehicle.parameters.track_m / 8 * np.arange(-6.0, 7.0)
+    return x, y, scenario.road.height(x, y[:, None])
+
+
+def _stations(length_m: float, step_m: float) -> Array:
+    return step_m * np.arange(int(length_m / step_m + 1e-9) + 1, dtype=np.float64)
 
 
 def _inside(surface: MeasuredSurface, wheel_y_m: Sequence[float]) -> list[float]:

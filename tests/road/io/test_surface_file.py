@@ -78,8 +78,8 @@ def test_malformed_csv_is_told_in_one_line_with_the_file(tmp_path, text, message
 def test_unreadable_files_are_told(tmp_path):
     with pytest.raises(InputError, match=r"none\.csv: cannot be read \(No such file"):
         read_surface(tmp_path / "none.csv")
-    with pytest.raises(InputError, match=r"road\.txt: a road file must end in \.csv or \.crg"):
-        read_surface(written(tmp_path, GOOD, "road.txt"))
+    with pytest.raises(InputError, match=r"road\.doc: a road file must end in \.csv, \.crg, .* or \.pcd"):
+        read_surface(written(tmp_path, GOOD, "road.doc"))
     (tmp_path / "binary.csv").write_bytes(b"x_m,z_m\n\xff\xfe")
     with pytest.raises(InputError, match=r"binary\.csv: is not UTF-8 text"):
         read_surface(tmp_path / "binary.csv")

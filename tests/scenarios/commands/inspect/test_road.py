@@ -8,6 +8,7 @@ import numpy as np
 import pyopencrg
 import pytest
 
+from foreride.road.io.surface_file import read_surface
 from foreride.road.roughness.iri import iri
 from foreride.scenarios.cli import main
 
@@ -85,3 +86,14 @@ def test_a_file_of_no_known_format_is_refused(tmp_path: Path, ending: str, capsy
     (tmp_path / f"road.{ending}").write_text("[UNITS]\nLENGTH = 'meter'\n")
     assert main(["road", str(tmp_path / f"road.{ending}")]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_the_command_writes_scenarios_and_converts_files(tmp_path: Path) -> None:
+    for name in ("road.crg", "road.csv"):
+        path = tmp_path / name
+        assert main(["road", "pothole_60x8_40", "--write", str(path), "--step", "0.02"]) == 0
+        assert read_surface(path).heights.min() < -0.07
+    assert main(["road", str(tmp_path / "road.csv"), "--write", str(tmp_path / "again.crg")]) == 0
+    found, expected = read_surface(tmp_path / "again.crg"), read_surface(tmp_path / "road.csv")
+    np.testing.assert_allclose(found.heights, expected.heights, atol=1e-6)
+    assert main(["road", str(tmp_path / "road.csv"), "--write", str(tmp_path / "road.stl")]) == 2

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
-from foreride.road.io.opencrg import read
+from foreride.road.io.readers.opencrg import read
 from foreride.road.io.surface_file import MeasuredSurface, read_surface
 from foreride.road.road import Road
 

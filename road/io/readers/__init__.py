@@ -1,0 +1,1 @@
+"""Readers of road files, a module per format; `road.io.formats` lists them."""
