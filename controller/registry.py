@@ -47,7 +47,10 @@ _OWN = {
         passive, "passive", commands_settings=True, summary="the car's dampers as built"
     ),
     "fixed": ControllerEntry(
-        fixed, "fixed", commands_settings=True, summary="one tuned damping coefficient per axle"
+        fixed, "fixed", commands_settings=True, summary="one damping coefficient per axle"
+    ),
+    "fixed_best": ControllerEntry(
+        fixed, "fixed_best", commands_settings=True, summary="the best fixed damping: the passive reference"
     ),
     "skyhook": ControllerEntry(Skyhook, "skyhook", summary="continuous skyhook with a groundhook part"),
     "skyhook2": ControllerEntry(
@@ -103,7 +106,7 @@ CONTROLLERS: Registry[ControllerEntry] = Registry("foreride.controllers", "contr
 CLAIRVOYANT = "clairvoyant"
 """Replay of a drive's optimum; only the closed loop can build it, as it belongs to one drive."""
 
-UNSUPERVISED = ("passive", "fixed")
+UNSUPERVISED = ("passive", "fixed", "fixed_best")
 """Controllers that cannot fail and therefore need no supervisor."""
 
 

@@ -230,6 +230,7 @@ class ControllerSettings(Checked):
 
     passive: PassiveSettings = field(default_factory=PassiveSettings)
     fixed: FixedSettings = field(default_factory=FixedSettings)
+    fixed_best: FixedSettings = field(default_factory=FixedSettings)
     skyhook: SkyhookSettings = field(default_factory=SkyhookSettings)
     skyhook2: TwoStateSettings = field(default_factory=TwoStateSettings)
     groundhook: TwoStateSettings = field(default_factory=TwoStateSettings)

@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits, front_wheels
-from foreride.controller.settings import ControllerSettings
-from foreride.files.reading import strict
-from foreride.vehicle.load import Car
+from foreride.controller.gain_scaling import GainScale, gain_scale, scaled
+from foreride.controller.settings import ControllerSettings, FixedSettings
+from foreride.files.reading import strict, yaml12
+from foreride.files.reading.regular_file import read_text
+from foreride.vehicle.corner import Corner
+from foreride.vehicle.load import Car, load_vehicle
 
 FOLDER = Path(__file__).parent / "tuned"
 
@@ -24,15 +27,57 @@ def tuned_settings(kind: str) -> ControllerSettings:
 
 
 def settings_for(vehicle: Car) -> ControllerSettings:
-    """Return the settings shipped for a kind of car, the fixed damping clipped to its dampers' range."""
-    settings, limits = tuned_settings(vehicle.kind), DampingLimits.of(vehicle)
-    front = front_wheels(vehicle)
+    """Settings shipped for a kind of car, their gains scaled to this one (`controller.gain_scaling`).
+
+    Fixed damping is clipped to the dampers' range.
+    """
+    settings, scale = tuned_settings(vehicle.kind), scale_to(vehicle)
+    laws = {name: scaled(getattr(settings, name), scale) for name in TUNED_CONTROLLERS}
+    laws |= _own_tuning(vehicle)
+    for name in ("fixed", "fixed_best"):
+        laws[name] = _clipped(laws[name], vehicle)
+    return replace(settings, **laws)
+
+
+def scale_to(vehicle: Car) -> GainScale:
+    """Ratios of a car to the shipped one whose tuning it has."""
+    return gain_scale(vehicle, _tuned_car(vehicle.kind))
+
+
+def borrowed_tuning(vehicle: Car, settings: ControllerSettings, law: str) -> str | None:
+    """Name of the shipped car whose settings, scaled, a law has; None if they are its own or the user's."""
+    own = _plain_corners(vehicle) == _plain_corners(_tuned_car(vehicle.kind)) or law in _own_tuning(vehicle)
+    if law not in TUNED_CONTROLLERS or own:
+        return None
+    return vehicle.kind if getattr(settings, law) == getattr(settings_for(vehicle), law) else None
+
+
+def _own_tuning(vehicle: Car) -> dict[str, Any]:
+    """Settings tuned for this shipped car itself, of the laws that its file names."""
+    for path in sorted(FOLDER.glob("*.yaml")):
+        if _plain_corners(_tuned_car(path.stem)) == _plain_corners(vehicle):
+            settings = strict.read(ControllerSettings, path)
+            return {name: getattr(settings, name) for name in yaml12.parse(read_text(path), str(path))}
+    return {}
+
+
+@lru_cache(maxsize=8)
+def _tuned_car(kind: str) -> Car:
+    return load_vehicle(kind)
+
+
+def _plain_corners(vehicle: Car) -> list[Corner]:
+    return [replace(corner, actuator=None) for corner in vehicle.corners]
+
+
+def _clipped(settings: FixedSettings, vehicle: Car) -> FixedSettings:
+    limits, front = DampingLimits.of(vehicle), front_wheels(vehicle)
     clipped = {}
     for name, wheels in (("front_ns_m", front), ("rear_ns_m", ~front)):
         if wheels.any():
             low, high = limits.low[wheels].max(), limits.high[wheels].min()
-            clipped[name] = float(np.clip(getattr(settings.fixed, name), low, high))
-    return replace(settings, fixed=replace(settings.fixed, **clipped))
+            clipped[name] = float(np.clip(getattr(settings, name), low, high))
+    return replace(settings, **clipped)
 
 
 def tuned_mapping(vehicle: Car) -> dict[str, dict[str, Any]]:
@@ -43,6 +88,7 @@ def tuned_mapping(vehicle: Car) -> dict[str, dict[str, Any]]:
 
 TUNED_CONTROLLERS = (
     "fixed",
+    "fixed_best",
     "skyhook",
     "skyhook2",
     "groundhook",

@@ -1,4 +1,4 @@
-"""Passive suspension: the car's own fixed dampers, and tuned fixed dampers."""
+"""Passive suspension: the car's own fixed dampers, and other fixed dampers."""
 
 import numpy as np
 
@@ -41,7 +41,10 @@ def passive(vehicle: Car, settings: PassiveSettings | None = None, timing: Timin
 
 
 def fixed(vehicle: Car, settings: FixedSettings | None = None, timing: Timing | None = None) -> Constant:
-    """Fixed damping: one tuned coefficient per axle, the best that passive dampers can do."""
+    """Fixed damping: one coefficient per axle.
+
+    With the settings `fixed_best`, tuned for the objective, it is the best that passive dampers can do.
+    """
     settings = settings or FixedSettings()
     name = "front_ns_m and rear_ns_m"
     return Constant(vehicle, np.where(front_wheels(vehicle), settings.front_ns_m, settings.rear_ns_m), name)

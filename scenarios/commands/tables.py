@@ -16,6 +16,7 @@ from foreride.scenarios.comparison.document import document, parquet
 from foreride.scenarios.comparison.publication import caption, latex, markdown
 from foreride.scenarios.comparison.statistics import Row, pick, summarise, variants_of
 from foreride.scenarios.comparison.table import comparison
+from foreride.scenarios.runs.car_notes import car_notes
 from foreride.scenarios.runs.write import environment, to_json
 
 DEFAULT_BASELINE = "passive"
@@ -61,6 +62,8 @@ def publish(
     variants = summarise(rows, baseline)
     keys, text = arguments.columns, caption(cases, baseline)
     console.print(comparison(variants, title, console.width, baseline, keys))
+    for note in car_notes(cases):
+        console.print(note, highlight=False, soft_wrap=True)
     table_document = document(rows, variants, baseline, environment())
     if arguments.json:
         write_text(arguments.json, to_json(table_document) + "\n")

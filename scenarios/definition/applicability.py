@@ -36,9 +36,10 @@ def require_applicable(
                 if name.startswith(motion) and value != 0.0:
                     raise _refusal(f"{block}.{name}", car, motion.removesuffix("_rate"), value)
     if car.wheels == 1:
-        for name, value in _changed(settings.fixed, FixedSettings()):
-            if name.startswith("rear"):
-                raise _refusal(f"control.settings.fixed.{name}", car, "rear axle", value)
+        for law in ("fixed", "fixed_best"):
+            for name, value in _changed(getattr(settings, law), FixedSettings()):
+                if name.startswith("rear"):
+                    raise _refusal(f"control.settings.{law}.{name}", car, "rear axle", value)
     _require_damping_in_range(car, settings)
     if car.actuator is None:
         for name, value in _changed(settings.mpc.force, ForceSettings()):
@@ -58,10 +59,11 @@ def _require_sensor(car: Car, fault: SensorFault, location: str) -> None:
 
 def _require_damping_in_range(car: Car, settings: ControllerSettings) -> None:
     """Check the constant damping of each wheel, which any controller may fall back to, against its damper."""
-    limits, fixed = DampingLimits.of(car), settings.fixed
+    limits, fixed, best = DampingLimits.of(car), settings.fixed, settings.fixed_best
     for low, high, front in zip(limits.low, limits.high, front_wheels(car), strict=True):
         for name, value in (
             ("fixed.front_ns_m", fixed.front_ns_m) if front else ("fixed.rear_ns_m", fixed.rear_ns_m),
+            ("fixed_best.front_ns_m", best.front_ns_m) if front else ("fixed_best.rear_ns_m", best.rear_ns_m),
             ("passive.damping_ns_m", settings.passive.damping_ns_m),
         ):
             if value is not None and not low <= value <= high:

@@ -23,6 +23,7 @@ from foreride.preview.prior_drives.memory_file import to_text as memory_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.doubts import doubts_of_metrics, doubts_of_scenario
 from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.runs.car_notes import car_notes
 from foreride.scenarios.runs.record import RunRecord, vehicle_name
 from foreride.scenarios.simulation.preview_log import PreviewLog
 from foreride.scenarios.simulation.simulate import Run
@@ -108,7 +109,11 @@ def manifest(run: Run) -> dict[str, Any]:
         **run.files_sha256,
         "track_y_m": run.track_y_m,
         **RunRecord.of(run).mapping(),
-        "notes": [*doubts_of_scenario(run.case.scenario), *doubts_of_metrics(run.metrics)],
+        "notes": [
+            *doubts_of_scenario(run.case.scenario),
+            *doubts_of_metrics(run.metrics),
+            *car_notes([run.case]),
+        ],
         **environment(),
     }
 

@@ -9,10 +9,14 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
+from foreride.controller.command_limits import DampingLimits
+from foreride.controller.gain_scaling import factor
+from foreride.controller.tuned_settings import scale_to
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.simulation.simulate import simulate
+from foreride.vehicle.load import Car
 
 
 class SearchRange(NamedTuple):
@@ -36,10 +40,12 @@ class SearchRange(NamedTuple):
         return float(np.clip((value - low) / (high - low), 0.0, 1.0))
 
 
+_AXLES = {name: SearchRange(300.0, 4500.0) for name in ("front_ns_m", "rear_ns_m")}
 _LEVELS = {"hard_ns_m": SearchRange(1000.0, 4500.0), "soft_ns_m": SearchRange(300.0, 1000.0)}
 _SHAPE = {"floor_ns_m": SearchRange(300.0, 1200.0), "smoothing_m_s": SearchRange(0.01, 0.4, ratio=True)}
 SEARCH_RANGES: dict[str, dict[str, SearchRange]] = {
-    "fixed": {"front_ns_m": SearchRange(300.0, 4500.0), "rear_ns_m": SearchRange(300.0, 4500.0)},
+    "fixed": _AXLES,
+    "fixed_best": _AXLES,
     "skyhook": {"sky_ns_m": SearchRange(500.0, 8000.0), "ground_ns_m": SearchRange(0.0, 2500.0), **_SHAPE},
     "skyhook2": _LEVELS,
     "groundhook": _LEVELS,
@@ -54,7 +60,7 @@ SEARCH_RANGES: dict[str, dict[str, SearchRange]] = {
         "smoothing_m_s": SearchRange(0.01, 0.4, ratio=True),
     },
 }
-"""Tuned settings of each controller and their search ranges."""
+"""Tuned settings of each controller and their search ranges, for the shipped cars."""
 
 
 @dataclass(frozen=True)
@@ -87,13 +93,22 @@ class TuningObjective:
         return fmean(ratios)
 
 
-def search_ranges(controller: str, wheels: int) -> dict[str, SearchRange]:
-    """Search ranges of a controller on a car with `wheels` wheels; InputError if it has none."""
+def search_ranges(controller: str, car: Car) -> dict[str, SearchRange]:
+    """Search ranges of a controller, scaled with the gains to this car; InputError if it has none.
+
+    A fixed damping is searched within the dampers' range.
+    """
     if controller not in SEARCH_RANGES:
         raise InputError(f"controllers must be among {', '.join(SEARCH_RANGES)}, got {controller!r}")
-    return {
-        name: span for name, span in SEARCH_RANGES[controller].items() if wheels > 1 or name != "rear_ns_m"
-    }
+    scale, limits = scale_to(car), DampingLimits.of(car)
+    spans = {}
+    for name, span in SEARCH_RANGES[controller].items():
+        if car.wheels > 1 or name != "rear_ns_m":
+            ratio = factor(scale, name)
+            spans[name] = SearchRange(ratio * span.low, ratio * span.high, span.ratio)
+        if controller in ("fixed", "fixed_best") and name in spans:
+            spans[name] = SearchRange(float(limits.low.max()), float(limits.high.min()))
+    return spans
 
 
 def tune(

@@ -81,7 +81,7 @@ def test_only_preview_controllers_see_ahead() -> None:
 @pytest.mark.parametrize("ask", [lambda name: build(name, load_vehicle("quarter")), uses_preview])
 def test_an_unknown_name_is_answered_with_the_known_ones(ask: Callable[[str], object]) -> None:
     with pytest.raises(
-        InputError, match=r"^controller must be one of passive, fixed, skyhook, .*got 'skyhok'$"
+        InputError, match=r"^controller must be one of passive, fixed, fixed_best, .*got 'skyhok'$"
     ):
         ask("skyhok")
 

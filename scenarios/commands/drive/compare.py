@@ -27,7 +27,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "scenarios", nargs="+", metavar="SCENARIO", help="names in the library, or YAML files"
     )
-    add_case_options(command, "passive,skyhook,mpc_reactive,mpc_preview", "oracle")
+    add_case_options(command, "passive,fixed_best,skyhook,mpc_reactive,mpc_preview", "oracle")
     add_frames_option(command)
     told = "also compute the bound of any controller (or take it from the cache), and show `captured`"
     command.add_argument("--bound", action="store_true", help=told)

@@ -56,7 +56,7 @@ def execute(arguments: argparse.Namespace) -> int:
     car = scenarios[0].vehicle.parameters
     if any(scenario.vehicle.parameters != car for scenario in scenarios):
         raise InputError("tuning scenarios must all have the same car; --vehicle sets it")
-    searches = {name: search_ranges(name, car.wheels) for name in arguments.controllers}
+    searches = {name: search_ranges(name, car) for name in arguments.controllers}
     out = arguments.out or runs_folder(None) / "tuned" / f"{car.kind}.yaml"
     check_files(out)
     results = []

@@ -12,6 +12,7 @@ from foreride.files.reading import strict
 from foreride.scenarios.cli import main
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.studies.tuning import SEARCH_RANGES, SearchRange, search_ranges, tune
+from foreride.vehicle.load import load_vehicle
 
 SHORT = """
 title: One bump
@@ -96,10 +97,10 @@ def test_each_controller_that_is_tuned_has_settings_of_these_names_that_fit_any_
 
 
 def test_a_quarter_car_has_no_rear_damper_to_tune() -> None:
-    assert list(search_ranges("fixed", 1)) == ["front_ns_m"]
-    assert list(search_ranges("fixed", 2)) == ["front_ns_m", "rear_ns_m"]
+    assert list(search_ranges("fixed_best", load_vehicle("quarter"))) == ["front_ns_m"]
+    assert list(search_ranges("fixed_best", load_vehicle("half"))) == ["front_ns_m", "rear_ns_m"]
     with pytest.raises(InputError, match=r"controllers must be among fixed, .*got 'passive'"):
-        search_ranges("passive", 1)
+        search_ranges("passive", load_vehicle("quarter"))
 
 
 @pytest.mark.parametrize("kind", ["quarter_car", "half_car"])
