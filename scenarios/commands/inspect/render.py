@@ -20,7 +20,7 @@ from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.perceptions.camera import load_detector
-from foreride.scenarios.report.film.video import mark
+from foreride.scenarios.report.film.boxes import mark
 from foreride.scenarios.runs.write import to_json
 
 KIND = "render"

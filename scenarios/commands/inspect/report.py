@@ -13,7 +13,7 @@ from foreride.files.writing.targets import check_files
 from foreride.scenarios.commands.console import console, progress_bar
 from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.report.budget import error_budget_section
-from foreride.scenarios.report.film.video import write_video
+from foreride.scenarios.report.film.video import check_film, write_video
 from foreride.scenarios.report.frames import has_frames, with_frames
 from foreride.scenarios.report.gather import collect_input
 from foreride.scenarios.report.html import first_seeds, page
@@ -40,6 +40,8 @@ def execute(arguments: argparse.Namespace) -> int:
     source: Path = arguments.source
     out = arguments.out or (source if source.is_dir() else source.parent) / "report.html"
     check_files(out, arguments.film, inputs=[source])
+    if arguments.film:
+        check_film(arguments.film)
     gathered = collect_input(source)
     budget = error_budget_section(arguments.budget) if arguments.budget else ""
     shown = first_seeds(gathered.runs)

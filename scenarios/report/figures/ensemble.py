@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from foreride.scenarios.report.labels import plain, variant_label
+from foreride.scenarios.report.labels import label_of, plain, variant_label
 from foreride.scenarios.report.palette import colours_of, dashes_of
 from foreride.scenarios.simulation.simulate import Run
 
@@ -50,6 +50,11 @@ class Ensemble:
 
     runs: tuple[Run, ...]
     line: Line
+
+    @property
+    def name(self) -> str:
+        """Name outside Matplotlib."""
+        return label_of(self.runs[0])
 
     def signal(self, name: str, part: slice, factor: float = 1.0) -> Band:
         """Part of a signal, times a factor."""

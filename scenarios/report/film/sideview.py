@@ -62,7 +62,7 @@ def _body(
     return view.column(x), view.row(z)
 
 
-def draw(run: Run, tick: int, view: View, colour: Colour, title: str) -> np.ndarray:
+def draw(run: Run, tick: int, view: View, colour: Colour) -> np.ndarray:
     """Draw the car of `run` at `tick` as an RGB image (height_px, width_px, 3)."""
     image = np.full((view.height_px, view.width_px, 3), SKY, np.uint8)
     signals, vehicle = run.signals, run.case.scenario.vehicle.parameters
@@ -82,5 +82,4 @@ def draw(run: Run, tick: int, view: View, colour: Colour, title: str) -> np.ndar
         centre = float(view.column(axle)), float(view.row(vehicle.wheel_radius_m + lift))
         _disc(image, *centre, vehicle.wheel_radius_m * view.scale, DARK)
         _disc(image, *centre, 0.55 * vehicle.wheel_radius_m * view.scale, (205, 208, 212))
-    cv2.putText(image, title, (12, 26), cv2.FONT_HERSHEY_SIMPLEX, 0.62, DARK, 1, cv2.LINE_AA)
     return image

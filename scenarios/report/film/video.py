@@ -1,85 +1,118 @@
-"""Comparison video: camera image with boxes, side views of the passive and the preview car, and signals."""
+"""Film of two cars on one road: camera image with boxes, side views, and signals.
+
+The film is VP9 in MP4, which Chromium and Firefox play, by the encoder of OpenCV's wheel (libvpx).
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import cv2
 import numpy as np
+from matplotlib.colors import to_rgb
 
-from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.files.writing.atomic import replaced
-from foreride.road.obstacle_classes import OBSTACLE_CLASSES
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.report.film.sideview import View, draw
+from foreride.scenarios.report.figures.ensemble import Ensemble, ensembles
+from foreride.scenarios.report.film.boxes import mark
+from foreride.scenarios.report.film.caption import Caption, Colour, written
+from foreride.scenarios.report.film.sideview import DARK, HEIGHT_SCALE, View, draw
 from foreride.scenarios.report.film.traces import Traces
+from foreride.scenarios.report.window import event_window
 from foreride.scenarios.simulation.simulate import Run
 
 WIDTH, HEIGHT = 1280, 720
-_CAMERA_SIZE = (640, 384)
-_SIDE = View(640, 192)
-PASSIVE_COLOUR = (120, 126, 134)
-PREVIEW_COLOUR = (28, 110, 190)
+FPS = 20
+SLOW_MOTION = 3.0
+"""Seconds of film for one second of the drive."""
+SUFFIX = ".mp4"
+_HEADER, _CAMERA = 60, (560, 336)
+_SIDE = View(WIDTH - _CAMERA[0], _CAMERA[1] // 2)
+_PAPER: Colour = (255, 255, 255)
+_FAINT: Colour = (92, 100, 109)
 
 
-def mark(image: np.ndarray, detections: Detections) -> np.ndarray:
-    """Return a copy of an RGB image with the detections drawn on it."""
-    marked = image.copy()
-    for (x0, y0, x1, y1), score, cls in zip(
-        detections.boxes, detections.scores, detections.classes, strict=True
-    ):
-        corner, opposite = (round(float(x0)), round(float(y0))), (round(float(x1)), round(float(y1)))
-        obstacle = OBSTACLE_CLASSES[cls]
-        cv2.rectangle(marked, corner, opposite, obstacle.colour, 1, cv2.LINE_AA)
-        label = f"{obstacle.name.replace('_', ' ')} {score:.2f}"
-        at = (corner[0], max(corner[1] - 5, 10))
-        cv2.putText(marked, label, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, obstacle.colour, 1, cv2.LINE_AA)
-    return marked
+def check_film(path: Path) -> None:
+    """Raise InputError for a path that does not end as a film does."""
+    if path.suffix != SUFFIX:
+        raise InputError(f"{path}: a film ends in {SUFFIX}, got {path.suffix!r}")
 
 
-def video_frames(passive: Run, preview: Run, fps: int, slow_motion: float) -> Iterator[np.ndarray]:
-    """Yield the video frames (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera frames."""
+def video_frames(
+    passive: Run, preview: Run, fps: int = FPS, slow_motion: float = SLOW_MOTION
+) -> Iterator[np.ndarray]:
+    """Yield the frames (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera images."""
     if not preview.looks or preview.looks[0].image is None:
-        raise InputError(f"film: the run of {preview.case.controller} kept no camera frames")
-    traces = Traces([("passive", passive, PASSIVE_COLOUR), ("preview", preview, PREVIEW_COLOUR)], WIDTH, 336)
+        raise InputError(f"film: the run of {preview.case.controller} kept no camera images")
+    groups = ensembles([passive, preview])
+    window = event_window(passive, before_s=1.0, after_s=1.0)
+    top = _HEADER + _CAMERA[1]
+    traces = Traces(groups, window, (WIDTH, HEIGHT - top))
     look_ticks = np.array([look.tick for look in preview.looks])
-    step = TICKS_PER_SECOND / (fps * slow_motion)
-    start, end = traces.window
-    for tick in np.arange(start, end, step).astype(int):
-        look = preview.looks[max(int(np.searchsorted(look_ticks, tick, side="right")) - 1, 0)]
-        assert look.image is not None
-        camera = cv2.resize(mark(look.image, look.detections), _CAMERA_SIZE, interpolation=cv2.INTER_AREA)
-        canvas = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        canvas[:384, :640] = camera
-        canvas[:192, 640:] = draw(passive, tick, _SIDE, PASSIVE_COLOUR, "passive dampers")
-        canvas[192:384, 640:] = draw(preview, tick, _SIDE, PREVIEW_COLOUR, "MPC with camera preview")
-        canvas[384:] = traces.at(tick)
-        yield canvas
+    for tick in np.arange(*window, TICKS_PER_SECOND / (FPS * slow_motion)).astype(int):
+        canvas = np.full((HEIGHT, WIDTH, 3), _PAPER, np.uint8)
+        seen = max(int(np.searchsorted(look_ticks, tick, side="right")) - 1, 0)
+        canvas[_HEADER:top, : _CAMERA[0]] = _camera(preview, seen)
+        for row, group in enumerate(groups):
+            at = _HEADER + row * _SIDE.height_px
+            ink = _rgb(group.line.colour)
+            canvas[at : at + _SIDE.height_px, _CAMERA[0] :] = draw(group.runs[0], tick, _SIDE, ink)
+        canvas[top:] = traces.at(tick)
+        yield written(canvas, [*_header(passive, tick, slow_motion), *_names(groups, tick)])
 
 
 def write_video(
     path: Path,
     pairs: Sequence[tuple[Run, Run]],
-    fps: int = 25,
-    slow_motion: float = 3.0,
+    slow_motion: float = SLOW_MOTION,
     advance: Callable[[], None] = lambda: None,
 ) -> None:
-    """Write one video of all (passive, preview) pairs; `slow_motion` 3 shows one second in three.
-
-    The codec follows the suffix: `.mp4` (MPEG-4) or `.webm` (VP9). An unwritable file raises `InputError`.
-    """
-    codecs = {".mp4": "mp4v", ".webm": "VP90"}
-    if path.suffix not in codecs:
-        raise InputError(f"{path}: a film ends in .mp4 or .webm, got {path.suffix!r}")
-    fourcc = cv2.VideoWriter.fourcc(*codecs[path.suffix])
+    """Write one film of all (passive, preview) pairs. An unwritable file raises `InputError`."""
+    check_film(path)
     with replaced(path) as scratch:
-        writer = cv2.VideoWriter(str(scratch), fourcc, fps, (WIDTH, HEIGHT))
+        writer = cv2.VideoWriter(str(scratch), cv2.VideoWriter.fourcc(*"vp09"), FPS, (WIDTH, HEIGHT))
         try:
             if not writer.isOpened():
                 raise InputError(f"{path}: cannot be written as a film")
             for passive, preview in pairs:
-                for picture in video_frames(passive, preview, fps, slow_motion):
+                for picture in video_frames(passive, preview, slow_motion):
                     writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
                 advance()
         finally:
             writer.release()
+
+
+def _camera(run: Run, index: int) -> np.ndarray:
+    """Image of an exposure with its boxes."""
+    look = run.looks[index]
+    assert look.image is not None
+    image = cv2.resize(look.image, _CAMERA, interpolation=cv2.INTER_AREA)
+    return mark(image, look.detections, _CAMERA[0] / look.image.shape[1])
+
+
+def _header(run: Run, tick: int, slow_motion: float) -> list[Caption]:
+    """Title, and what the picture does to speed, time and heights."""
+    speed = 3.6 * float(run.signals["speed_m_s"][tick])
+    parts = (
+        f"{speed:.0f} km/h", f"{tick / TICKS_PER_SECOND:.2f} s",
+        f"{slow_motion:g}× slow motion", f"heights ×{HEIGHT_SCALE:g}",
+    )  # fmt: skip
+    return [
+        Caption(run.case.scenario.title, (16, 38), 22, DARK, room=WIDTH - 530, bold=True),
+        Caption(" · ".join(parts), (WIDTH - 16, 38), 18, _FAINT, "rs"),
+    ]
+
+
+def _names(groups: Sequence[Ensemble], tick: int) -> Iterator[Caption]:
+    """Controller and acceleration beside each car."""
+    for row, group in enumerate(groups):
+        at = _HEADER + row * _SIDE.height_px + 26
+        ink = _rgb(group.line.colour)
+        acceleration = float(group.runs[0].signals["seat_acc_0"][tick])
+        yield Caption(group.name, (_CAMERA[0] + 14, at), 18, ink, room=480, bold=True)
+        yield Caption(f"{acceleration:z.1f} m/s²", (WIDTH - 16, at), 18, DARK, "rs")
+
+
+def _rgb(colour: str) -> Colour:
+    red, green, blue = (round(255 * channel) for channel in to_rgb(colour))
+    return red, green, blue

@@ -14,6 +14,7 @@ import pytest
 from foreride.scenarios.cases import cases
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.report import html
+from foreride.scenarios.report.film import video
 from foreride.scenarios.report.frames import with_frames
 from foreride.scenarios.report.gather import ReportInput
 from foreride.scenarios.report.palette import CONTROLLER_COLOURS, OTHER_COLOURS
@@ -268,3 +269,22 @@ def test_a_drive_without_a_camera_has_no_place_for_its_images(
         tab.wait("'ready' in document.documentElement.dataset")
         assert tab.tell("document.getElementById('camera').getBoundingClientRect().width") == 0
         assert tab.tell(OVERFLOWING) == []
+
+
+def test_the_film_plays_for_a_second(
+    runs: list[Run], tab: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(video, "event_window", lambda run, **given: (700, 1100))  # ticks: 1.2 s of film
+    passive, seeing = runs[CONTROLLERS.index("passive") + 1], runs[CONTROLLERS.index("mpc_preview") + 1]
+    video.write_video(tmp_path / "film.mp4", [(passive, seeing)])
+    page = tmp_path / "film.html"
+    page.write_text("<!doctype html><body><video src='film.mp4' muted autoplay></video>")
+    tab.show(page)
+    film = "document.querySelector('video')"
+    tab.wait(f"{film}.error || {film}.currentTime >= 1")
+    assert tab.tell(f"{film}.error && {film}.error.message") is None
+    assert tab.tell(f"[{film}.videoWidth, {film}.videoHeight]") == [video.WIDTH, video.HEIGHT]
+    tab.screenshot(tmp_path / "playing.png", whole=False)
+    playing = cv2.imread(str(tmp_path / "playing.png")).astype(int)
+    blue = np.array([int(COLOURS["mpc_preview"][at : at + 2], 16) for at in (5, 3, 1)])
+    assert (np.abs(playing - blue).max(axis=-1) < 12).sum() > 2000  # the car

@@ -12,6 +12,7 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.scenarios.cli import main
 from foreride.scenarios.report.budget import error_budget_section
+from foreride.scenarios.report.film import video
 from foreride.scenarios.report.frames import with_frames
 from foreride.scenarios.report.replay import encode_float32, spectra
 from foreride.scenarios.runs.read import read
@@ -219,13 +220,21 @@ def test_what_cannot_be_reported_is_told_in_one_line(
     assert not out.exists()
 
 
-def test_the_film_shows_both_cars(compared: Path, tmp_path: Path) -> None:
-    film = tmp_path / "film.mp4"
-    out = tmp_path / "report.html"
-    assert main(["report", str(compared / "runs"), "--out", str(out), "--film", str(film)]) == 0
+def test_the_film_shows_both_cars(
+    compared: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(video, "event_window", lambda run, **given: (900, 1000))  # ticks: 6 frames
+    film, out = tmp_path / "film.mp4", tmp_path / "report.html"
+    asked = ["report", str(compared / "runs"), "--out", str(out), "--film"]
+    assert main([*asked, str(film)]) == 0
     reader = cv2.VideoCapture(str(film))
-    assert reader.get(cv2.CAP_PROP_FRAME_COUNT) > 20
+    assert reader.get(cv2.CAP_PROP_FRAME_COUNT) == 6
+    assert int(reader.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little") == b"VP90"  # "vp09" in the file
     assert reader.read()[1].shape == (720, 1280, 3)
+    out.unlink()
+    assert main([*asked, str(tmp_path / "film.avi")]) == 2
+    assert "ends in .mp4, got '.avi'" in capsys.readouterr().err
+    assert not out.exists()  # told before any work
 
 
 def test_the_spectrum_of_a_sine_lies_at_its_frequency_and_holds_its_power() -> None:
