@@ -16,8 +16,9 @@ from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.mpc.weighting_states import ComfortFilter
+from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
-from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, has_two_axles
+from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, has_two_axles, leading_wheels
 from foreride.controller.settings import MpcSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -60,7 +61,7 @@ class PredictiveController(BaseController):
         self._plan_min, self._plan_max = plan_limits(vehicle)
         self._filter = ComfortFilter(vehicle, period)
         self._delay_line = CommandDelayLine(self._timing, self._passive)
-        self._road = RoadReference(vehicle.wheels, self._settings.road)
+        self._road = RoadReference(vehicle.wheels, self._settings.road, leading_wheels(vehicle))
         self.reset()
 
     def reset(self) -> None:
@@ -84,8 +85,8 @@ class PredictiveController(BaseController):
         measured = self._wheelbase.update(estimate) if self._wheelbase is not None else None
         previewed = preview if self._preview_source == "preview" else None
         self._use(self._reactive_program if previewed is None else self._preview_program)
-        if previewed is None:
-            previewed, measured = measured, None
+        if previewed is None and measured is not None:
+            previewed, measured = exact(measured), None
         self._road.update(estimate, previewed, measured)
         self.problem = self._correct_plan(estimate)
         command = np.minimum(np.maximum(KILO * self._plan[0], self._command_min), self._command_max)

@@ -1,6 +1,9 @@
-"""Preview alignment: longitudinal shift between the previewed road and the road measured at a wheel.
+"""Preview alignment: errors of the preview in place, height and existence, from the road measured at a wheel.
 
-Bayesian matching on a grid: the shift that best explains the road heights lately estimated under the wheel.
+Bayes' rule on a grid of longitudinal shifts; for each of them the factor of the heights has a Gaussian
+posterior in closed form (Rao-Blackwellisation: Doucet et al., Uncertainty in Artificial Intelligence, 2000).
+The roughness that no preview contains has the spectrum of a random walk (ISO 8608), so differences of
+successive heights are compared.
 """
 
 from collections import deque
@@ -13,29 +16,34 @@ from foreride.preview.road_preview import RoadPreview
 
 MATCH_LENGTH_M = 0.5
 """Length of the measured road that is compared with the preview, m."""
-MEASURED_HEIGHT_SIGMA_M = 0.01
-"""Standard deviation of a measured road height about the previewed profile, m."""
-_SHIFTS = np.linspace(-3.0, 3.0, 21)
-_PRIOR = 0.5 * _SHIFTS**2
-_PRIOR_SIGMA = float(np.sqrt(np.exp(-_PRIOR) @ _SHIFTS**2 / np.exp(-_PRIOR).sum()))
+MAX_LOG_RATIO = 50.0
+NOISE_M, WALK_M2_M = 0.004, 1e-4
+"""Standard deviation of a measured difference of heights, m, and its variance by the roughness, m²/m."""
+GAIN_BEHIND_M, GAIN_AHEAD_M = 0.5, 1.5
+"""Stretch about a wheel that gives the prior of the height's factor, m."""
+OUTLIERS, OUTLIER_SIGMA_M = 0.2, 0.3
+"""Share of previews whose position is worse than stated, and by what standard deviation, m."""
+_SHIFTS = np.linspace(-3.0, 3.0, 41)
 
 
-class PreviewShift(NamedTuple):
-    """Estimated longitudinal error of the preview.
+class PreviewMatch(NamedTuple):
+    """Posterior errors of the preview close to a wheel.
 
     earlier_m: the road comes earlier than previewed by this distance (negative: later), m.
     remaining_sigma_ratio: posterior over prior standard deviation of the position, 0 to 1.
+    gain, gain_sigma: factor of the previewed heights, mean and standard deviation. log_ratio: logarithm of
+    the measured road's likelihood if the feature exists, over that if it does not.
     """
 
-    earlier_m: float
-    remaining_sigma_ratio: float
-
-
-NO_SHIFT = PreviewShift(0.0, 1.0)
+    earlier_m: float = 0.0
+    remaining_sigma_ratio: float = 1.0
+    gain: float = 1.0
+    gain_sigma: float = 0.0
+    log_ratio: float = 0.0
 
 
 class PreviewAlignment:
-    """Estimator of the preview's longitudinal error at one wheel, from the road measured there."""
+    """Estimator of the preview's errors at one wheel, from the road measured there."""
 
     def __init__(self, wheel: int):
         self._wheel = wheel
@@ -53,27 +61,55 @@ class PreviewAlignment:
         while self._measured and self._measured[0][0] < self._travelled_m - MATCH_LENGTH_M:
             self._measured.popleft()
 
-    def shift(self, preview: RoadPreview) -> PreviewShift:
-        """Return the posterior mean of the longitudinal error and its remaining relative standard deviation.
+    def match(self, preview: RoadPreview) -> PreviewMatch:
+        """Return the posterior errors; their priors are the preview's standard deviations near the wheel."""
+        distance_m = preview.distance_m
+        near = np.abs(distance_m) < MATCH_LENGTH_M
+        sigma = float(preview.position_sigma_m[self._wheel][near].max(initial=0.0))
+        object_here = (distance_m > -GAIN_BEHIND_M) & (distance_m < GAIN_AHEAD_M)
+        gain_sigma = relative_sigma(preview, self._wheel, object_here)
+        if len(self._measured) < 2 or sigma == gain_sigma == 0.0:
+            return PreviewMatch(gain_sigma=gain_sigma)
+        return self._posterior(preview, sigma, gain_sigma)
 
-        Bayes' rule on a grid of ±3 sigma: the prior is the preview's position sigma close to the wheel; the
-        recent road heights, relative to the first of them, differ from the preview with standard deviation
-        MEASURED_HEIGHT_SIGMA_M.
-        """
-        sigmas = preview.position_sigma_m[self._wheel]
-        if len(self._measured) < 2 or not sigmas.any():
-            return NO_SHIFT
-        sigma = float(sigmas[np.abs(preview.distance_m) < MATCH_LENGTH_M].max(initial=0.0))
-        if sigma == 0.0:
-            return NO_SHIFT
+    def _posterior(self, preview: RoadPreview, sigma: float, gain_sigma: float) -> PreviewMatch:
         travelled_m, height = np.array(self._measured).T
-        positions_m = (travelled_m - self._travelled_m) + sigma * _SHIFTS[:, None]
-        heights = preview.existence[self._wheel] * preview.height_m[self._wheel]
-        previewed = np.interp(positions_m, preview.distance_m, heights)
-        error = (height - height[0]) - (previewed - previewed[:, :1])
-        cost = 0.5 * np.sum((error / MEASURED_HEIGHT_SIGMA_M) ** 2, axis=1) + _PRIOR
-        posterior = np.exp(cost.min() - cost)
-        posterior /= posterior.sum()
-        posterior_mean = float(posterior @ _SHIFTS)
-        posterior_sigma = float(np.sqrt(posterior @ (_SHIFTS - posterior_mean) ** 2))
-        return PreviewShift(sigma * posterior_mean, min(1.0, posterior_sigma / _PRIOR_SIGMA))
+        shifts_m, prior = _shift_prior(sigma)
+        positions_m = (travelled_m - self._travelled_m) + shifts_m[:, None]
+        previewed = np.interp(positions_m, preview.distance_m, preview.height_m[self._wheel])
+        weight = (NOISE_M**2 + WALK_M2_M * np.diff(travelled_m)) ** -0.5
+        measured, claimed = np.diff(height) * weight, np.diff(previewed, axis=1) * weight
+        residual, variance = measured - claimed, gain_sigma**2
+        spread = 1.0 + variance * (claimed**2).sum(axis=1)
+        joint = (claimed * residual).sum(axis=1)
+        gains = 1.0 + variance * joint / spread
+        cost = 0.5 * ((residual**2).sum(axis=1) - variance * joint**2 / spread + np.log(spread))
+        posterior = prior * np.exp(cost.min() - cost)
+        evidence = float(posterior.sum())
+        posterior /= evidence
+        shift, gain = float(posterior @ shifts_m), float(posterior @ gains)
+        shift_variance = float(posterior @ (shifts_m - shift) ** 2)
+        gain_variance = float(posterior @ (variance / spread + (gains - gain) ** 2))
+        remaining = np.sqrt(shift_variance / (prior @ shifts_m**2)) if sigma else 1.0
+        flat = 0.5 * float((measured**2).sum())
+        log_ratio = float(np.clip(np.log(evidence) + flat - cost.min(), -MAX_LOG_RATIO, MAX_LOG_RATIO))
+        return PreviewMatch(shift, min(1.0, float(remaining)), gain, float(np.sqrt(gain_variance)), log_ratio)
+
+
+def _shift_prior(sigma: float) -> tuple[np.ndarray, np.ndarray]:
+    """Shifts (m) and their prior probabilities: a normal distribution with a share of outliers."""
+    if sigma == 0.0:
+        return np.zeros(1), np.ones(1)
+    wide = float(np.hypot(sigma, OUTLIER_SIGMA_M))
+    shifts_m = wide * _SHIFTS
+    narrow = max(sigma, 0.5 * float(shifts_m[1] - shifts_m[0]))
+    prior = (1.0 - OUTLIERS) / narrow * np.exp(-0.5 * (shifts_m / narrow) ** 2)
+    prior += OUTLIERS / wide * np.exp(-0.5 * _SHIFTS**2)
+    return shifts_m, prior / prior.sum()
+
+
+def relative_sigma(preview: RoadPreview, wheel: int, where: np.ndarray) -> float:
+    """Relative standard deviation of a wheel's previewed heights on a stretch: root mean squares' ratio."""
+    square = float((preview.height_m[wheel][where] ** 2).sum())
+    variance = float((preview.height_sigma_m[wheel][where] ** 2).sum())
+    return min(1.0, float(np.sqrt(variance / square))) if square > 0.0 else 0.0

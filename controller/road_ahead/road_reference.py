@@ -1,12 +1,14 @@
 """Road reference: the previewed profile, anchored to the road heights estimated under the wheels."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from foreride.controller.interface import Estimate
 from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
-from foreride.controller.road_ahead.preview_alignment import PreviewAlignment
+from foreride.controller.road_ahead.credible_heights import Credibility, credible, is_exact
+from foreride.controller.road_ahead.preview_alignment import PreviewAlignment, PreviewMatch
 from foreride.controller.settings import RoadSettings
 from foreride.preview.road_preview import RoadPreview
 
@@ -38,14 +40,17 @@ class RoadReference:
     With `uncertainty` "scenarios" there are several roads, each with its weight; otherwise a single one that
     represents the whole uncertainty.
 
-    The preview is shifted to where it matches the measured road (`controller.road_ahead.preview_alignment`);
-    the present excess of the measured over the previewed height is kept, and the excess slope decays. A wheel
-    off the ground only gives an upper bound of the road height, and its excess is that of the last contact.
-    Without preview the road ahead is taken as flat, and the whole measured height is excess.
+    The preview is shifted and scaled to match the road measured by the leading wheels, by default each wheel
+    itself (`controller.road_ahead.preview_alignment`), and planned lower the less certain it is
+    (`controller.road_ahead.credible_heights`). The present excess of the measured over the previewed height
+    is kept, and the excess slope decays. A wheel off the ground only gives an upper bound of the road height,
+    and its excess is that of the last contact. Without preview the road ahead is taken as flat, and the whole
+    measured height is excess.
     """
 
-    def __init__(self, wheels: int, settings: RoadSettings):
+    def __init__(self, wheels: int, settings: RoadSettings, leaders: Sequence[int] | None = None):
         self._wheels, self._settings = wheels, settings
+        self._leaders = range(wheels) if leaders is None else leaders
         self._hypotheses = len(ROAD_HYPOTHESES) if settings.uncertainty == "scenarios" else 1
         self._certain = np.eye(1, self._hypotheses)[0]
         self.reset()
@@ -53,7 +58,8 @@ class RoadReference:
     def reset(self) -> None:
         """Clear all measured and previewed heights."""
         self._height, self._slope = np.zeros((2, self._hypotheses, self._wheels))
-        self._alignments = [PreviewAlignment(wheel) for wheel in range(self._wheels)]
+        self._alignments = {leader: PreviewAlignment(leader) for leader in self._leaders}
+        self._credibility = Credibility(self._settings.credibility)
         self._previous: Estimate | None = None
         self._speed = 0.0
         self._has_preview = False
@@ -68,7 +74,7 @@ class RoadReference:
         with the preview.
         """
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STANDSTILL_M_S else 0.0
-        for alignment in self._alignments:
+        for alignment in self._alignments.values():
             alignment.record_road(estimate)
         previous = self._previous
         elapsed_s = estimate.time_s - previous.time_s if previous is not None else 0.0
@@ -118,27 +124,27 @@ class RoadReference:
             )
             return
         self._grid = preview.distance_m
+        matches = {leader: alignment.match(preview) for leader, alignment in self._alignments.items()}
+        for leader, match in matches.items():
+            self._credibility.update(leader, match)
         rows = [
-            self._roads(preview, wheel, alignment, measured)
-            for wheel, alignment in enumerate(self._alignments)
+            self._roads(preview, wheel, matches[leader], measured)
+            for wheel, leader in enumerate(self._leaders)
         ]
         self._previewed_heights = np.array(rows).swapaxes(0, 1)
         if self._hypotheses > 1:
-            likely = _likelihood(preview)
+            likely = _likelihood(preview) * (1.0 if is_exact(preview) else self._credibility.value)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
     def _roads(
-        self,
-        preview: RoadPreview,
-        wheel: int,
-        alignment: PreviewAlignment,
-        measured: RoadPreview | None,
+        self, preview: RoadPreview, wheel: int, match: PreviewMatch, measured: RoadPreview | None
     ) -> np.ndarray:
         """Heights (roads, n) of one wheel's road hypotheses on the preview's grid."""
-        settings, heights = self._settings, preview.height_m[wheel]
-        sigma, existence = preview.position_sigma_m[wheel], preview.existence[wheel]
-        earlier_m, remaining_sigma_ratio = alignment.shift(preview)
+        settings, sigma = self._settings, preview.position_sigma_m[wheel]
+        credibility = self._credibility.value
+        heights, existence = credible(preview, wheel, match, settings.height_sigmas, credibility)
+        earlier_m, remaining_sigma_ratio = match.earlier_m, match.remaining_sigma_ratio
         if settings.uncertainty == "scenarios":
             roads = [
                 moved(preview, heights * hypothesis.exists, hypothesis.sigmas * remaining_sigma_ratio * sigma)
@@ -151,7 +157,7 @@ class RoadReference:
             roads = [
                 moved(
                     preview,
-                    usable * existence * heights,
+                    np.minimum(usable, existence) * heights,
                     settings.sigmas_early * remaining_sigma_ratio * sigma,
                 )
             ]

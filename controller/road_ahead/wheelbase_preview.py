@@ -20,6 +20,15 @@ def has_two_axles(vehicle: Car) -> bool:
     return max(vehicle.axle_x_m) > min(vehicle.axle_x_m)
 
 
+def leading_wheels(vehicle: Car) -> list[int]:
+    """Index of the front wheel on each wheel's path; a front wheel leads itself."""
+    axles_m, sides = vehicle.axle_x_m, vehicle.wheel_y_m
+    return [
+        min(range(len(axles_m)), key=lambda front: (-axles_m[front], abs(sides[front] - side)))
+        for side in sides
+    ]
+
+
 class WheelbasePreview:
     """Source of a `RoadPreview` for the rear wheels, measured by the front wheels of the same side.
 
@@ -27,16 +36,11 @@ class WheelbasePreview:
     """
 
     def __init__(self, vehicle: Car):
-        axles_m, sides = np.array(vehicle.axle_x_m), vehicle.wheel_y_m
+        axles_m = np.array(vehicle.axle_x_m)
         self._behind_front_m = axles_m.max() - axles_m
         if not has_two_axles(vehicle):
             raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
-        self._leader = [
-            min(
-                range(len(axles_m)), key=lambda front: (self._behind_front_m[front], abs(sides[front] - side))
-            )
-            for side in sides
-        ]
+        self._leader = leading_wheels(vehicle)
         self._grid = distance_grid(BEHIND_M, float(self._behind_front_m.max()), STEP_M)
         self.reset()
 

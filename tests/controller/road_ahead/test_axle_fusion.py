@@ -6,6 +6,7 @@ import pytest
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.controller import PredictiveController
 from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
+from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
 from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview
 from foreride.controller.settings import MpcSettings, RoadSettings
@@ -126,7 +127,7 @@ def test_a_preview_of_nothing_known_does_as_well_for_the_rear_wheel_as_none() ->
     unknown = replace(nothing, height_sigma_m=np.ones_like(nothing.height_m))
     now = replace(estimate(HALF, speed_m_s=SPEED), time_s=0.6)
     roads = []
-    for arguments in ((unknown, felt), (felt, None)):
+    for arguments in ((unknown, felt), (exact(felt), None)):
         road = RoadReference(2, RoadSettings())
         road.update(now, *arguments)
         roads.append(road.heights(np.linspace(0.0, 0.2, 41)))

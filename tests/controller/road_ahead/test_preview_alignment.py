@@ -1,17 +1,18 @@
-"""Tests of the preview alignment on roads with known longitudinal error."""
+"""Tests of the preview alignment on roads with known errors of place and height."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from foreride.controller.road_ahead.preview_alignment import NO_SHIFT, PreviewAlignment, PreviewShift
+from foreride.controller.road_ahead.preview_alignment import PreviewAlignment, PreviewMatch
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate, step_preview
 
 CAR = load_vehicle("quarter")
 SPEED = 10.0
+NO_MATCH = PreviewMatch()
 
 
 def drive_up_to(position_m: float, edge_m: float, height_m: float, contact: bool = True) -> PreviewAlignment:
@@ -24,39 +25,66 @@ def drive_up_to(position_m: float, edge_m: float, height_m: float, contact: bool
     return alignment
 
 
-def seen_from(position_m: float, edge_m: float, sigma_m: float = 0.1) -> RoadPreview:
-    return step_preview(edge_m - position_m, 0.08, sigma_m=sigma_m)
+def seen_from(
+    position_m: float, edge_m: float, sigma_m: float = 0.1, height_sigma_m: float = 0.0
+) -> RoadPreview:
+    preview = step_preview(edge_m - position_m, 0.08, sigma_m=sigma_m)
+    doubt = np.where(preview.height_m > 0.0, height_sigma_m, 0.0)
+    return replace(preview, height_sigma_m=doubt)
 
 
 @pytest.mark.parametrize("error_m", [-0.15, -0.05, 0.0, 0.1, 0.2])
 def test_a_felt_edge_tells_the_error_of_the_preview(error_m: float) -> None:
     """Edge at 5 m, previewed `error_m` too far; 0.2 m past it the shift is known to 2 cm."""
-    shift = drive_up_to(5.2, 5.0, 0.08).shift(seen_from(5.2, 5.0 + error_m))
-    assert shift.earlier_m == pytest.approx(error_m, abs=0.02)
-    assert shift.remaining_sigma_ratio < 0.3
+    match = drive_up_to(5.2, 5.0, 0.08).match(seen_from(5.2, 5.0 + error_m))
+    assert match.earlier_m == pytest.approx(error_m, abs=0.02)
+    assert match.remaining_sigma_ratio < 0.3
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.8, 1.0, 1.3])
+def test_a_felt_edge_tells_the_height(factor: float) -> None:
+    match = drive_up_to(5.2, 5.0, factor * 0.08).match(seen_from(5.2, 5.0, 0.02, 0.04))
+    assert match.gain == pytest.approx(factor, abs=0.08)
+    assert match.gain_sigma < 0.15
+    assert match.log_ratio > 5.0
+
+
+def test_a_height_without_doubt_keeps_its_factor() -> None:
+    match = drive_up_to(5.2, 5.0, 0.04).match(seen_from(5.2, 5.0))
+    assert (match.gain, match.gain_sigma) == (1.0, 0.0)
+
+
+def test_before_the_edge_the_height_is_as_uncertain_as_stated() -> None:
+    match = drive_up_to(4.0, 5.0, 0.08).match(seen_from(4.0, 5.0, 0.02, 0.04))
+    assert match.gain == pytest.approx(1.0, abs=1e-6)
+    assert match.gain_sigma == pytest.approx(0.5, abs=0.05)
 
 
 def test_a_missing_edge_moves_it_ahead() -> None:
     """0.1 m past the expected edge nothing was measured: it must come later."""
-    shift = drive_up_to(5.1, 9.0, 0.08).shift(seen_from(5.1, 5.0))
-    assert -0.3 < shift.earlier_m < -0.08
+    match = drive_up_to(5.1, 9.0, 0.08).match(seen_from(5.1, 5.0))
+    assert -0.3 < match.earlier_m < -0.08
+
+
+def test_a_missing_edge_speaks_against_the_feature() -> None:
+    match = drive_up_to(5.3, 9.0, 0.08).match(seen_from(5.3, 5.0, 0.03))
+    assert match.log_ratio < -2.0
 
 
 def test_far_from_any_feature_the_preview_stands() -> None:
-    assert drive_up_to(3.0, 9.0, 0.08).shift(seen_from(3.0, 9.0)) == NO_SHIFT
+    assert drive_up_to(3.0, 9.0, 0.08).match(seen_from(3.0, 9.0)) == NO_MATCH
 
 
 def test_a_preview_without_doubt_is_not_moved() -> None:
-    assert drive_up_to(5.2, 5.0, 0.08).shift(seen_from(5.2, 5.1, sigma_m=0.0)) == NO_SHIFT
+    assert drive_up_to(5.2, 5.0, 0.08).match(seen_from(5.2, 5.1, sigma_m=0.0)) == NO_MATCH
 
 
 def test_in_the_air_nothing_is_learned() -> None:
-    assert drive_up_to(5.2, 5.0, 0.08, contact=False).shift(seen_from(5.2, 5.1)) == NO_SHIFT
+    assert drive_up_to(5.2, 5.0, 0.08, contact=False).match(seen_from(5.2, 5.1)) == NO_MATCH
 
 
 def test_a_flat_felt_and_flat_seen_road_leaves_the_prior() -> None:
     """A feature within reach but not yet reached gives little information and no shift."""
-    shift = drive_up_to(4.55, 9.0, 0.08).shift(seen_from(4.55, 5.0, sigma_m=0.05))
-    assert isinstance(shift, PreviewShift)
-    assert shift.earlier_m == pytest.approx(0.0, abs=0.01)
-    assert shift.remaining_sigma_ratio > 0.9
+    match = drive_up_to(4.55, 9.0, 0.08).match(seen_from(4.55, 5.0, sigma_m=0.05))
+    assert match.earlier_m == pytest.approx(0.0, abs=0.01)
+    assert match.remaining_sigma_ratio > 0.85
