@@ -67,6 +67,9 @@ DECAYS = {"linear": lambda done: 1 - done, "cosine": lambda done: (1 + math.cos(
 def rate_factor(
     stages: tuple[Stage, ...], passes: int, warmup: int, decay: str = "linear", floor: float = 0.01
 ) -> float:
-    """Learning rate over its peak: linear warm-up over `warmup` passes, decay with the pixels processed."""
-    rise = min(1.0, (passes + 1) / max(warmup, 1))
+    """Learning rate over its peak: linear warm-up, then decay with the pixels processed.
+
+    The warm-up takes `warmup` passes, or a tenth of all if these are fewer, as in a short fine-tuning.
+    """
+    rise = min(1.0, (passes + 1) / max(min(warmup, total_passes(stages) // 10), 1))
     return rise * (floor + (1 - floor) * DECAYS[decay](work_done(stages, passes)))

@@ -44,6 +44,8 @@ def render_road(job: Job) -> list[dict]:
     cv2.setNumThreads(1)
     rng = np.random.default_rng((job.seed, job.split, job.road))
     appearance = random_appearance(rng)
+    if job.near:
+        appearance = replace(appearance, fatigue=float(max(0.0, rng.uniform(-0.5, 1.0))))
     road = random_road(rng, appearance, *((LARGE_HOLES,) if job.near else ()))
     if job.plain:
         road, appearance = replace(road, features=()), with_distractors(appearance, rng)

@@ -1,5 +1,7 @@
 """Ground map of a road: height, feature ids and radiance on a 2 cm grid, filled as the camera advances."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
@@ -14,7 +16,7 @@ from foreride.road.render.map_tile import (
     Block,
 )
 from foreride.road.render.noise import fractal
-from foreride.road.render.paint import damage, deposits, markings, obstacles, pavement
+from foreride.road.render.paint import damage, deposits, fatigue, markings, obstacles, pavement
 from foreride.road.render.raycast import COARSE_STEP_M
 from foreride.road.road import Road
 
@@ -62,7 +64,9 @@ class Surface:
         coarse = ((self.rows + 2 * HALO_ROWS) // COARSENING, COLUMNS // COARSENING)
         self._fields = {name: fractal(rng, coarse, octaves) for name, octaves in _OCTAVES.items()}
         length = self.rows * CELL_M
-        self._damage = damage.plan(rng, appearance, self._edges, length)
+        damaged = damage.plan(rng, appearance, self._edges, length)
+        tired = fatigue.plan(np.random.default_rng((seed, 7)), appearance, road.features, self._edges, length)
+        self._damage = replace(damaged, cracks=damaged.cracks + tired)
         self._markings = markings.plan(rng, appearance, self._edges, length)
         self._cover = deposits.plan(np.random.default_rng((seed, 5)), appearance, self._edges, length)
         self._paint_seeds = [(seed, 2, number) for number in range(len(road.features))]

@@ -52,3 +52,10 @@ def test_cosine_decay_is_level_at_both_ends() -> None:
     assert rates[4] == pytest.approx(0.01)
     assert rates[0] - rates[1] < 3e-4
     assert rates[3] - rates[4] < 3e-4
+
+
+def test_a_short_training_leaves_its_warm_up() -> None:
+    """A warm-up longer than the training would keep the rate far below its peak."""
+    short = parse_stages("64x64:100")
+    assert rate_factor(short, 10, warmup=2000) == pytest.approx(0.01 + 0.99 * 0.9)
+    assert max(rate_factor(short, n, warmup=2000) for n in range(100)) > 0.85
