@@ -2,18 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import cv2
 import numpy as np
+from annotated_types import Interval
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from foreride.detector.data.crops import TrainingView, part_view
+from foreride.detector.data.crops import ZOOM, TrainingView, part_view
 from foreride.detector.data.litter import litter
 from foreride.detector.data.mosaic import mosaic_view
 from foreride.detector.data.weather import fog, rain, snow
 from foreride.detector.data.yolo_folder import Sample
 from foreride.files.reading.ranges import Checked, Share
+
+Zoom = Annotated[float, Interval(ge=1.0, le=8.0), "1"]
 
 
 @dataclass(frozen=True)
@@ -24,12 +28,14 @@ class Augmentation(Checked):
         training ends on unmodified images (Ge et al., YOLOX, arXiv 2107.08430, section 2.1)
     weather: share of the views with rain, snow or fog (as arXiv 2508.01339, section 3.2)
     litter: share of the views with leaves, paper and stones on the road
+    zoom: greatest scale of a crop, relative to full resolution
     """
 
     mosaic: Share = 0.0
     weather: Share = 0.0
     litter: Share = 0.0
     plain_last: Share = 0.1
+    zoom: Zoom = ZOOM
 
     def at(self, done: float) -> "Augmentation":
         """Augmentation at a training progress of 0..1."""
@@ -54,7 +60,9 @@ def training_view(
         shuffled = [chosen[i] for i in rng.permutation(4)]
         image, classes, boxes = mosaic_view(shuffled, width, height, rng, min_height_px)
     else:
-        image, classes, boxes = part_view(samples[index], width, height, rng, min_height_px)
+        image, classes, boxes = part_view(
+            samples[index], width, height, rng, min_height_px, zoom=augmentation.zoom
+        )
     if rng.random() < 0.5:
         image = image[:, ::-1]
         boxes[:, [0, 2]] = width - boxes[:, [2, 0]]

@@ -18,6 +18,7 @@ PADDING_GREY = 114
 IGNORED = -1
 MIN_VISIBLE_HEIGHT = 0.6  # least visible share of the box height of an object to train on
 MIN_WIDTH_PX = 6.0
+ZOOM = 1.3
 
 
 class TrainingView(NamedTuple):
@@ -33,10 +34,19 @@ class TrainingView(NamedTuple):
 
 
 def part_view(
-    sample: Sample, width: int, height: int, rng: Generator, min_height_px: float, fill: bool = False
+    sample: Sample,
+    width: int,
+    height: int,
+    rng: Generator,
+    min_height_px: float,
+    fill: bool = False,
+    zoom: float = ZOOM,
 ) -> TrainingView:
-    """Random crop of an image at a random scale; with `fill` (nearly) without grey padding."""
-    window = _window(sample, width, height, rng, fill)
+    """Random crop of an image at a random scale; with `fill` (nearly) without grey padding.
+
+    zoom: greatest scale, relative to full resolution.
+    """
+    window = _window(sample, width, height, rng, fill, zoom)
     image = cut(sample.image, window, width, height)
     return TrainingView(image, *_boxes_in(sample, window, width, height, min_height_px))
 
@@ -50,7 +60,9 @@ def whole_view(sample: Sample, width: int, height: int, min_height_px: float = 0
     return TrainingView(image, *_boxes_in(sample, window, width, height, min_height_px))
 
 
-def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool) -> tuple[int, int, int, int]:
+def _window(
+    sample: Sample, width: int, height: int, rng: Generator, fill: bool, zoom: float
+) -> tuple[int, int, int, int]:
     """Crop window x, y, w, h in source pixels; may reach beyond the image."""
     rows, columns = sample.image.shape[:2]
     fit_scale = (max if fill else min)(width / columns, height / rows)
@@ -60,7 +72,7 @@ def _window(sample: Sample, width: int, height: int, rng: Generator, fill: bool)
     elif kind < 0.6:
         scale = max(fit_scale, 1.0)
     else:
-        scale = np.exp(rng.uniform(np.log(0.9 * fit_scale), np.log(1.3 * max(fit_scale, 1.0))))
+        scale = np.exp(rng.uniform(np.log(0.9 * fit_scale), np.log(zoom * max(fit_scale, 1.0))))
     w, h = round(width / scale), round(height / scale)
     centre = rng.random(2) * (columns, rows)
     boxes = sample.boxes[sample.classes >= 0]

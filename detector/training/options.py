@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from foreride.detector.data.crops import ZOOM
 from foreride.detector.network.models import MODELS
 from foreride.detector.training.schedule import DECAYS
 from foreride.files.command_line import Parser
@@ -40,9 +41,7 @@ def parser(description: str | None) -> argparse.ArgumentParser:
         default="auto",
         help="make views on the CPU, or on the device from images in its memory (auto: device, but on a CPU)",
     )
-    p.add_argument(
-        "--zoom", type=float, default=1.4, help="device views: greatest scale over full resolution"
-    )
+    p.add_argument("--zoom", type=float, default=ZOOM, help="greatest scale of a crop over full resolution")
     p.add_argument(
         "--style", type=float, default=0.15, help="device views: share in the style of --mix images"
     )

@@ -72,7 +72,7 @@ def _settings(args: argparse.Namespace) -> Settings:
         precision=args.precision,
         loss=LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight),
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
-        augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last),
+        augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last, args.zoom),
     )
 
 

@@ -6,11 +6,11 @@ on the device.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated
 
 import torch
-from annotated_types import Interval
 
+from foreride.detector.data.augment import Zoom
+from foreride.detector.data.crops import ZOOM
 from foreride.detector.training.assigner import GroundTruth
 from foreride.detector.training.batches import Batch, epoch_order
 from foreride.detector.training.device.light import augmented, restyled
@@ -33,7 +33,7 @@ class DeviceAugmentation(Checked):
     lowest frequencies' amplitudes of a view of another set.
     """
 
-    zoom: Annotated[float, Interval(ge=1.0, le=8.0), "1"] = 1.4
+    zoom: Zoom = ZOOM
     style: Share = 0.15
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from foreride.detector.data.crops import IGNORED, cut, whole_view
+from foreride.detector.data.crops import IGNORED, cut, part_view, whole_view
 from tests.detector.roads import made
 
 
@@ -37,3 +37,12 @@ def test_cut_beyond_the_edges_is_grey() -> None:
     assert (image[5:15, 5:15] == 0).all()
     assert (image[:5] == 114).all()
     assert (image[:, 15:] == 114).all()
+
+
+def test_zoom_enlarges_crops_up_to_its_scale() -> None:
+    sample = made(0)
+    height = float((sample.boxes[1, 3] - sample.boxes[1, 1]) * 192)
+    for zoom in (1.3, 3.0):
+        views = [part_view(sample, 128, 96, np.random.default_rng(n), 2.0, zoom=zoom) for n in range(300)]
+        heights = [box[3] - box[1] for _, classes, boxes in views for box in boxes[classes == 1]]
+        assert 0.85 * zoom * height < max(heights) <= 1.02 * zoom * height
