@@ -13,6 +13,7 @@ from foreride.detector.training.assigner import GroundTruth, assign, candidates,
 
 STRIDES = (4, 8, 16, 32)
 POINTS, STRIDE = anchor_points(384, 640, STRIDES)
+DEVICES = ["cpu", *(["cuda"] if torch.cuda.is_available() else [])]
 
 
 def truths(*rows: tuple[int, int, list[float]]) -> GroundTruth:
@@ -87,3 +88,20 @@ def test_rank_within_groups(pairs: list[tuple[int, float]]) -> None:
         for i, (g, v) in enumerate(pairs)
     ]
     assert rank_in_group(group, value).tolist() == expected
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_every_device_assigns_the_same_points(device: str) -> None:
+    """Among random predictions, and among blank ones, where ties decide."""
+    wanted = truths((0, 0, [0, 100, 300, 110]), (0, 1, [100, 90, 140, 120]), (1, 1, [400, 300, 440, 310]))
+    torch.manual_seed(0)
+    for scale in (0.0, 1.0):
+        logits = scale * torch.randn(2, len(POINTS), 64), scale * torch.randn(2, len(POINTS), 2)
+        expected = assign(everywhere(*logits), POINTS, STRIDE, wanted)
+        guess = everywhere(*(values.to(device) for values in logits))
+        guess.branches[0].to(device)
+        place = torch.device(device)
+        matched = assign(guess, POINTS.to(place), STRIDE.to(place), wanted.to(place))
+        for name in ("image", "anchor", "truth"):
+            assert torch.equal(getattr(matched, name).cpu(), getattr(expected, name))
+        torch.testing.assert_close(matched.score.cpu(), expected.score, rtol=1e-3, atol=1e-4)

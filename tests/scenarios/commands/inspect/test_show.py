@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import ExifTags, Image
 
 from foreride.files.reading.films import read_frames, read_header
 from foreride.scenarios.commands.inspect.show import main
@@ -126,3 +127,14 @@ def test_a_camera_of_another_shape_is_refused(
     assert (
         "one.png: must have the shape of the camera's 640 x 384 px, got 640 x 640" in capsys.readouterr().err
     )
+
+
+def test_pictures_lying_on_their_side_are_shown_upright(tmp_path: Path, weights: Path) -> None:
+    """A phone stores them as its sensor sees them, with the turn in EXIF."""
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = 6
+    Image.new("RGB", (640, 384)).save(tmp_path / "upright.jpg", exif=exif)
+    options = ["--out", str(tmp_path / "out"), "--weights", str(weights)]
+    assert main([str(tmp_path / "upright.jpg"), *options]) == 0
+    height, width = cv2.imread(str(tmp_path / "out" / "sheet-001.png")).shape[:2]
+    assert height > width
