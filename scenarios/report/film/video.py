@@ -38,9 +38,7 @@ def check_film(path: Path) -> None:
         raise InputError(f"{path}: a film ends in {SUFFIX}, got {path.suffix!r}")
 
 
-def video_frames(
-    passive: Run, preview: Run, fps: int = FPS, slow_motion: float = SLOW_MOTION
-) -> Iterator[np.ndarray]:
+def video_frames(passive: Run, preview: Run, slow_motion: float = SLOW_MOTION) -> Iterator[np.ndarray]:
     """Yield the frames (HEIGHT, WIDTH, 3), RGB; `preview` must have kept its camera images."""
     if not preview.looks or preview.looks[0].image is None:
         raise InputError(f"film: the run of {preview.case.controller} kept no camera images")
