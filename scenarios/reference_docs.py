@@ -15,6 +15,7 @@ from foreride.files.reading import strict
 from foreride.files.reading.ranges import numbers_in
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cli import parser
+from foreride.scenarios.column_reference import column_page
 from foreride.scenarios.definition.schema import Scenario
 from foreride.vehicle.energy_audit import energy_audit
 
@@ -32,7 +33,12 @@ _LEAVES = {float: "number", int: "whole number", str: "text", bool: "true or fal
 
 def write(folder: Path) -> None:
     """Write all pages into the folder."""
-    pages = {"scenario": scenario_page(), "commands": command_page(), "metrics": metric_page()}
+    pages = {
+        "scenario": scenario_page(),
+        "commands": command_page(),
+        "metrics": metric_page(),
+        "columns": column_page(),
+    }
     for name, text in pages.items():
         write_text(folder / f"{name}.md", text)
 

@@ -37,41 +37,41 @@ class VehicleState:
     front, rear or front left, front right, rear left, rear right; SI units.
     """
 
-    time_s: Annotated[Any, "s"]
-    x_m: Annotated[Any, "m"]  # centre of gravity along the road
-    speed_m_s: Annotated[Any, "m/s"]
-    forward_acc: Annotated[Any, "m/s²"]  # along the road
+    time_s: Annotated[Any, "s", "time from the start of the drive"]
+    x_m: Annotated[Any, "m", "position of the centre of gravity along the road"]
+    speed_m_s: Annotated[Any, "m/s", "speed along the road"]
+    forward_acc: Annotated[Any, "m/s²", "longitudinal acceleration, positive while the speed rises"]
     x: Array  # (states,) in the order of vehicle.equations
-    heave_m: Annotated[Any, "m"]
-    heave_velocity: Annotated[Any, "m/s"]
-    pitch_rad: Annotated[Any, "rad"]
-    pitch_rate: Annotated[Any, "rad/s"]
-    roll_rad: Annotated[Any, "rad"]
-    roll_rate: Annotated[Any, "rad/s"]
-    wheel_z: Annotated[Array, "m"]  # (w,)
-    wheel_v: Annotated[Array, "m/s"]  # (w,)
-    damping: Annotated[Array, "N·s/m"]  # (w,) actual setting of the damper
-    command: Annotated[Array, "N·s/m"]  # (w,) damping requested until now
-    force_command: Annotated[Array, "N"]  # (w,) actuator force requested until now
-    rattle_m: Annotated[Array, "m"]  # (w,)
-    rattle_velocity: Annotated[Array, "m/s"]  # (w,)
-    body_acc: Annotated[Array, "m/s²"]  # (w,) above each wheel
-    seat_acc: Annotated[Array, "m/s²"]  # (seats,)
-    cg_acc: Annotated[Any, "m/s²"]
-    pitch_acc: Annotated[Any, "rad/s²"]
-    roll_acc: Annotated[Any, "rad/s²"]
-    wheel_acc: Annotated[Array, "m/s²"]  # (w,)
-    damper_force: Annotated[Array, "N"]  # (w,) on the body, up
-    actuator_force: Annotated[Array, "N"]  # (w,) on the body, up
-    stop_force: Annotated[Array, "N"]  # (w,) on the body, up
-    tyre_force: Annotated[Array, "N"]  # (w,) total, including the static load, >= 0
-    static_tyre_force: Annotated[Array, "N"]  # (w,) at standstill
-    road_height: Annotated[Array, "m"]  # (w,) effective height under each wheel
-    road_velocity: Annotated[Array, "m/s"]  # (w,) its rate of change
+    heave_m: Annotated[Any, "m", "vertical displacement of the centre of gravity, up"]
+    heave_velocity: Annotated[Any, "m/s", "its rate of change"]
+    pitch_rad: Annotated[Any, "rad", "pitch angle of the body, nose down"]
+    pitch_rate: Annotated[Any, "rad/s", "its rate of change"]
+    roll_rad: Annotated[Any, "rad", "roll angle of the body, left side up"]
+    roll_rate: Annotated[Any, "rad/s", "its rate of change"]
+    wheel_z: Annotated[Array, "m", "vertical displacement of the wheel centre, up"]
+    wheel_v: Annotated[Array, "m/s", "its rate of change"]
+    damping: Annotated[Array, "N·s/m", "setting that the damper has, after its lag"]
+    command: Annotated[Array, "N·s/m", "setting requested by the controller, held until the next request"]
+    force_command: Annotated[Array, "N", "actuator force requested by the controller"]
+    rattle_m: Annotated[Array, "m", "suspension travel: body above the wheel minus wheel, extension positive"]
+    rattle_velocity: Annotated[Array, "m/s", "its rate of change"]
+    body_acc: Annotated[Array, "m/s²", "vertical acceleration of the body above the wheel, up"]
+    seat_acc: Annotated[Array, "m/s²", "vertical acceleration of the body at the seat, up"]
+    cg_acc: Annotated[Any, "m/s²", "vertical acceleration of the centre of gravity, up"]
+    pitch_acc: Annotated[Any, "rad/s²", "pitch acceleration, nose down"]
+    roll_acc: Annotated[Any, "rad/s²", "roll acceleration, left side up"]
+    wheel_acc: Annotated[Array, "m/s²", "vertical acceleration of the wheel centre, up"]
+    damper_force: Annotated[Array, "N", "damper force on the body, up"]
+    actuator_force: Annotated[Array, "N", "actuator force on the body, up"]
+    stop_force: Annotated[Array, "N", "force of the bump and rebound stops on the body, up"]
+    tyre_force: Annotated[Array, "N", "vertical tyre force, static load included, never negative"]
+    static_tyre_force: Annotated[Array, "N", "tyre force at standstill"]
+    road_height: Annotated[Array, "m", "effective road height under the wheel, after the tyre's enveloping"]
+    road_velocity: Annotated[Array, "m/s", "its rate of change as the wheel rolls over it"]
 
 
-_UNITS: dict[str, str] = {
-    name: hint.__metadata__[0]
+_DEFINITIONS: dict[str, tuple[str, str]] = {
+    name: hint.__metadata__
     for name, hint in get_type_hints(VehicleState, include_extras=True).items()
     if get_origin(hint) is Annotated
 }
@@ -83,7 +83,17 @@ def signal_unit(name: str) -> str:
 
     Raises KeyError for an unknown name.
     """
-    return _UNITS[name if name in _UNITS else _INDEX.sub("", name)]
+    return signal_definition(name)[0]
+
+
+def signal_definition(name: str) -> tuple[str, str]:
+    """Unit and meaning of a signal; KeyError as `signal_unit`."""
+    return _DEFINITIONS[name if name in _DEFINITIONS else _INDEX.sub("", name)]
+
+
+def signal_definitions() -> dict[str, tuple[str, str]]:
+    """Unit and meaning of each signal, without the index of a wheel or seat."""
+    return dict(_DEFINITIONS)
 
 
 def road_under(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,17 +15,15 @@ STEP_M = 0.1
 
 @dataclass(frozen=True)
 class PreviewLog:
-    """Preview at the right front wheel at k times, float32.
+    """Preview at the right front wheel at k times, n distances each, float32; see `RoadPreview`."""
 
-    time_s: (k,). distance_m: (n,) ahead of the wheel. height_m, position_sigma_m, existence: (k, n), see
-    `RoadPreview`.
-    """
-
-    time_s: NDArray[np.float32]
-    distance_m: NDArray[np.float32]
-    height_m: NDArray[np.float32]
-    position_sigma_m: NDArray[np.float32]
-    existence: NDArray[np.float32]
+    time_s: Annotated[
+        NDArray[np.float32], "s", "moment at which the preview is anchored to the wheels"
+    ]  # (k,)
+    distance_m: Annotated[NDArray[np.float32], "m", "distances ahead of the right front wheel"]  # (n,)
+    height_m: Annotated[NDArray[np.float32], "m", "expected road height at these distances"]
+    position_sigma_m: Annotated[NDArray[np.float32], "m", "standard deviation of the position"]
+    existence: Annotated[NDArray[np.float32], "1", "probability that what is there exists"]
 
     def __len__(self) -> int:
         return len(self.time_s)
