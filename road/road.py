@@ -15,7 +15,7 @@ from foreride.road.features.repeated import Chain
 from foreride.road.io.reading_options import ReadingOptions
 from foreride.road.io.surface_file import MeasuredSurface, read_surface
 from foreride.road.roughness.iso8608 import Roughness, RoughSurface, rough_surface
-from foreride.road.vertical_alignment import GradeChange, check_order, grade_height
+from foreride.road.vertical_alignment import GradeChange, check_order, grade_at, grade_height
 
 FADE_IN_M = 5.0
 LONGEST_ROUGH_M = 32_768.0
@@ -28,9 +28,9 @@ class Road(Checked):
 
     Heights of overlapping features add up. Chains are expanded once: their copies join the features.
     Roughness and the heights in `file` (`road.io.formats`; `reading` says what differs from the conventions)
-    rise smoothly from nothing at x = 0 over the first FADE_IN_M, so that a car at rest there is in
-    equilibrium; behind the start the road is flat, beyond the end the roughness continues and the measured
-    height stays constant. `file_sha256` pins the file's content; it is filled in when the file is read, so
+    rise smoothly from a plane at x = 0 over the first FADE_IN_M, so that a car there is in equilibrium: a
+    level one, or that of the file's first metres with its grade and bank. Behind the start the plane continues,
+    beyond the end the roughness and the file's last grade. `file_sha256` pins the file's content; it is filled in when the file is read, so
     that a recorded road reveals when its file has changed. `grades` are changes of grade in their order along
     the road; all else is added to them.
 
@@ -75,9 +75,12 @@ class Road(Checked):
         if self.grades:
             z += grade_height(self.grades, x)
         fade = np.clip(x / FADE_IN_M, 0.0, 1.0)
-        for surface in (self._surface, self._measured):
-            if surface is not None:
-                z += fade * fade * (3 - 2 * fade) * surface.height(x, y)
+        fade = fade * fade * (3 - 2 * fade)
+        if self._surface is not None:
+            z += fade * self._surface.height(x, y)
+        if self._measured is not None:
+            plane = self._measured.start_plane(x, y)
+            z += plane + fade * (self._measured.continued_height(x, y) - plane)
         x, y = np.broadcast_arrays(x, y)
         for feature in self.features:
             within = (x >= feature.start_m) & (y >= feature.y_min_m) & (y <= feature.y_max_m)
@@ -86,6 +89,11 @@ class Road(Checked):
             if within.any():
                 z[within] += feature.height(x[within], y[within])
         return z
+
+    def grade(self, x: float) -> float:
+        """Grade (m/m) of the road's plane at x: that of `grades` and of the file, without roughness."""
+        own = 0.0 if self._measured is None else self._measured.grade(x)
+        return own + grade_at(self.grades, x)
 
     def _check_file(self, measured: MeasuredSurface) -> None:
         if measured.length_m < self.length_m:

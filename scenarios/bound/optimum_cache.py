@@ -58,7 +58,8 @@ def drive_inputs(scenario: Scenario) -> DriveInputs:
     car, control, count = scenario.true_car, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
     plant = Plant(car)
-    plant.reset(profiles, scenario.start_m, scenario.motion)
+    grade = scenario.road.grade(scenario.start_m)
+    plant.reset(profiles, scenario.start_m, scenario.motion, grade)
     motion = scenario.motion
     course = motion if isinstance(motion, SpeedProfile) else ConstantSpeed(motion)
     stretch = course.ahead(scenario.start_m, 0, count)

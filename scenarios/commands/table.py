@@ -7,6 +7,7 @@ TABLES = {
     "budget": "cost of each source of error, as a share of the gain of perfect preview",
     "degraded": "cost of errors of the preview, with an erroneous oracle",
     "faults": "cost of failing sensors, previews and solvers under the supervisor",
+    "grades": "controllers on grades and banks, relative to the level road",
     "rivals": "all controllers on the reporting set",
     "proving_ground": "proving-ground bumps of Theunissen et al.",
     "random_roads": "controllers on random roads that nothing was tuned on",

@@ -110,7 +110,8 @@ def assembled(
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     profiles = wheel_profiles(scenario)
     plant = Plant(scenario.true_car)
-    plant.reset(profiles, scenario.start_m, scenario.motion)
+    grade = scenario.road.grade(scenario.start_m)
+    plant.reset(profiles, scenario.start_m, scenario.motion, grade)
     sensors = Sensors(car.wheels, random_stream(case.seed, "sensors"), scenario.sensors)
     delivered = DeliveredReadings(sensors, scenario.plant, car.wheels)
     perception = perception_entry(case.perception).build(Drive(scenario, profiles, case.seed, keep_images))

@@ -48,11 +48,17 @@ class Plant:
         self._dampers = np.s_[..., : self._wheels]
         self._forces = np.s_[..., 2 * self._wheels : self._wheels + self._inputs]
 
-    def reset(self, profiles: Sequence[EffectiveProfile], x_m: float, speed: float | SpeedProfile) -> None:
+    def reset(
+        self,
+        profiles: Sequence[EffectiveProfile],
+        x_m: float,
+        speed: float | SpeedProfile,
+        grade: float = 0.0,
+    ) -> None:
         """Place the car with its centre of gravity at x_m on the road of `profiles`, one per wheel.
 
-        The wheels stand on the road with the body in equilibrium above them; vertical velocities are zero,
-        the dampers passive and the actuators without force. The car moves at constant speed, m/s, or by a
+        The wheels stand on the road with the body in equilibrium above them; all climb with the road's plane of
+        this grade, the dampers are passive and the actuators without force. The car moves at constant speed, m/s, or by a
         profile, whose `start_m` is then x_m.
         """
         wheels = self.parameters.wheels
@@ -63,7 +69,10 @@ class Plant:
         self._prepare(replace(speed, start_m=x_m) if isinstance(speed, SpeedProfile) else speed, float(x_m))
         height, _ = road_under(self.parameters, self._profiles, float(x_m), 0.0)
         self._row = np.zeros(self._engine.size)
-        self._row[self._order] = standstill_state(self.parameters, height)
+        start = standstill_state(self.parameters, height)
+        layout = state_layout(self.parameters)
+        start[layout.body_velocity.start] = start[layout.wheel_velocity] = grade * self.speed_m_s
+        self._row[self._order] = start
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
         self._segments, self._recorded_rows = [self._segment_between(slice(0, 1))], [self._row[None]]

@@ -93,18 +93,20 @@ def test_changed_file_is_read_again(tmp_path):
     assert read_surface(path).heights[1, 1] == pytest.approx(before.heights[1, 1] + 0.1)
 
 
-def test_road_from_a_file_fades_in_pins_its_content_and_stays_after_its_end(tmp_path):
-    path = written(tmp_path, "x_m,z_m\n0,7.0\n5,7.0\n6,7.1\n30,7.2\n")
+def test_road_from_a_file_fades_in_pins_its_content_and_goes_on_after_its_end(tmp_path):
+    path = written(tmp_path, "x_m,z_m\n0,7.0\n22,7.0\n23,7.1\n47,7.2\n")
     road = Road(25.0, file=str(path))
-    np.testing.assert_allclose(road.height([-3, 0, FADE_IN_M, 6, 18, 99], 0.0), [0, 0, 0, 0.1, 0.15, 0.2])
+    z = road.height([-3, 0, FADE_IN_M, 23, 35, 47], 0.0)
+    np.testing.assert_allclose(z, [0, 0, 0, 0.1, 0.15, 0.2], atol=1e-12)
+    assert road.height(59.0, 0.0) == pytest.approx(0.25, abs=0.01)
     assert not road.is_flat_between_features
     assert Road(25.0, file=str(path), file_sha256=road.file_sha256) == road
-    path.write_text("x_m,z_m\n0,7.0\n30,7.1\n")
+    path.write_text("x_m,z_m\n0,7.0\n47,7.1\n")
     os.utime(path, (1, 1))
     with pytest.raises(InputError, match=r"^file_sha256 .*the file has changed"):
         Road(25.0, file=str(path), file_sha256=road.file_sha256)
-    with pytest.raises(InputError, match=r"^length_m must be <= 30 m \(end of .*road\.csv\), got 31"):
-        Road(31.0, file=str(path))
+    with pytest.raises(InputError, match=r"^length_m must be <= 47 m \(end of .*road\.csv\), got 48"):
+        Road(48.0, file=str(path))
 
 
 @given(
@@ -160,3 +162,23 @@ def test_absurd_numbers_are_refused_without_a_warning(tmp_path, text, message):
     with warnings.catch_warnings(record=True) as warned, pytest.raises(InputError, match=message):
         read_surface(path)
     assert not warned
+
+
+@pytest.mark.parametrize("slope", [-0.06, 0.04])
+def test_a_file_with_its_grade_left_in_has_no_kink(tmp_path, slope):
+    """The grade of the file holds from behind the start to beyond the end, and its bank with it."""
+    lines = "".join(f"{x},{slope * x + 0.02:.4f},{slope * x - 0.02:.4f}\n" for x in range(0, 61, 2))
+    road = Road(60.0, file=str(written(tmp_path, "x_m,left_m,right_m\n" + lines)))
+    x = np.linspace(-10.0, 70.0, 1601)
+    for y, bank_m in ((0.75, 0.02), (-0.75, -0.02)):
+        np.testing.assert_allclose(road.height(x, y), slope * x + bank_m, atol=1e-9)
+    assert [road.grade(2.0), road.grade(59.0)] == pytest.approx([slope, slope])
+
+
+def test_only_the_deviation_from_the_first_metres_fades_in(tmp_path):
+    waves = "".join(f"{x / 10},{0.04 * x / 10 + 0.01 * np.sin(3 * x / 10):.5f}\n" for x in range(601))
+    path = written(tmp_path, "x_m,z_m\n" + waves)
+    x = np.linspace(-5.0, 60.0, 1301)
+    z, measured = Road(60.0, file=str(path)).height(x, 0.0), read_surface(path)
+    assert np.abs(np.diff(z, 2)).max() < 0.0005
+    np.testing.assert_allclose(z[x >= FADE_IN_M], measured.height(x[x >= FADE_IN_M], 0.0))
