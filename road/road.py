@@ -28,11 +28,11 @@ class Road(Checked):
 
     Heights of overlapping features add up. Chains are expanded once: their copies join the features.
     Roughness and the heights in `file` (`road.io.formats`; `reading` says what differs from the conventions)
-    rise smoothly from a plane at x = 0 over the first FADE_IN_M, so that a car there is in equilibrium: a
-    level one, or that of the file's first metres with its grade and bank. Behind the start the plane continues,
-    beyond the end the roughness and the file's last grade. `file_sha256` pins the file's content; it is filled in when the file is read, so
-    that a recorded road reveals when its file has changed. `grades` are changes of grade in their order along
-    the road; all else is added to them.
+    rise smoothly from a plane over the first FADE_IN_M, so that a car there is in equilibrium: a level one, or
+    that of the file's first metres with its grade and bank. Behind the start the plane continues, beyond the
+    end the roughness and the file's last grade. `file_sha256` pins the file's content; it is filled in when
+    the file is read, so that a recorded road reveals when its file has changed. `grades` are changes of grade
+    in their order along the road; all else is added to them.
 
     Raises InputError if a feature or a change of grade is not wholly inside [0, length_m], changes of grade
     overlap, or the file is bad or too short.

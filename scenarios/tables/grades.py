@@ -28,7 +28,7 @@ START_M, TRACK_M = 10.0, 1.5
 
 
 class Slope(NamedTuple):
-    """Result of one drive on a grade (m/m) and bank (m/m): J, its ratio to the level road's, steps refused."""
+    """Result of one drive: grade and bank (m/m), J, its ratio to the level road's, steps refused."""
 
     vehicle: str
     controller: str

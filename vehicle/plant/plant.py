@@ -57,9 +57,9 @@ class Plant:
     ) -> None:
         """Place the car with its centre of gravity at x_m on the road of `profiles`, one per wheel.
 
-        The wheels stand on the road with the body in equilibrium above them; all climb with the road's plane of
-        this grade, the dampers are passive and the actuators without force. The car moves at constant speed, m/s, or by a
-        profile, whose `start_m` is then x_m.
+        The wheels stand on the road with the body in equilibrium above them; all climb with the road's plane
+        of this grade, the dampers are passive and the actuators without force. The car moves at constant
+        speed, m/s, or by a profile, whose `start_m` is then x_m.
         """
         wheels = self.parameters.wheels
         if len(profiles) != wheels:
