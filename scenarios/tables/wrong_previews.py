@@ -26,9 +26,15 @@ from foreride.scenarios.comparison import row_file
 from foreride.scenarios.comparison.parallel import each_result
 from foreride.scenarios.simulation.simulate import Run
 from foreride.scenarios.tables.options import table_parser
-from foreride.scenarios.tables.wrong_maps import wrong_map
-from foreride.scenarios.tables.wrong_roads import drawn_road, scenario
-from foreride.scenarios.tables.wrong_settings import Unstated, applied, unstated, wrong_camera, wrong_oracle
+from foreride.scenarios.tables.wrong_drives.maps import wrong_map
+from foreride.scenarios.tables.wrong_drives.roads import drawn_road, scenario
+from foreride.scenarios.tables.wrong_drives.settings import (
+    Unstated,
+    applied,
+    unstated,
+    wrong_camera,
+    wrong_oracle,
+)
 
 A_ROAD = 8
 """Drives that share a road, and with it the drive with `mpc_reactive`."""

@@ -1,0 +1,1 @@
+"""Random drives with wrong previews: their roads, maps and settings, drawn by number."""
