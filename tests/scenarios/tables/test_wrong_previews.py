@@ -8,9 +8,9 @@ import pytest
 from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.scenarios.tables import wrong_previews
-from foreride.scenarios.tables.wrong_previews import A_ROAD, drawn_errors, road_fields, table, worst
 from foreride.scenarios.tables.wrong_drives.roads import scenario
 from foreride.scenarios.tables.wrong_drives.settings import Unstated, applied
+from foreride.scenarios.tables.wrong_previews import A_ROAD, drawn_errors, road_fields, table, worst
 
 
 def row(number: int, ratio: float, perception: str = "boxes") -> dict:
