@@ -59,8 +59,13 @@ def run(
 
 def compare(
     scenarios: str | Path | Scenario | Sequence[str | Path | Scenario],
-    controllers: Sequence[AnyController] = ("passive", "skyhook", "mpc_reactive", "mpc_preview"),
-    perceptions: Sequence[str] = ("oracle",),
+    controllers: AnyController | Sequence[AnyController] = (
+        "passive",
+        "skyhook",
+        "mpc_reactive",
+        "mpc_preview",
+    ),
+    perceptions: str | Sequence[str] = ("oracle",),
     seeds: Sequence[int] | None = None,
     overrides: Fields | None = None,
     baseline: str | None = DEFAULT_BASELINE,
@@ -73,6 +78,8 @@ def compare(
     `if __name__ == "__main__":`. The number of jobs changes no result. Raises InputError.
     """
     several = [scenarios] if isinstance(scenarios, str | Path | Scenario) else list(scenarios)
+    controllers = controllers if isinstance(controllers, list | tuple) else [controllers]
+    perceptions = [perceptions] if isinstance(perceptions, str) else perceptions
     loaded = [load_scenario(scenario, overrides) for scenario in several]
     labels = [controller_label(controller) for controller in controllers]
     if len(set(labels)) != len(labels):
