@@ -51,6 +51,19 @@ def test_tanh_damper_by_hand_at_one_ampere() -> None:
     assert law(MrTanhDamper(), 0.5, 0.2, travel=0.05) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("travel", [0.05, -0.05])
+@pytest.mark.parametrize("rate", [0.004, -0.004, 0.0])
+def test_the_hysteresis_of_the_tanh_damper_at_low_rates_pulls_back_to_the_middle(
+    travel: float, rate: float
+) -> None:
+    """delta·sgn(x) is added to beta·v: at rest the extended damper pulls the body down, the compressed one up."""
+    expected = -3161.0 * rate - 706.0 * np.tanh(100.0 * rate + 0.88 * np.sign(travel))
+    force = law(MrTanhDamper(), 0.5, rate, travel=travel)
+    assert force == pytest.approx(expected)
+    if rate == 0.0:
+        assert np.sign(force) == -np.sign(travel)
+
+
 def test_bouc_wen_yields_at_the_bound_of_its_equation() -> None:
     """Under steady extension z tends to sqrt(A / (beta + gamma)) and c1 limits the slip rate."""
     part, internal_states = MrBoucWenDamper(), [0.0, 0.0]
