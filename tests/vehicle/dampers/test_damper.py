@@ -56,7 +56,7 @@ def test_tanh_damper_by_hand_at_one_ampere() -> None:
 def test_the_hysteresis_of_the_tanh_damper_at_low_rates_pulls_back_to_the_middle(
     travel: float, rate: float
 ) -> None:
-    """delta·sgn(x) is added to beta·v: at rest the extended damper pulls the body down, the compressed one up."""
+    """delta·sgn(x) is added to beta·v: at rest the extended damper pulls down, the compressed up."""
     expected = -3161.0 * rate - 706.0 * np.tanh(100.0 * rate + 0.88 * np.sign(travel))
     force = law(MrTanhDamper(), 0.5, rate, travel=travel)
     assert force == pytest.approx(expected)
