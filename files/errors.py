@@ -16,7 +16,7 @@ _MAX_NAME_LENGTH = 100
 class InputError(ValueError):
     """Invalid input, reported in one line that names file, field, value and what is allowed.
 
-    The message is one printable line of less than `MESSAGE_LENGTH` characters, whatever it is made from.
+    The message is one printable line of less than 500 characters, whatever it is made from.
     """
 
     def __init__(self, message: object = "") -> None:

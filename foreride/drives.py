@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from foreride.controller.interface import Controller
 from foreride.controller.registry import build_object, uses_preview
@@ -78,10 +78,10 @@ def compare(
     `if __name__ == "__main__":`. The number of jobs changes no result. Raises InputError.
     """
     several = [scenarios] if isinstance(scenarios, str | Path | Scenario) else list(scenarios)
-    controllers = controllers if isinstance(controllers, list | tuple) else [controllers]
+    laws = list(controllers) if isinstance(controllers, list | tuple) else [cast(AnyController, controllers)]
     perceptions = [perceptions] if isinstance(perceptions, str) else perceptions
     loaded = [load_scenario(scenario, overrides) for scenario in several]
-    labels = [controller_label(controller) for controller in controllers]
+    labels = [controller_label(controller) for controller in laws]
     if len(set(labels)) != len(labels):
         raise InputError(f"controllers must have different names, got {', '.join(labels)}")
     if baseline not in (*labels, None, DEFAULT_BASELINE):
@@ -91,7 +91,7 @@ def compare(
         (Case(scenario, controller_label(controller), perception, _seed(seed)), controller)
         for scenario in loaded
         for seed in (seeds if seeds is not None else [scenario.seed])
-        for controller in controllers
+        for controller in laws
         for perception in (perceptions if _takes_preview(controller) else ["none"])
     ]
     return Comparison(tuple(_simulated(drives, jobs)), baseline if baseline in labels else None)

@@ -28,7 +28,7 @@ class Road(Checked):
 
     Heights of overlapping features add up. Chains are expanded once: their copies join the features.
     Roughness and the heights in `file` (`road.io.formats`; `reading` says what differs from the conventions)
-    rise smoothly from a plane over the first FADE_IN_M, so that a car is in equilibrium there: a level one or
+    rise smoothly from a plane over the first 5 m, so that a car is in equilibrium there: a level one or
     that of the file's first metres with its grade and bank. Behind the start the plane continues, beyond the
     end the roughness and the file's last grade. `file_sha256` pins the file's content; it is filled in when
     the file is read, so that a recorded road reveals when its file has changed. `grades` are changes of grade

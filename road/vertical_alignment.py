@@ -19,7 +19,7 @@ class GradeChange(Checked):
     """Change of grade to `grade` (m/m, negative downhill), from `start_m` on, over `length_m`.
 
     The vertical curve between is a parabola, as in road design. Raises InputError for a grade beyond
-    +-MAX_GRADE.
+    ±0.3.
     """
 
     start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"]

@@ -14,6 +14,7 @@ from foreride.files.plugins import Registry
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import numbers_in
 from foreride.files.writing.atomic import write_text
+from foreride.scenarios.api_reference import api_page
 from foreride.scenarios.cli import parser
 from foreride.scenarios.column_reference import column_page
 from foreride.scenarios.definition.schema import Scenario
@@ -38,6 +39,7 @@ def write(folder: Path) -> None:
         "commands": command_page(),
         "metrics": metric_page(),
         "columns": column_page(),
+        "api": api_page(),
     }
     for name, text in pages.items():
         write_text(folder / f"{name}.md", text)

@@ -1,5 +1,6 @@
 """Tests that the documentation builds without warnings and its reference pages match the code."""
 
+import re
 import subprocess
 import sys
 from dataclasses import fields
@@ -7,9 +8,12 @@ from pathlib import Path
 
 import pytest
 
+import foreride
 from foreride.comfort import METRICS
 from foreride.scenarios import reference_docs
+from foreride.scenarios.api_reference import api_page
 from foreride.scenarios.cli import parser
+from foreride.scenarios.column_reference import column_page
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 
@@ -39,6 +43,25 @@ def test_blocks_follow_the_mapping_of_a_scenario() -> None:
         return set(inner).union(*(paths(value, place) for place, value in inner.items()))
 
     assert paths(load("mixed_40").mapping) - {"control.settings.user"} <= described
+
+
+def test_every_public_name_is_on_the_page_of_the_interface() -> None:
+    page = api_page()
+    for name in foreride.__all__:
+        section = page.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
+        assert len(section.split("```")[2].strip()) > 20, name
+    assert "* `to_latex(columns: Sequence[str] | None = None) -> str`: " in page
+    assert "ndarray[" not in page
+
+
+def test_no_page_names_a_constant_of_the_code() -> None:
+    """A reader cannot look it up: its value belongs there."""
+    generated = (reference_docs.scenario_page(), reference_docs.metric_page(), api_page(), column_page())
+    written = (page.read_text() for page in DOCS.rglob("*.md") if "reference" not in page.parts)
+    for text in (*generated, *written):
+        prose = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+        names = re.findall(r"\b[A-Z]{2,}_[A-Z_]+\b", prose)
+        assert [name for name in names if not name.startswith(("FORERIDE_", "NUMBA_", "ELLIPS_"))] == []
 
 
 def test_every_command_and_metric_is_on_its_page() -> None:
