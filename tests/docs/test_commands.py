@@ -63,7 +63,7 @@ def texts() -> Iterator[tuple[str, str]]:
 def commands(text: str) -> Iterator[tuple[list[str], bool]]:
     """Words of each command of a text, and whether it may be partial."""
     for kind, block in BLOCK.findall(text):
-        for line in block.splitlines() if kind in ("sh", "bash") else ():
+        for line in block.replace("\\\n", " ").splitlines() if kind in ("sh", "bash") else ():
             if line.startswith(STARTS):
                 yield shlex.split(line, comments=True), False
     for span in SPAN.findall(BLOCK.sub("", text)):
