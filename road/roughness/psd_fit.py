@@ -16,6 +16,8 @@ BAND = (0.02, 2.83)  # cycles/m, band of the fit where covered; the upper end is
 MIN_SEGMENTS = 8
 MAX_SEGMENT_M = 200.0
 MIN_LENGTH_M = 40.0
+FLAT_M3 = 1e-16
+"""Density below which a road is flat but for rounding."""
 NORMAL_90 = 1.645
 """Half-width of the 90 % interval of a normal distribution, in standard deviations."""
 
@@ -91,7 +93,7 @@ def fit(psd: DisplacementPsd) -> FittedPsdLine:
     Each band weighs by its certainty: the logarithm of a chi-square value of v degrees of freedom has the
     mean psi(v/2) - log(v/2) and the variance psi'(v/2). Scatter beyond that widens the interval.
     """
-    if len(psd.n) < 3 or not np.all(psd.psd_m3 > 0):
+    if len(psd.n) < 3 or not np.all(psd.psd_m3 > FLAT_M3):
         raise InputError("ISO 8608 class: road must be rough in each band of wavelengths, got a flat one")
     half = psd.freedom / 2
     levels = np.log(psd.psd_m3) - digamma(half) + np.log(half)

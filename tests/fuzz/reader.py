@@ -12,10 +12,14 @@ ROOT = Path(__file__).parents[2]
 
 @dataclass(frozen=True)
 class Reader:
-    """place: folder → file in it. read: that file → anything; InputError for bad input."""
+    """place: folder → file in it. read: that file → anything; InputError for bad input.
+
+    places: number of places at which tests damage the file, less for a reader that starts a process.
+    """
 
     place: Callable[[Path], Path]
     read: Callable[[Path], object]
+    places: int = 24
 
 
 def text_file(name: str, text: str) -> Callable[[Path], Path]:

@@ -10,8 +10,6 @@ import pytest
 from foreride.files.errors import InputError
 from tests.fuzz.readers import READERS
 
-PLACES = 24
-
 
 def answers(read: Callable[[Path], object], path: Path) -> str:
     """The one line in which the file is refused; empty where it is taken."""
@@ -75,7 +73,7 @@ def test_damaged_content_is_answered(name: str, kind: str, tmp_path: Path) -> No
 def test_a_file_cut_short_anywhere_is_answered(name: str, tmp_path: Path) -> None:
     path = READERS[name].place(tmp_path)
     data = path.read_bytes()
-    for place in range(0, len(data), max(1, len(data) // PLACES)):
+    for place in range(0, len(data), max(1, len(data) // READERS[name].places)):
         path.write_bytes(data[:place])
         answers(READERS[name].read, path)
 
@@ -84,7 +82,7 @@ def test_a_file_cut_short_anywhere_is_answered(name: str, tmp_path: Path) -> Non
 def test_flipped_bits_and_strange_bytes_are_answered(name: str, tmp_path: Path) -> None:
     path, rng = READERS[name].place(tmp_path), Random(name)
     data = path.read_bytes()
-    for _ in range(PLACES):
+    for _ in range(READERS[name].places):
         damaged = bytearray(data)
         damaged[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
         damaged[rng.randrange(len(data))] = rng.choice(b'\0\xff\x80"{[:,-9eE.\n')

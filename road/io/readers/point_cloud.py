@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from foreride.files.errors import InputError
 from foreride.files.reading.regular_file import read_bytes, reading
 from foreride.road.io.raw_profile import RawProfile
+from foreride.road.io.readers.isolated import decoded
 from foreride.road.io.reading_options import ReadingOptions
 
 LIMIT = 1 << 30
@@ -24,21 +25,29 @@ MIN_COVERAGE = 0.5
 """Least share of cells with points that a line along the road needs."""
 MAX_BEND_M = 1.0
 _MAX_CELLS = 20_000_000
+_RECORD_HEADER = 54
+"""Bytes of the header of a variable length record, LAS 1.4."""
 
 Array = NDArray[np.float64]
 
 
 def read(path: Path, options: ReadingOptions) -> RawProfile:
     """Height map of a point cloud, in cells of `options.cell_m` or CELL_M."""
-    data = read_bytes(path, LIMIT)
     with reading(path):
-        try:
-            points = _READERS[path.suffix.lower()](data)
-        except ImportError as error:
-            raise InputError(f"{path}: needs {error.name}: pip install 'foreride[roads]'") from None
-        points = np.asarray(points, float).reshape(-1, 3)
+        native = path.suffix.lower() in (".las", ".laz")
+        arrays = decoded("point_cloud", path, LIMIT) if native else decode(path, read_bytes(path, LIMIT))
+        points = np.asarray(arrays["points"], float).reshape(-1, 3)
         points = points[np.isfinite(points).all(axis=1)]
         return gridded(points, options.cell_m or CELL_M, str(path))
+
+
+def decode(path: Path, data: bytes) -> dict[str, Any]:
+    """Points (n, 3) of a file."""
+    try:
+        points = np.asarray(_READERS[path.suffix.lower()](data))
+    except ImportError as error:
+        raise InputError(f"{path}: needs {error.name}: pip install 'foreride[roads]'") from None
+    return {"points": points}
 
 
 def gridded(points: Array, cell_m: float, source: str) -> RawProfile:
@@ -92,6 +101,9 @@ def _require_straight(count: NDArray[np.int64], cell_m: float, source: str) -> N
 def _las(data: bytes) -> Any:
     import laspy
 
+    variable_records = int.from_bytes(data[100:104], "little")
+    if variable_records * _RECORD_HEADER > len(data):
+        raise InputError("damaged header: more variable records than the file has room for")
     return np.asarray(laspy.read(io.BytesIO(data)).xyz)
 
 

@@ -1,6 +1,7 @@
 """`foreride road`: length, roughness and features of a scenario's road or of a road file."""
 
 import argparse
+import os
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -110,7 +111,7 @@ def _subject(
     arguments: argparse.Namespace,
 ) -> tuple[float, list[Track], list[dict[str, object]], Sequence[str]]:
     """Length, wheel tracks, features and doubts of a scenario's road or of a road file."""
-    if Path(arguments.road).suffix.lower() in FORMATS:
+    if _is_road_file(arguments.road):
         surface = read_surface(arguments.road, reading_options(arguments))
         wheel_y_m = (TRACK_M / 2, -TRACK_M / 2)
         covered = _inside(surface, wheel_y_m)
@@ -126,7 +127,7 @@ def _sampled(arguments: argparse.Namespace) -> tuple[Array, Array, Array]:
     """Stations, lines and heights to write: those of a file, or a grid that holds the wheels' lines."""
     if arguments.step is not None:
         within("--step", arguments.step, 0.005, 0.5, "m")
-    if Path(arguments.road).suffix.lower() in FORMATS:
+    if _is_road_file(arguments.road):
         surface = read_surface(arguments.road, reading_options(arguments))
         if arguments.step is None:
             return surface.x_m, surface.y_m, surface.heights
@@ -140,6 +141,12 @@ def _sampled(arguments: argparse.Namespace) -> tuple[Array, Array, Array]:
 
 def _stations(length_m: float, step_m: float) -> Array:
     return step_m * np.arange(int(length_m / step_m + 1e-9) + 1, dtype=np.float64)
+
+
+def _is_road_file(name: str) -> bool:
+    """Whether the argument is a file that is no scenario."""
+    suffix = Path(name).suffix.lower()
+    return suffix in FORMATS or (suffix not in (".yaml", ".yml") and os.path.isfile(name))
 
 
 def _inside(surface: MeasuredSurface, wheel_y_m: Sequence[float]) -> list[float]:

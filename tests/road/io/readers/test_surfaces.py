@@ -9,6 +9,8 @@ import pytest
 
 from foreride.files.errors import InputError
 from foreride.road.features.feature import HalfSineBump
+from foreride.road.io.readers.isolated import decoded
+from foreride.road.io.readers.point_cloud import decode
 from foreride.road.io.reading_options import ReadingOptions
 from foreride.road.io.surface_file import read_surface
 from foreride.road.io.writing import write_surface
@@ -87,9 +89,8 @@ def test_a_cloud_that_bends_or_is_thin_is_refused(tmp_path: Path, monkeypatch: p
     with pytest.raises(InputError, match=r"too few points for cells of 0\.1 m"):
         read_surface(save_cloud(tmp_path / "thin.las", cloud()[:2000]))
     monkeypatch.setitem(sys.modules, "laspy", None)
-    path = save_cloud(tmp_path / "road.las", cloud())
     with pytest.raises(InputError, match=r"needs laspy: pip install 'foreride\[roads\]'"):
-        read_surface(path)
+        decode(tmp_path / "road.las", b"LASF")
 
 
 @pytest.mark.parametrize("ending", ["csv", "crg"])
@@ -105,3 +106,25 @@ def test_what_is_written_comes_back_to_a_hundredth_of_a_millimetre(tmp_path: Pat
         assert pyopencrg.read(path).uv_to_z(30.0, 0.75) == pytest.approx(
             float(road.height(30.0, 0.75)), abs=1e-5
         )
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("import os; os.abort()", "its decoder crashed; the file is damaged"),
+        ("while True: pass", "cannot be decoded in reasonable time"),
+        ("raise KeyError('x')", r"is invalid \(KeyError"),
+    ],
+)
+def test_a_decoder_that_crashes_or_hangs_is_an_error_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, message: str
+) -> None:
+    module = tmp_path / "foreride_decoder.py"
+    module.write_text(f"def decode(path, data):\n    {code}\n")
+    (tmp_path / "road.las").write_bytes(b"LASF")
+    monkeypatch.setattr("foreride.road.io.readers.isolated.PATIENCE_S", 4.0)
+    monkeypatch.setattr("foreride.road.io.readers.isolated.ROOM", "")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(InputError, match=message) as caught:
+        decoded("foreride_decoder", tmp_path / "road.las", 1000)
+    assert str(caught.value).startswith(f"{tmp_path / 'road.las'}: ")
