@@ -32,7 +32,9 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 
 def commands(text: str) -> list[list[str]]:
-    return [shlex.split(line, comments=True) for line in text.splitlines() if line.strip()]
+    return [
+        shlex.split(line, comments=True) for line in text.replace("\\\n", " ").splitlines() if line.strip()
+    ]
 
 
 def pages(with_runs: bool) -> list[Path]:
