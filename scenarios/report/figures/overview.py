@@ -58,12 +58,12 @@ def overview_figure(rows: Sequence[Row], excerpts: Mapping[Drive, Excerpt], base
     traced = len(drives) <= MOST_TRACED and drives.keys() <= excerpts.keys()
     greatest = max(_effect(variant)[2] for variant in variants)
     with styled():
-        heights = [0.75 + 0.32 * len(members) for members in drives.values()]
+        heights = [0.8 + 0.4 * len(members) for members in drives.values()]
         heights = [max(height, 2.2) for height in heights] if traced else heights
         figure = Figure(figsize=(WIDTH_IN, sum(heights) + 0.6), layout="constrained")
         parts = figure.subfigures(len(drives), 1, squeeze=False, height_ratios=heights)[:, 0]
         for part, (drive, members) in zip(parts, drives.items(), strict=True):
-            part.suptitle(plain(excerpts[drive].title if drive in excerpts else drive[0]), fontsize=11)
+            part.suptitle(plain(excerpts[drive].title if drive in excerpts else drive[0]), fontsize=12)
             if traced:
                 left, right = part.subplots(1, 2, width_ratios=(1.15, 1))
                 _trace(left, excerpts[drive])
@@ -85,8 +85,8 @@ def _trace(axis: Axes, shown: Excerpt) -> None:
     road.set_ylim(-1.2 * reach, 9.0 * reach)
     road.axis("off")
     axis.set_xlim(shown.time_s[0], shown.time_s[-1])
-    axis.set_xlabel("time (s)" + (f"; {shown.note}" if shown.note else ""), fontsize=8)
-    axis.set_title(f"{shown.acceleration} (m/s²)", fontsize=9, loc="left")
+    axis.set_xlabel("time (s)" + (f"; {shown.note}" if shown.note else ""), fontsize=9)
+    axis.set_title(f"{shown.acceleration} (m/s²)", fontsize=10, loc="left")
 
 
 def _bars(
@@ -102,14 +102,14 @@ def _bars(
         if high > low:
             axis.plot([low, high], [index, index], color="#000000", lw=1.2, marker="|", ms=6)
         name = plain(variant_label(variant.controller, variant.perception))
-        axis.text(0.0, index - 0.25, f"{name}  {mean:.3f}", va="bottom", fontsize=9)
+        axis.text(0.0, index - 0.25, f"{name}  {mean:.3f}", va="bottom", fontsize=10.5)
     axis.set_ylim(len(variants) - 0.6, -0.85)
     axis.set_yticks([])
     axis.set_xlim(0, 1.05 * greatest)
     relative = baseline and all("objective" in variant.ratio for variant in variants)
     objective = f"J relative to {plain(baseline or '')}" if relative else "J ((m/s²)²)"
     spread = any(high > low for _, low, high in map(_effect, variants))
-    axis.set_title(objective + (", 95 % interval" if spread else ""), fontsize=9, loc="left")
+    axis.set_title(objective + (", 95 % interval" if spread else ""), fontsize=10, loc="left")
     axis.spines["left"].set_visible(False)
 
 
