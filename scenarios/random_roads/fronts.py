@@ -1,9 +1,8 @@
 """Pareto fronts of comfort, tyre load and suspension travel: what a controller can trade for what.
 
 Each controller is driven with several values of the setting that trades one for the other. All values are
-relative to the passive car, so that the box between it and zero has volume one; the hypervolume of a front is
-the share of that box that it dominates (E. Zitzler and L. Thiele, IEEE Trans. Evolutionary Computation 3(4),
-1999).
+relative to the passive car. The hypervolume of a front is the share that it dominates of the box between zero
+and `REFERENCE` (E. Zitzler and L. Thiele, IEEE Trans. Evolutionary Computation 3(4), 1999).
 """
 
 from collections.abc import Sequence
@@ -16,6 +15,8 @@ from foreride.scenarios.random_roads.drives import Line, lines
 from foreride.scenarios.random_roads.results import Results
 
 Array = NDArray[np.float64]
+REFERENCE = 1.25
+"""Far corner of the box: controlled cars use up to about so much more travel than the passive one."""
 METRICS = ("wk_rms", "tyre_load_rms", "rattle_rms")
 """Comfort, load and travel: the axes of a front."""
 
@@ -67,11 +68,11 @@ def efficient(values: Array) -> NDArray[np.bool_]:
 
 
 def hypervolume(values: Array) -> float:
-    """Share of the box between zero and the passive car that points (n, d) dominate.
+    """Share of the box between zero and `REFERENCE` that points (n, d) dominate.
 
     Exact: the points' coordinates cut the box into cells that are dominated as a whole or not at all.
     """
-    inside = np.clip(values, 0.0, 1.0)
+    inside = np.clip(values / REFERENCE, 0.0, 1.0)
     edges = [np.unique(np.append(column, 1.0)) for column in inside.T]
     corners = np.array(list(product(*(edge[:-1] for edge in edges)))).reshape(-1, values.shape[1])
     sizes = np.array(list(product(*(np.diff(edge) for edge in edges)))).reshape(-1, values.shape[1])

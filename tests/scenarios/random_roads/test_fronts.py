@@ -1,11 +1,18 @@
-"""Pareto fronts: efficient points, and the share of the box up to the passive car that they dominate."""
+"""Pareto fronts: efficient points, and the share of the box that they dominate."""
 
 import numpy as np
 import pytest
 
 from foreride.scenarios.random_roads.drives import Line
 from foreride.scenarios.random_roads.events import event_scenario
-from foreride.scenarios.random_roads.fronts import METRICS, efficient, front_lines, hypervolume, points
+from foreride.scenarios.random_roads.fronts import (
+    METRICS,
+    REFERENCE,
+    efficient,
+    front_lines,
+    hypervolume,
+    points,
+)
 from foreride.scenarios.random_roads.results import Results
 
 
@@ -15,14 +22,14 @@ def test_efficient_points_are_those_that_no_other_one_dominates() -> None:
 
 
 def test_the_hypervolume_is_that_of_the_union_of_boxes() -> None:
-    assert hypervolume(np.array([[0.5, 0.5]])) == pytest.approx(0.25)
-    assert hypervolume(np.array([[0.5, 0.8], [0.8, 0.5]])) == pytest.approx(0.1 + 0.1 - 0.04)
-    assert hypervolume(np.array([[0.5, 1.2]])) == 0.0
-    assert hypervolume(np.array([[1.0, 1.0, 1.0]])) == 0.0
+    assert hypervolume(REFERENCE * np.array([[0.5, 0.5]])) == pytest.approx(0.25)
+    assert hypervolume(REFERENCE * np.array([[0.5, 0.8], [0.8, 0.5]])) == pytest.approx(0.1 + 0.1 - 0.04)
+    assert hypervolume(np.array([[0.5, 1.3]])) == 0.0
+    assert hypervolume(np.array([[1.0, 1.0, 1.0]])) == pytest.approx(0.2**3)
     rng = np.random.default_rng(0)
     values, samples = rng.uniform(0.3, 1.1, (7, 3)), rng.uniform(0.0, 1.0, (100_000, 3))
     sampled = (values[None] <= samples[:, None]).all(axis=2).any(axis=1).mean()
-    assert hypervolume(values) == pytest.approx(sampled, abs=0.005)
+    assert hypervolume(REFERENCE * values) == pytest.approx(sampled, abs=0.005)
 
 
 def test_every_setting_of_a_front_is_a_valid_override() -> None:

@@ -13,7 +13,7 @@ from foreride.scenarios.tables.front import front_table
 def test_a_front_is_told_point_by_point_with_what_it_dominates() -> None:
     values = np.array([[0.5, 0.8, 0.5], [0.8, 0.5, 0.5], [0.9, 0.9, 0.9]])
     lines = front_table({"mpc_preview@oracle": (["control.settings.mpc.rho=1", "b", "c"], values)})
-    assert lines[2] == "| mpc_preview@oracle | mpc.rho=1 | 0.500 | 0.800 | 0.500 | 0.160 | 0.080 |"
+    assert lines[2] == "| mpc_preview@oracle | mpc.rho=1 | 0.500 | 0.800 | 0.500 | 0.302 | 0.181 |"
     assert lines[4].startswith("|  | c (dominated) | 0.900")
 
 
@@ -35,5 +35,5 @@ def test_the_command_draws_the_fronts_that_it_prints(
     options = ["--events", "2", "--controllers", "skyhook,mpc_preview", "--plot", str(plot)]
     assert cli.main(["front", *options]) == 0
     assert plot.read_bytes().startswith(b"\x89PNG")
-    row = "| mpc_preview@oracle | mpc.rho=0.3 | 0.500 | 0.800 | 0.900 | 0.100 | 0.010 |"
+    row = "| mpc_preview@oracle | mpc.rho=0.3 | 0.500 | 0.800 | 0.900 | 0.216 | 0.060 |"
     assert row in capsys.readouterr().out
