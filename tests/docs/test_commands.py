@@ -10,7 +10,7 @@ import importlib.util
 import re
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NoReturn
@@ -110,19 +110,20 @@ def module_of(words: tuple[str, ...]) -> tuple[ModuleType | None, list[str]]:
 
 @pytest.fixture
 def parsers_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    parse = argparse.ArgumentParser.parse_args
+    def accepting(parse: Callable[..., argparse.Namespace]) -> Callable[..., argparse.Namespace]:
+        def parse_args(parser: argparse.ArgumentParser, *arguments: Any) -> argparse.Namespace:
+            accepted = parse(parser, *arguments)
+            if not hasattr(accepted, "rest"):  # of a command whose module has a parser of its own
+                raise Accepted
+            return accepted
 
-    def parse_args(parser: argparse.ArgumentParser, *arguments: Any) -> argparse.Namespace:
-        accepted = parse(parser, *arguments)
-        if not hasattr(accepted, "rest"):  # of a command whose module has a parser of its own
-            raise Accepted
-        return accepted
+        return parse_args
 
     def error(parser: argparse.ArgumentParser, message: str) -> NoReturn:
         raise Refused(parser, message)
 
-    monkeypatch.setattr(argparse.ArgumentParser, "parse_args", parse_args)
     for kind in (argparse.ArgumentParser, cli.Parser):
+        monkeypatch.setattr(kind, "parse_args", accepting(kind.parse_args))
         monkeypatch.setattr(kind, "error", error)
 
 
