@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from foreride.comfort import METRICS
+from foreride.scenarios.report.palette import colours_of
 from foreride.scenarios.report.window import event_window
 
 if TYPE_CHECKING:
     from foreride.results import Result
 
 _WIDTH, _HEIGHT, _POINTS = 640, 110, 320
-_TRACES = (("seat_acc_0", "#1f6fb4"), ("road_height_0", "#555a60"))
+_ROAD_COLOUR = "#555a60"
 
 
 def result_view(result: "Result") -> str:
@@ -23,7 +24,8 @@ def result_view(result: "Result") -> str:
         (name, f"{value:.4g}", known[name].definition if name in known else "")
         for name, value in result.metrics.items()
     ]
-    traces = "".join(_trace(result, name, colour) for name, colour in _TRACES)
+    (colour,) = colours_of([result.record.case.controller]).values()
+    traces = _trace(result, "seat_acc_0", colour) + _trace(result, "road_height_0", _ROAD_COLOUR)
     return f"<p>{escape(repr(result)[1:-1])}</p>{traces}{table(('metric', 'value', 'meaning'), rows)}"
 
 
