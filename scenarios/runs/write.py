@@ -109,11 +109,8 @@ def manifest(run: Run) -> dict[str, Any]:
         **run.files_sha256,
         "track_y_m": run.track_y_m,
         **RunRecord.of(run).mapping(),
-        "notes": [
-            *doubts_of_scenario(run.case.scenario),
-            *doubts_of_metrics(run.metrics),
-            *car_notes([run.case]),
-        ],
+        "notes": [*doubts_of_scenario(run.case.scenario), *doubts_of_metrics(run.metrics)],
+        "car_notes": list(car_notes([run.case])),
         **environment(),
     }
 
