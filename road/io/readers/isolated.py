@@ -1,7 +1,7 @@
 """Decoding of files in a process of its own, for decoders in native code that damaged files may crash.
 
-`python -m foreride.road.io.readers.isolated MODULE FILE TARGET` calls `decode` of that module with the path
-and the content of the file, and writes the arrays that it gives.
+Run as a program with the arguments MODULE FILE TARGET, this module calls `decode` of MODULE with the path and
+the content of FILE, and writes the arrays that it gives to TARGET.
 """
 
 import importlib
