@@ -38,7 +38,8 @@ def styled() -> Iterator[None]:
 def save(figure: Figure, path: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Write a figure as `path` with its suffix replaced by each format, atomically; return the files."""
     FigureCanvasAgg(figure)
-    figure.draw_without_rendering()
+    for _ in range(2):  # the ticks of the first layout are those of the figure's first size of axes
+        figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the same layout in each format, computed once
     files = [path.parent / f"{path.name.removesuffix('.png')}.{kind}" for kind in formats]
     for kind, file in zip(formats, files, strict=True):

@@ -6,6 +6,7 @@ from itertools import groupby
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from foreride.scenarios.comparison.statistics import Row, Variant, summarise
 from foreride.scenarios.report.figures.drive import ROAD_COLOUR
@@ -85,6 +86,8 @@ def _trace(axis: Axes, shown: Excerpt) -> None:
     road.set_ylim(-1.2 * reach, 9.0 * reach)
     road.axis("off")
     axis.set_xlim(shown.time_s[0], shown.time_s[-1])
+    axis.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axis.xaxis.set_major_locator(MaxNLocator(5, prune="both"))  # none at the edge to the bars
     axis.set_xlabel("time (s)" + (f"; {shown.note}" if shown.note else ""), fontsize=9)
     axis.set_title(f"{shown.acceleration} (m/s²)", fontsize=10, loc="left")
 
