@@ -5,6 +5,7 @@ axis is across x). A cell has the mean height of its points; an empty cell is fi
 """
 
 import io
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -103,7 +104,7 @@ def _las(data: bytes) -> Any:
 
     variable_records = int.from_bytes(data[100:104], "little")
     if variable_records * _RECORD_HEADER > len(data):
-        raise InputError("damaged header: more variable records than the file has room for")
+        raise ValueError("more variable records than the file has room for")
     return np.asarray(laspy.read(io.BytesIO(data)).xyz)
 
 
@@ -117,6 +118,9 @@ def _ply(data: bytes) -> Any:
 def _pcd(data: bytes) -> Any:
     from pypcd4 import PointCloud
 
+    points = re.search(rb"^POINTS\s+(\d{1,18})", data[:4096], re.MULTILINE)
+    if points is None or int(points[1]) > len(data):
+        raise ValueError("more points than the file has room for")
     file: Any = io.BytesIO(data)
     return PointCloud.from_fileobj(file).numpy(("x", "y", "z"))
 
