@@ -7,7 +7,7 @@ import numpy as np
 from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.obstacle_templates import tyre_profile
-from foreride.preview.tracking.track import Track
+from foreride.preview.tracking.track import Track, relative_height_sigma
 from foreride.road.tyre.tyre import Tyre
 
 _MIN_OVERLAP = 0.02  # least probability of overlap for a wheel to meet the object
@@ -39,11 +39,9 @@ def compose(
             if overlap < _MIN_OVERLAP:
                 continue
             section = track.section(y)
-            profile_x, profile = tyre_profile(
-                track.best.kind, section.length_m, section.height_m, tyre or Tyre()
-            )
+            mean, spread = mixture(track, y, distance_m + x_m + axle, tyre or Tyre())
+            expected_height = overlap * mean
             distance_past_edge = distance_m + x_m + axle - section.start_m
-            expected_height = overlap * np.interp(distance_past_edge, profile_x, profile)
             in_reach = (distance_past_edge > -2 * sigma) & (distance_past_edge < section.length_m + 2 * sigma)
             # Overlapping tracks are one object tracked twice: the larger one represents both.
             dominant = (expected_height != 0) | in_reach
@@ -51,7 +49,20 @@ def compose(
             height[wheel, dominant] = expected_height[dominant]
             existence[wheel, dominant] = track.existence
             position_sigma[wheel, dominant] = sigma
-            height_sigma[wheel, dominant] = np.hypot(
-                settings.background_sigma_m, track.height_sigma * expected_height[dominant]
-            )
+            height_sigma[wheel, dominant] = np.hypot(settings.background_sigma_m, overlap * spread[dominant])
     return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)
+
+
+def mixture(track: Track, y_m: float, x_m: np.ndarray, tyre: Tyre) -> tuple[np.ndarray, np.ndarray]:
+    """Height under the tyre (n,) at positions `x_m` on the line y = `y_m`, and its standard deviation.
+
+    Mean and spread of all probable kinds of shape, each with its own uncertainty of height.
+    """
+    mean, square = np.zeros((2, len(x_m)))
+    for share, candidate in track.probable:
+        section = track.section(y_m, candidate)
+        profile_x, profile = tyre_profile(candidate.kind, section.length_m, section.height_m, tyre)
+        height = np.interp(x_m - section.start_m, profile_x, profile)
+        mean += share * height
+        square += share * (1.0 + relative_height_sigma(candidate) ** 2) * height**2
+    return mean, np.sqrt(np.maximum(square - mean**2, 0.0))

@@ -1,14 +1,18 @@
 """Estimator's priors of the obstacle classes: templates with their sizes, edge bias and look-alikes.
 
-Size priors cover what road-design rules allow, length along the road by height:
+Families of shapes with free length and height; their priors span what design rules allow and surveys find,
+length along the road by height:
 
-* bump: Indonesia, Permenhub PM 14/2021 art. 3: 0.35-0.39 m by 5-9 cm.
-* hump: the UK's round-top hump, 3.7 m, built 75 or 100 mm high (TRL 186; the Highways (Road Humps)
-  Regulations 1999, S.I. 1999/1025, ask for at least 0.9 m and 25-100 mm); Brazil, CONTRAN resolution 600/2016
-  as the road-safety manual of DER/SP gives it (p. 339): type A 3.70 m by 8-10 cm; USA: 12 ft by 3-4 in
-  (Redmond WA; Montgomery County MD 3 in). Brazil's type B, 1.50 m by 6-8 cm, lies below the prior.
-* table: the UK's flat-top humps are as high, with ramps of 1:10 to 1:15 (TRL 186). Those of the USA, up to
-  22 ft by 3 in (Valencia County NM, § 70.02), and of Indonesia, 6.6 m on top by 8-9 cm, lie above the prior.
+* bump: Indonesia, Permenhub PM 14/2021 art. 3: 0.35-0.39 m by 5-9 cm; Brazil, CONTRAN resolution 600/2016,
+  type B: 1.50 m by 6-8 cm. block: bolt-on bumps of rubber, trapezoidal; no rule, 5-7 cm are sold.
+* hump (round top): the UK's 3.7 m by 75 or 100 mm (TRL 186); the Highways (Road Humps) Regulations 1999, S.I.
+  1999/1025, ask for at least 0.9 m and 25-100 mm; Brazil type A 3.70 m by 8-10 cm; USA 12 ft by 3-4 in
+  (Redmond WA; Montgomery County MD 3 in).
+* sinusoidal: hump tangent to the road, of the same size; Netherlands, Denmark, UK (TRL 377).
+* table, long_table: flat tops 75-100 mm high with ramps of 1:10 to 1:15 (TRL 186); USA 12 or 22 ft by 3 in
+  (Montgomery County MD; Valencia County NM, § 70.02); Indonesia 6.6 m on top by 8-9 cm; Leicestershire at
+  least 7 m on top by 75 mm.
+* cushion: 1.7-3.7 m by 60-80 mm with ramps of 1:8 (UK Department for Transport, Local Transport Note 1/07).
 * pothole: the classes of ASTM D6433, read second-hand, end at a diameter of 0.75 m and begin their deepest at
   50 mm, whatever the diameter; shallower ones matter little to ride comfort. Boxes do not show a depth.
 
@@ -26,7 +30,8 @@ class ObstacleTemplate:
     """Obstacle template: priors of an obstacle kind, mean and standard deviation of length and height.
 
     cls: obstacle class; share: prior probability within its class; profile: shape of the section along the
-    road (see `preview.tracking.obstacle_templates`); feature: kind of the road feature that it models.
+    road (see `preview.tracking.obstacle_templates`); feature: kind of the road feature that it models;
+    ramp_m: usual length of a ramp.
     """
 
     name: str
@@ -36,8 +41,9 @@ class ObstacleTemplate:
     length_sigma_m: float
     height_m: float
     height_sigma_m: float
-    profile: Literal["half_sine", "parabola", "ramps", "walls"]
+    profile: Literal["half_sine", "parabola", "cosine", "ramps", "walls"]
     feature: str
+    ramp_m: float = 0.0
 
     @property
     def sign(self) -> float:
@@ -65,11 +71,17 @@ EDGE_SIGMA_PX = tuple(_PRIORS[name].edge_sigma_px for name in CLASS_NAMES)
 REAL_PROBABILITY = tuple(_PRIORS[name].real_probability for name in CLASS_NAMES)
 
 _BUMP, _HOLE = CLASS_NAMES.index("speed_bump"), CLASS_NAMES.index("pothole")
-BUMP = ObstacleTemplate("bump", _BUMP, 0.5, 0.45, 0.10, 0.075, 0.015, "half_sine", "half_sine_bump")
-HUMP = ObstacleTemplate("hump", _BUMP, 0.25, 3.3, 0.50, 0.090, 0.015, "parabola", "watts_hump")
-TABLE = ObstacleTemplate("table", _BUMP, 0.25, 3.6, 0.60, 0.090, 0.015, "ramps", "flat_top_hump")
+BUMP = ObstacleTemplate("bump", _BUMP, 0.3, 0.45, 0.20, 0.070, 0.020, "half_sine", "half_sine_bump")
+BLOCK = ObstacleTemplate("block", _BUMP, 0.1, 0.60, 0.25, 0.055, 0.015, "ramps", "trapezoidal_bump", 0.2)
+HUMP = ObstacleTemplate("hump", _BUMP, 0.2, 3.7, 0.70, 0.080, 0.020, "parabola", "watts_hump")
+SINUSOIDAL = ObstacleTemplate("sinusoidal", _BUMP, 0.1, 3.7, 0.70, 0.080, 0.020, "cosine", "sinusoidal_hump")
+TABLE = ObstacleTemplate("table", _BUMP, 0.15, 3.9, 0.90, 0.080, 0.018, "ramps", "flat_top_hump", 0.9)
+LONG_TABLE = ObstacleTemplate(
+    "long_table", _BUMP, 0.05, 7.0, 0.90, 0.080, 0.015, "ramps", "flat_top_hump", 0.9
+)
+CUSHION = ObstacleTemplate("cushion", _BUMP, 0.1, 2.7, 0.60, 0.068, 0.010, "ramps", "speed_cushion", 0.55)
 POTHOLE = ObstacleTemplate("pothole", _HOLE, 1.0, 0.60, 0.30, 0.070, 0.025, "walls", "pothole")
-KINDS = (BUMP, HUMP, TABLE, POTHOLE)
+KINDS = (BUMP, BLOCK, HUMP, SINUSOIDAL, LONG_TABLE, TABLE, CUSHION, POTHOLE)
 TEMPLATE_OF_FEATURE = {template.feature: template for template in KINDS}
 
 

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foreride.preview.obstacle_classes import TABLE, ObstacleTemplate
+from foreride.preview.obstacle_classes import ObstacleTemplate
 from foreride.preview.tracking.object_state import EDGE_BIAS, HEIGHT, LENGTH, X
-from foreride.preview.tracking.obstacle_templates import RAMP, unit_profile
+from foreride.preview.tracking.obstacle_templates import ramp_share, unit_profile
 
 Array = np.ndarray
 _FRAMES = 8
@@ -23,7 +23,7 @@ _CORRELATION = 1.5  # variance inflation: windows overlap, and frames see the sa
 _MIN_SIGMA_M = 0.003
 _FRAME_OFFSET_SIGMA_M, _FRAME_SLOPE_SIGMA = 0.008, 0.008
 _OFFSET_SIGMA_M, _SLOPE_SIGMA = 0.015, 0.005
-_RAMP_SIGMA = 0.018  # sigma of a table's ramp length, as a share of its length
+_RAMP_SIGMA = 0.06  # sigma of a table's ramp length, as a share of its length
 _ROBUST = 3.0  # residual in standard deviations with half weight
 _CREST_SIGMA_RATIO = (
     3.0  # sigma at a crest, over the spread within the smear: windows are biased to one side of it
@@ -88,14 +88,14 @@ def equations(kind: ObstacleTemplate, elevation: HeightSamples, state: Array) ->
     state: indices of `preview.tracking.object_state`; pitch offset and ground height do not matter here.
     """
     rows = HeightRows(*(np.concatenate(parts) for parts in zip(*elevation.frames, strict=True)))
-    shape = np.array([state[X], state[LENGTH], state[HEIGHT], RAMP])
-    steps = _STEPS if kind is TABLE else _STEPS[:-2]  # other kinds have no ramps
+    shape = np.array([state[X], state[LENGTH], state[HEIGHT], float(ramp_share(kind, state[LENGTH]))])
+    steps = _STEPS if kind.ramp_m else _STEPS[:-2]  # other kinds have no ramps
     smeared = _smeared_heights(kind, rows, shape + steps)
     levels = smeared.mean(axis=2)
     model = levels[0]
     slopes = (levels[1::2] - levels[2::2]) / (2.0 * _STEP[: len(steps) // 2, None])
     by_x, by_length, by_height = slopes[:3]
-    by_ramp = slopes[3] if kind is TABLE else np.zeros_like(model)
+    by_ramp = slopes[3] if kind.ramp_m else np.zeros_like(model)
     ones, zeros, from_middle = (
         np.ones_like(model),
         np.zeros_like(model),
@@ -156,10 +156,11 @@ def visible_height(
     start_m: float,
     length_m: float,
     height_m: float,
-    ramp: float = RAMP,
+    ramp: float | None = None,
 ) -> Array:
     """Height (n,) at which each line of sight first meets the shape, averaged over the smear; 0 beside it."""
-    return _smeared_heights(kind, rows, np.array([[start_m, length_m, height_m, ramp]]))[0].mean(axis=1)
+    share = float(ramp_share(kind, length_m)) if ramp is None else ramp
+    return _smeared_heights(kind, rows, np.array([[start_m, length_m, height_m, share]]))[0].mean(axis=1)
 
 
 def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) -> Array:

@@ -10,25 +10,32 @@ from foreride.road.tyre.tyre import Tyre
 Array = np.ndarray
 TEMPLATE_STEP_M = 0.01
 TEMPLATE_MARGIN_M = 0.5  # at least; more than a wheel radius, so that both ends are flat under the tyre
-RAMP = 1.0 / 6.0  # ramp length of a table, as a share of its length
 _WALL_M = 0.06  # wall length of potholes, from rim to floor
 
 
+def ramp_share(kind: ObstacleTemplate, length_m: float | Array) -> Array:
+    """Usual length of a ramp, as a share of the length."""
+    return np.clip(kind.ramp_m / np.maximum(length_m, 1e-6), 1e-3, 0.5)
+
+
 def unit_profile(
-    kind: ObstacleTemplate, share: Array, length_m: float | Array, ramp: float | Array = RAMP
+    kind: ObstacleTemplate, share: Array, length_m: float | Array, ramp: float | Array | None = None
 ) -> Array:
     """Unit profile at `share` (0..1) of the length, in units of the height, zero at both ends.
 
-    A narrow bump is a half sine, a hump a parabola (a close approximation of Watts' circular arc), a table
-    flat with ramps of `ramp`, a share of its length. A hole counts its depth as negative height.
+    A narrow bump is a half sine, a round hump a parabola (a close approximation of Watts' circular arc), a
+    sinusoidal hump a raised cosine; a table is flat with ramps of `ramp`, a share of its length. A hole
+    counts its depth as negative height.
     """
     if kind.profile == "half_sine":
         return np.sin(np.pi * share)
+    if kind.profile == "cosine":
+        return np.sin(np.pi * share) ** 2
     edge = np.minimum(share, 1.0 - share)
     if kind.profile == "parabola":
         return 4.0 * share * (1.0 - share)
     if kind.profile == "ramps":
-        return np.minimum(edge / ramp, 1.0)
+        return np.minimum(edge / (ramp_share(kind, length_m) if ramp is None else ramp), 1.0)
     return -np.minimum(edge * length_m / _WALL_M, 1.0)
 
 

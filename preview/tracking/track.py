@@ -27,6 +27,7 @@ from foreride.preview.tracking.plane_residual import residual_variance_ratio
 from foreride.preview.tracking.realness import mean_surplus, probability, surplus
 
 Array = np.ndarray
+_MIN_SHARE = 0.03  # least probability of a kind that the preview takes into account
 _DROP_EVIDENCE = 10.0  # log evidence against a kind at which it is dropped
 _MIN_BEARINGS = 8  # before a kind may be dropped
 _MAX_VARIANCE_RATIO = 2.5  # variance ratio above which the boxes contradict a plane road
@@ -153,7 +154,7 @@ class Track:
     @property
     def height_sigma(self) -> float:
         """Relative standard deviation of height or depth."""
-        return float(np.sqrt(self.best.covariance[HEIGHT, HEIGHT]) / self.best.state[HEIGHT])
+        return relative_height_sigma(self.best)
 
     def update_existence(self, detected: bool, settings: Settings) -> None:
         """Bayesian update of existence after a frame in which the object should have been visible."""
@@ -240,14 +241,31 @@ class Track:
         inside_left = _normal_cdf((self.left.y_m - y_m) / np.sqrt(self.left.variance))
         return inside_right * inside_left
 
-    def section(self, y_m: float) -> Section:
-        """Section on the line y = `y_m`; a hole is an ellipse."""
-        length, height = self.best.state[[LENGTH, HEIGHT]].tolist()
-        if self.best.kind.sign > 0:
-            return Section(self.start_m, length, height)
+    def section(self, y_m: float, candidate: Fit | None = None) -> Section:
+        """Section on the line y = `y_m`, by the best fit or another one; a hole is an ellipse."""
+        shape = self.best if candidate is None else candidate
+        start, length, height = shape.state[[X, LENGTH, HEIGHT]].tolist()
+        if shape.kind.sign > 0:
+            return Section(start, length, height)
         beside = y_m - self.centre_y_m
         cut = max(chord(length, self.left.y_m - self.right.y_m, beside), 0.5 * length)
-        return Section(self.start_m + 0.5 * (length - cut), cut, height)
+        return Section(start + 0.5 * (length - cut), cut, height)
+
+    @property
+    def probable(self) -> list[tuple[float, Fit]]:
+        """Fits with their posterior probabilities, those below a few per cent left out."""
+        odds = np.exp([self.best.cost - candidate.cost for candidate in self.fits])
+        shares = odds / odds.sum()
+        kept = [
+            (float(share), one) for share, one in zip(shares, self.fits, strict=True) if share > _MIN_SHARE
+        ]
+        total = sum(share for share, _ in kept)
+        return [(share / total, candidate) for share, candidate in kept]
+
+
+def relative_height_sigma(candidate: Fit) -> float:
+    """Relative standard deviation of a fit's height."""
+    return float(np.sqrt(candidate.covariance[HEIGHT, HEIGHT]) / candidate.state[HEIGHT])
 
 
 def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:

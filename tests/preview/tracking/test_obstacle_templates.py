@@ -1,9 +1,30 @@
 import numpy as np
 import pytest
 
-from foreride.preview.obstacle_classes import BUMP, HUMP, KINDS, POTHOLE, TABLE, templates_of
+from foreride.preview.obstacle_classes import (
+    BLOCK,
+    BUMP,
+    CUSHION,
+    HUMP,
+    KINDS,
+    LONG_TABLE,
+    POTHOLE,
+    SINUSOIDAL,
+    TABLE,
+    TEMPLATE_OF_FEATURE,
+    templates_of,
+)
 from foreride.preview.tracking.obstacle_templates import chord, tyre_profile, unit_profile
-from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, WattsHump
+from foreride.road.features.bumps import _RaisedFeature
+from foreride.road.features.feature import (
+    FlatTopHump,
+    HalfSineBump,
+    Pothole,
+    SinusoidalHump,
+    SpeedCushion,
+    TrapezoidalBump,
+    WattsHump,
+)
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
 
@@ -22,7 +43,11 @@ def test_relief_is_zero_at_both_ends_and_one_at_most(kind):
         (HalfSineBump(10.0, 0.08, 0.40), BUMP, 0.001),
         (Pothole(10.0, 0.08, 0.60, 0.6, y_m=0.75, wall_m=0.06), POTHOLE, 0.002),
         (WattsHump(10.0), HUMP, 0.001),
-        (FlatTopHump(10.0), TABLE, 0.001),
+        (FlatTopHump(10.0, ramp_m=0.9), TABLE, 0.001),
+        (FlatTopHump(10.0, length_m=6.6, ramp_m=0.9), LONG_TABLE, 0.001),
+        (SinusoidalHump(10.0), SINUSOIDAL, 0.001),
+        (TrapezoidalBump(10.0), BLOCK, 0.001),
+        (SpeedCushion(10.0, ramp_m=0.55, y_min_m=0.0, y_max_m=1.5), CUSHION, 0.002),
     ],
 )
 def test_tyre_profile_is_what_the_road_package_makes_of_the_true_feature(feature, kind, tolerance):
@@ -41,8 +66,18 @@ def test_the_tyre_meets_a_bump_before_its_edge_and_a_hole_after():
 
 
 def test_a_detector_class_names_its_kinds():
-    assert templates_of(0) == (BUMP, HUMP, TABLE)
+    assert templates_of(0) == tuple(kind for kind in KINDS if kind is not POTHOLE)
     assert templates_of(1) == (POTHOLE,)
+
+
+@pytest.mark.parametrize("cls", [0, 1])
+def test_the_shares_of_a_class_sum_to_one(cls: int) -> None:
+    assert sum(kind.share for kind in templates_of(cls)) == pytest.approx(1.0)
+
+
+def test_every_kind_of_feature_that_is_seen_has_a_template_of_its_class() -> None:
+    for feature in (*_RaisedFeature.__subclasses__(), Pothole):
+        assert TEMPLATE_OF_FEATURE[feature.kind].cls == feature.cls
 
 
 def test_chord_of_an_ellipse():
@@ -58,6 +93,10 @@ def test_chord_of_an_ellipse():
         (HUMP, (3.7,), (0.075, 0.10)),  # UK, round-top
         (HUMP, (3.7,), (0.08, 0.10)),  # Brazil, type A
         (HUMP, (12 * 0.3048,), (3 * 0.0254, 4 * 0.0254)),  # USA, 12 feet
+        (SINUSOIDAL, (3.7,), (0.075, 0.10)),  # TRL 377
+        (TABLE, (12 * 0.3048,), (0.075, 0.10)),  # UK, USA
+        (LONG_TABLE, (22 * 0.3048, 6.6 + 1.2), (3 * 0.0254, 0.09)),  # USA, Indonesia
+        (CUSHION, (1.7, 3.7), (0.06, 0.08)),  # UK, LTN 1/07
     ],
 )
 def test_priors_cover_what_road_design_rules_allow(kind, lengths, heights):
