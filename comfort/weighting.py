@@ -106,6 +106,14 @@ class StreamedWeighting:
             weighted += part
         return weighted
 
+    def state(self) -> list[list]:
+        """Filter states, as lists of numbers; empty before the first part."""
+        return [kept.tolist() for kept in self._kept]
+
+    def restore(self, state: list[list]) -> None:
+        """Continue from states saved before."""
+        self._kept = [np.array(kept, dtype=float) for kept in state]
+
 
 class SecondOrder(NamedTuple):
     """Second-order filter (b1 s + b0) / (s^2 + a1 s + a0) from acceleration to weighted acceleration."""

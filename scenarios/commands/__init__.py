@@ -22,6 +22,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "road": ("inspect.road", "length, IRI, ISO 8608 class and features of a road"),
     "list": ("inspect.listing", "scenarios, vehicles, controllers and other names that are accepted"),
     "detector": ("detector", "data, training, evaluation and export of the detector"),
+    "fmu": ("fmu", "the car, the controller or the loop as a functional mock-up unit (FMI)"),
     "table": ("table", "tables of the documentation, measured anew"),
     "validation": ("validation", "compare with closed forms, standards, other programs"),
     "doctor": ("doctor", "check this installation"),

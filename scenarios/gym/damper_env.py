@@ -34,8 +34,7 @@ class DamperEnv(gymnasium.Env[Array, Array]):
     observation: see `ObservationLayout`, SI units. action: (inputs,) from -1 to 1 for the lowest to the
     highest damping coefficient of each wheel's damper (N·s/m) and, after them, actuator force (N).
     reward: minus the running cost (`RunningCost`) of the step divided by the ticks of the drive, so that the
-    return is minus the drive's J, apart from the choice of the seat. The info of the last step holds the ride
-    metrics under `metrics`.
+    return is minus the drive's J. The info of the last step holds the ride metrics under `metrics`.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012 (Gymnasium's own declaration)

@@ -1,4 +1,4 @@
-"""Running cost of a drive, whose mean over time is the objective J of a single seat."""
+"""Running cost of a drive, whose mean over time is the objective J."""
 
 import numpy as np
 
@@ -9,10 +9,9 @@ from foreride.vehicle.state import VehicleState
 
 
 class RunningCost:
-    """Mean over seats of the squared Wk-weighted acceleration plus rho times the squared relative tyre load.
+    """Squared Wk-weighted acceleration, mean over seats, plus rho times the squared relative tyre load.
 
-    `comfort.ride_metrics` takes the worst seat for J; for a car with one seat position, the mean of this cost
-    over all ticks is J.
+    Its mean over all ticks is J of `comfort.ride_metrics`.
     """
 
     def __init__(self, tyre_load_weight: float) -> None:

@@ -91,18 +91,25 @@ class MultirateLoop:
 
     def drive(self, advance: Callable[[int], None]) -> None:
         """Run all ticks with the controller."""
-        decisions, command = self.decisions(advance), None
-        while True:
-            try:
-                decision = decisions.send(command)
-            except StopIteration:
-                break
-            command = self._command_of_controller(decision)
+        for _ in self.controlled(advance):
+            pass
         stats = dict(self._controller.stats)
         self.timing = {
             name: stats.pop(name) for name in ("median_ms", "max_ms") if stats.get(name) is not None
         }
         self.solver = {name: value for name, value in stats.items() if name not in ("median_ms", "max_ms")}
+
+    def controlled(self, advance: Callable[[int], None]) -> Generator[Decision, None, None]:
+        """Run all ticks with the controller; each decision is yielded when its command is known."""
+        decisions = self.decisions(advance)
+        decision = next(decisions, None)
+        while decision is not None:
+            command = self._command_of_controller(decision)
+            yield decision
+            try:
+                decision = decisions.send(command)
+            except StopIteration:
+                return
 
     def decisions(self, advance: Callable[[int], None]) -> Generator[Decision, np.ndarray | None, None]:
         """Run all ticks, from one event to the next; each decision yielded is answered with its command."""

@@ -39,8 +39,9 @@ def test_environment_keeps_gymnasiums_contract() -> None:
     check_env(env.unwrapped, skip_render_check=True)
 
 
-def test_return_of_a_quarter_car_is_minus_its_objective() -> None:
-    env = make(overrides=QUARTER)
+@pytest.mark.parametrize("changes", [QUARTER, SHORT], ids=["quarter", "half"])
+def test_return_is_minus_the_objective(changes: dict) -> None:
+    env = make(overrides=changes)
     _, rewards, info = episode(env, passive_action(env))
     assert sum(rewards) == pytest.approx(-info["metrics"]["objective"], rel=1e-9)
 
