@@ -9,9 +9,10 @@ import numpy as np
 
 from foreride.controller.command_limits import command_limits
 from foreride.controller.interface import BaseController
-from foreride.drives import Fields, load_scenario
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case
+from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.overrides import Overrides
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.gym.observation import ObservationLayout
 from foreride.scenarios.gym.running_cost import RunningCost
@@ -19,6 +20,14 @@ from foreride.scenarios.simulation.multirate_loop import Decision
 from foreride.scenarios.simulation.simulate import assembled, metrics_of
 
 Array = np.ndarray
+
+
+def _loaded(scenario: str | Path | Scenario, overrides: Overrides) -> Scenario:
+    if not isinstance(scenario, Scenario):
+        return load(str(scenario), overrides)
+    if overrides:
+        raise InputError("overrides apply to the name or file of a scenario, not to one already loaded")
+    return scenario
 
 
 class _Agent(BaseController):
@@ -43,14 +52,14 @@ class DamperEnv(gymnasium.Env[Array, Array]):
         self,
         scenario: str | Path | Scenario | Sequence[str | Path | Scenario] = "hump_flat_30",
         perception: str = "oracle",
-        overrides: Fields | None = None,
+        overrides: Overrides = (),
     ) -> None:
         """Prepare for one scenario, or for several of one car, of which each episode draws one.
 
         Raises InputError for an invalid scenario or perception, or cars that differ in wheels or limits.
         """
         several = [scenario] if isinstance(scenario, str | Path | Scenario) else list(scenario)
-        self.scenarios = [load_scenario(each, overrides) for each in several]
+        self.scenarios = [_loaded(each, overrides) for each in several]
         if not self.scenarios:
             raise InputError("scenario must name one or more scenarios, got none")
         cars = [each.vehicle.parameters for each in self.scenarios]
