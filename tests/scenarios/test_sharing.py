@@ -32,7 +32,7 @@ STUDY = """
 scenarios: [short.yaml]
 controllers: [passive]
 sampling: grid
-vary: {speed_kmh: [40, 999]}
+vary: {road.file: [street.csv, nowhere.csv]}
 """
 OWN = """
 class Own:
@@ -56,7 +56,7 @@ def foreride(folder: Path, place: Path, *words: str) -> None:
     }
     command = [sys.executable, "-m", "foreride.scenarios.cli", *words]
     done = subprocess.run(command, cwd=place, env=environ, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == (words[0] == "sweep"), done.stderr  # one drive of the study fails
 
 
 @pytest.fixture(scope="module")
