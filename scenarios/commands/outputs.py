@@ -15,7 +15,7 @@ from foreride.scenarios.runs.write import folder_name
 KIND = "runs"
 """Kind, in their marker, of folders to which runs, comparisons and figures are added."""
 USUAL = Path("runs")
-_FILES = ("json", "parquet", "markdown", "latex", "film", "plot", "write")
+_FILES = ("json", "parquet", "markdown", "latex", "film", "plot", "write", "mf4")
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:

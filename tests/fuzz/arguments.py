@@ -38,6 +38,7 @@ VECTORS: dict[str, list[str]] = {
                    "1.0", "--grade", "0.02", "--events", "2", "--perception", "boxes", "--json", "a.json"],
     "render": ["render", "short.yaml", "--every", "2.0", "--detect", "--out", "images", "--json", "a.json"],
     "report": ["report", "run", "--out", "report.html", "--no-render", "--budget", "budget.json"],
+    "log": ["log", "run", "--out", "run.mcap", "--mf4", "run.mf4"],
     "road": ["road", "road.csv", "--json", "a.json"],
     "calibrate": ["calibrate", "a.png", "b.png", "--squares", "9x6", "--square_m", "0.03", "--ground",
                   "a.png", "--out", "camera.yaml"],

@@ -14,7 +14,9 @@ from foreride.scenarios.commands import COMMANDS
 from foreride.scenarios.commands.inspect.listing import TOPICS
 
 NEEDED = {
-    **{name: ["scenario"] for name in ("run", "compare", "sweep", "bound", "render", "report", "road")},
+    **{
+        name: ["scenario"] for name in ("run", "compare", "sweep", "bound", "render", "report", "road", "log")
+    },
     "calibrate": ["photo.jpg", "--squares", "9x6", "--square_m", "0.03"],
     "detector": ["eval"],
     "table": ["budget"],
