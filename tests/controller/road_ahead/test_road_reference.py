@@ -139,3 +139,34 @@ def test_standing_still_the_road_does_not_move() -> None:
     road = ahead()
     road.update(estimate(CAR, road=0.01, speed_m_s=0.0), step_preview(0.05, 0.08))
     np.testing.assert_allclose(road.heights(TIMES), 0.01)
+
+
+@pytest.mark.parametrize("uncertainty", ["early", "blend", "scenarios"])
+@pytest.mark.parametrize("error_m", [-0.1, 0.2])
+def test_a_felt_edge_corrects_the_place_of_the_edge_behind_it(error_m: float, uncertainty: str) -> None:
+    """A table from 5 to 6 m, previewed `error_m` too far; 0.2 m past its near edge the far one is right."""
+    seen_at, distance = 5.2, np.arange(-0.5, 5.0, 0.01)
+
+    def height(x_m: np.ndarray) -> np.ndarray:
+        return 0.08 * (np.clip((x_m - 5.0) / 0.1, 0.0, 1.0) - np.clip((x_m - 6.0) / 0.1, 0.0, 1.0))
+
+    row, zeros = np.ones((1, len(distance))), np.zeros((1, len(distance)))
+    previewed = height(seen_at + distance - error_m)[None]
+    preview = RoadPreview(0.0, distance, previewed, 0.1 * row, zeros, row)
+    road = ahead(credulous(uncertainty))
+    for time in np.arange(0.0, seen_at / 10.0 + 1e-9, 0.005):
+        felt = estimate(CAR, road=float(height(10.0 * time)))
+        last = time > seen_at / 10.0 - 0.002
+        road.update(replace(felt, time_s=float(time)), preview if last else None)
+    behind = distance > 0.3
+    fall = road.heights(distance[behind] / 10.0)[0]
+    assert np.interp(-0.04, -fall, distance[behind]) == pytest.approx(6.05 - seen_at, abs=0.03)
+
+
+def test_a_landing_is_no_slope() -> None:
+    """What lay between the last bound in the air and the road at touch-down does not run on."""
+    road = ahead()
+    preview = step_preview(3.0, 0.0)
+    road.update(estimate(CAR, road=0.0, contact=False), preview)
+    road.update(replace(estimate(CAR, road=0.03), time_s=0.01), preview)
+    np.testing.assert_allclose(road.heights(TIMES), 0.03)

@@ -1,5 +1,6 @@
 """Task-aligned assignment: every object gets points, and ties are resolved as documented."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("torch")
@@ -8,7 +9,7 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from foreride.detector.network.heads import Predictions, anchor_points
+from foreride.detector.network.heads import Predictions, anchor_points, decode, encode
 from foreride.detector.training.assigner import GroundTruth, assign, candidates, rank_in_group
 
 STRIDES = (4, 8, 16, 32)
@@ -72,6 +73,71 @@ def test_the_best_point_gets_the_best_overlap_as_its_score() -> None:
     class_logits[0, matched.anchor[0], 1] = 5.0  # a point with a higher score is better aligned
     again = assign(everywhere(box_logits, class_logits), POINTS, STRIDE, wanted)
     assert again.score[again.anchor == matched.anchor[0]].item() == again.score.max()
+
+
+def rough_guess(wanted: GroundTruth) -> Predictions:
+    """Scores at random and, at each point, some object of its image with sides a few pixels off."""
+    torch.manual_seed(1)
+    logits = torch.empty(2, len(POINTS), 4, 16)
+    for image in range(2):
+        boxes = wanted.boxes[wanted.image == image]
+        seen = boxes[torch.randint(len(boxes), (len(POINTS),))] + 2.0 * torch.randn(len(POINTS), 4)
+        place = encode(seen, POINTS, STRIDE)[..., None]
+        logits[image] = (1.0 - (place - torch.arange(16)).abs()).clamp(min=1e-9).log()
+    return everywhere(logits.flatten(2), torch.randn(2, len(POINTS), 2))
+
+
+def shared_area(a: list[float], b: list[float]) -> float:
+    """Intersection over union of two boxes."""
+    width, height = (max(0.0, min(a[i + 2], b[i + 2]) - max(a[i], b[i])) for i in (0, 1))
+    areas = sum((box[2] - box[0]) * (box[3] - box[1]) for box in (a, b))
+    return width * height / (areas - width * height)
+
+
+def expected_pairs(guess: Predictions, wanted: GroundTruth) -> dict[tuple[int, int], tuple[int, float]]:
+    """(image, point) -> (object, target) by TOOD's equation 1, object by object: the second implementation.
+
+    alignment = score^0.5 · IoU^6; the ten best points of each object within one stride of it, on levels whose
+    stride is at most 0.7 of its height, or the finest; a contested point goes to the greater overlap.
+    """
+    taken: dict[tuple[int, int], list[tuple[float, int, float]]] = {}
+    for number, (image, cls, box) in enumerate(zip(wanted.image, wanted.classes, wanted.boxes, strict=True)):
+        x0, y0, x1, y1 = box.tolist()
+        inside = (POINTS[:, 0] > x0 - STRIDE) & (POINTS[:, 0] < x1 + STRIDE)
+        inside &= (POINTS[:, 1] > y0 - STRIDE) & (POINTS[:, 1] < y1 + STRIDE)
+        near = (inside & ((0.7 * (y1 - y0) >= STRIDE) | (STRIDE == 4))).nonzero()[:, 0]
+        image_index = torch.full_like(near, int(image))
+        boxes = decode(guess.box_logits(image_index, near), POINTS[near], STRIDE[near])
+        overlap = torch.tensor([shared_area(each, box.tolist()) for each in boxes.tolist()])
+        score = guess.class_logits[image, near, cls].sigmoid()
+        alignment = score.sqrt() * overlap**6
+        for k in alignment.argsort(descending=True)[:10]:
+            entry = (float(overlap[k]), number, float(alignment[k]))
+            taken.setdefault((int(image), int(near[k])), []).append(entry)
+    kept = {place: max(entries) for place, entries in taken.items()}
+    pairs = {}
+    for place, (_, number, alignment) in kept.items():
+        of_object = [entry for entry in kept.values() if entry[1] == number]
+        best_overlap, best_alignment = (max(entry[i] for entry in of_object) for i in (0, 2))
+        pairs[place] = (number, alignment / best_alignment * best_overlap)
+    assert any(len({number for _, number, _ in entries}) > 1 for entries in taken.values()), "a contest"
+    return pairs
+
+
+def test_the_pairs_and_targets_are_those_of_the_publication() -> None:
+    """Large, small and overlapping objects of two images, some of them at the limit of a coarser level."""
+    rows = [(0, 0, [100, 90, 140, 120]), (0, 1, [104, 92, 146, 124]), (0, 0, [300, 200, 420, 209])]
+    rows += [(1, 1, [10, 250, 200, 300]), (1, 0, [400, 300, 440, 311]), (1, 1, [401, 299, 441, 312])]
+    wanted = truths(*rows)
+    guess = rough_guess(wanted)
+    expected = expected_pairs(guess, wanted)
+    matched = assign(guess, POINTS, STRIDE, wanted)
+    found = zip(matched.image.tolist(), matched.anchor.tolist(), strict=True)
+    assert dict(zip(found, matched.truth.tolist(), strict=True)) == {
+        place: number for place, (number, _) in expected.items()
+    }
+    places = zip(matched.image.tolist(), matched.anchor.tolist(), strict=True)
+    np.testing.assert_allclose(matched.score, [expected[place][1] for place in places], rtol=1e-4)
 
 
 def test_no_object_no_assignment() -> None:

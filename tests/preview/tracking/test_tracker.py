@@ -3,11 +3,17 @@ import pytest
 
 from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
+from foreride.preview.geometry.cross_ratio import MARKS_M, distance, marks_of
+from foreride.preview.settings import Settings
+from foreride.preview.tracking.object_state import GROUND, OFFSET
+from foreride.preview.tracking.observation import RectifiedFrame, predict_box, rectify_frame
+from foreride.preview.tracking.tracker import Tracker
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
 from foreride.road.road import Road
 from tests.preview.kinematic_drive import Reading, true_boxes, unbiased
 
+SETTINGS = unbiased()
 BUMP = HalfSineBump(40.0, 0.08, 0.4, -1.2, 1.2)
 HOLE = Pothole(40.0, 0.08, 0.6, 0.6, y_m=0.75)
 
@@ -82,3 +88,80 @@ def test_bumps_side_by_side_and_one_after_the_other_are_two():
     assert len(frames(beside, also=other).stats()) == 2
     behind = Road(60.0, (HalfSineBump(42.0, 0.08, 0.4, -1.2, 1.2),))
     assert len(frames(Road(60.0, (BUMP,)), also=behind).stats()) == 2
+
+
+def looked_at(
+    x_m: float, boxes: Detections | None = None, settings: Settings = SETTINGS
+) -> tuple[RectifiedFrame, Detections]:
+    """Frame of a camera 0.35 m behind `x_m`, at rest height; by default with the true boxes of the bump."""
+    pose = pose_of(CameraMount(), x_m, 0.0, 0.0)
+    seen = true_boxes(Road(60.0, (BUMP,)), Camera(), pose) if boxes is None else boxes
+    return rectify_frame(x_m / 10.0, Camera(), pose, seen, settings), seen
+
+
+def known_bump(**others: object) -> Tracker:
+    """Tracker that has seen the bump from 20 m to 14 m before it."""
+    tracker = Tracker(SETTINGS, Camera().focal_px, **others)  # type: ignore[arg-type]
+    for x in range(20, 27):
+        tracker.update(*looked_at(float(x)))
+    return tracker
+
+
+def after_boxes_off_the_prediction(*boxes: tuple[int, float]) -> Tracker:
+    """Tracker of the bump after boxes of these classes, their bottoms off by so many standard deviations."""
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    view, seen = looked_at(27.0)
+    predicted = predict_box(view, track)
+    sigma = float(np.hypot(predicted.bottom_sigma, 2.0 * SETTINGS.pixel_sigma))
+    (x0, _, x1, _) = seen.boxes[0]
+    rows = [(x0, predicted.top, x1, predicted.bottom + sigmas * sigma) for _, sigmas in boxes]
+    classes = [cls for cls, _ in boxes]
+    tracker.update(*looked_at(27.0, Detections(np.array(rows), np.ones(len(rows)), np.array(classes))))
+    return tracker
+
+
+@pytest.mark.parametrize(("sigmas", "own"), [(2.3, True), (2.6, False)])
+def test_a_box_of_the_other_class_costs_six_squared_sigmas_more(sigmas: float, own: bool) -> None:
+    """A box of the bump's own class off the prediction against one of a hole that lies right on it."""
+    before = known_bump().tracks[0].class_log_odds
+    (track,) = after_boxes_off_the_prediction((0, sigmas), (1, 0.0)).tracks
+    assert (track.class_log_odds >= before) == own
+
+
+@pytest.mark.parametrize(("sigmas", "count"), [(3.6, 1), (3.9, 2)])
+def test_a_box_of_the_other_class_must_lie_nearer_to_be_the_objects(sigmas: float, count: int) -> None:
+    """Gate of 20 less the penalty of 6: the square of 3.74. Beyond it a second object is born."""
+    assert len(after_boxes_off_the_prediction((1, sigmas)).tracks) == count
+
+
+@pytest.mark.parametrize(("score", "odds"), [(1.0, 1.0), (0.5, np.exp(-1.0))])
+def test_a_first_box_is_an_object_or_a_chance_by_its_score(score: float, odds: float) -> None:
+    settings = unbiased(score_evidence=False)
+    tracker = Tracker(settings, Camera().focal_px)
+    view, seen = looked_at(20.0, settings=settings)
+    tracker.update(view, Detections(seen.boxes, np.array([score]), seen.classes))
+    (track,) = tracker.tracks
+    assert track.existence == pytest.approx(settings.real_probability[0] * odds / (1.0 + odds))
+
+
+def test_on_a_plane_road_the_mounting_is_as_certain_as_the_calibration_says() -> None:
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    prior = tracker.calibration.prior(0).covariance
+    assert track.best.covariance[OFFSET, OFFSET] <= prior[0, 0]
+    assert track.best.covariance[GROUND, GROUND] <= prior[1, 1]
+    assert track.hits == 7
+
+
+def test_with_marks_the_position_is_that_of_the_newest_box_with_an_uncut_edge() -> None:
+    marks = marks_of(Camera(), CameraMount(), MARKS_M)
+    tracker = known_bump(marks=marks)
+    (track,) = tracker.tracks
+    view, seen = looked_at(26.0)
+    assert track.mark_position is not None
+    newest = view.pose.x + float(distance(marks, seen.boxes[0, 3]))
+    assert track.mark_position[0] == track.start_m == pytest.approx(newest)
+    cut = Detections(np.array([[100.0, 300.0, 540.0, 384.0]]), np.ones(1), np.zeros(1))
+    tracker.update(*looked_at(36.5, cut))
+    assert track.mark_position[0] == pytest.approx(newest)

@@ -1,0 +1,74 @@
+"""Observation model: ground position of a box and visibility of a predicted one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from foreride.detector.detections import exact
+from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.observation import (
+    RectifiedFrame,
+    ground_position_of_box,
+    predict_box,
+    rectify_frame,
+)
+from foreride.preview.tracking.track import Edge, Track, first_fits
+from foreride.road.camera.pinhole import Camera, CameraMount, CameraPose, pose_of, project
+from tests.preview.kinematic_drive import unbiased
+
+CAMERA, SETTINGS = Camera(), unbiased()
+CERTAIN = Gaussian(np.zeros(3), np.zeros((3, 3)))
+
+
+def seen_at(pose: CameraPose, point: tuple[float, float, float]) -> RectifiedFrame:
+    """Frame with one box whose bottom has its middle at the image of a point."""
+    column, row = project(CAMERA, pose, [point])[0]
+    box = np.array([[column - 40.0, row - 12.0, column + 40.0, row]])
+    return rectify_frame(0.0, CAMERA, pose, exact(box, np.zeros(1, int)), SETTINGS)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.05])
+def test_a_box_lies_where_its_bottom_meets_the_ground(yaw: float) -> None:
+    pose = pose_of(CameraMount(), 10.0, 0.02, 0.01, yaw=yaw)
+    x, _ = ground_position_of_box(seen_at(pose, (22.0, 1.1, 0.0)), 0, CERTAIN)
+    assert x == pytest.approx(22.0, abs=1e-4)
+
+
+def test_pitch_offset_ground_height_and_edge_bias_move_the_position() -> None:
+    """The same point, seen with a camera pitched 0.004 rad more, by edges 0.001 rad low, on raised ground."""
+    pose = pose_of(CameraMount(), 10.0, 0.0, 0.0)
+    tilted = replace(pose, pitch=pose.pitch + 0.004 - 0.001)
+    view = seen_at(tilted, (22.0, 0.0, 0.05))._replace(pose=pose)
+    x, _ = ground_position_of_box(view, 0, Gaussian(np.array([0.004, 0.05, 0.001]), np.zeros((3, 3))))
+    assert x == pytest.approx(22.0, abs=1e-3)
+
+
+def test_the_positions_sigma_is_that_of_its_causes() -> None:
+    """Linear propagation of pixel noise and the shared states, by finite differences of the position."""
+    view = seen_at(pose_of(CameraMount(), 10.0, 0.0, 0.0), (22.0, 0.0, 0.0))
+    root = np.array([[4e-3, 0.0, 0.0], [1e-3, 0.02, 0.0], [2e-4, 0.01, 1e-3]])
+
+    def position(mean: np.ndarray, rows: float = 0.0) -> float:
+        moved = view._replace(boxes=view.boxes + rows)
+        return ground_position_of_box(moved, 0, Gaussian(mean, np.zeros((3, 3))))[0]
+
+    steps = 1e-4 * np.eye(3)
+    slope = np.array([(position(step) - position(-step)) / 2e-4 for step in steps])
+    by_pixel = 0.5 * (position(np.zeros(3), 1.0) - position(np.zeros(3), -1.0))
+    # The causes pitch less bias, and ground, are taken as independent.
+    pitch_sigma, ground_sigma = np.linalg.norm(root[0] - root[2]), np.linalg.norm(root[1])
+    parts = by_pixel * SETTINGS.pixel_sigma, slope[0] * pitch_sigma, slope[1] * ground_sigma
+    _, sigma = ground_position_of_box(view, 0, Gaussian(np.zeros(3), root @ root.T))
+    assert sigma == pytest.approx(np.linalg.norm(parts), rel=1e-3)
+
+
+@pytest.mark.parametrize(("share", "visible"), [(0.4, False), (0.6, True)])
+def test_an_object_is_in_view_if_half_of_its_box_is(share: float, visible: bool) -> None:
+    """The rest lies behind the bonnet."""
+    view = seen_at(pose_of(CameraMount(), 10.0, 0.0, 0.0), (15.0, 0.0, 0.0))
+    track = Track(0, 0, 0.0, 0.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), first_fits(0, 15.0, 0.1, CERTAIN))
+    predicted = predict_box(view, track)
+    assert predicted.visible
+    limit = predicted.top + share * (predicted.bottom - predicted.top)
+    assert predict_box(view._replace(limit_row=limit), track).visible == visible
