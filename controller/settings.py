@@ -113,8 +113,8 @@ class RoadSettings(Checked):
     more than early one.
     known_m, unknown_m: position standard deviations up to which "early" uses a feature in full, and from
     which on it ignores the feature, as preparing for a wrong position costs more than not preparing, m.
-    height_sigmas: number of standard deviations by which heights are planned lower than previewed, as
-    expecting too much costs more than expecting too little.
+    height_sigmas: number of standard deviations by which raised obstacles are planned lower than previewed,
+    as expecting too much costs more than expecting too little.
     credibility: probability that a preview with stated uncertainties is right, before the wheels have
     confirmed its first feature.
     blend_m: standard deviation at which "blend" halves a feature's height, m.
@@ -125,8 +125,8 @@ class RoadSettings(Checked):
     sigmas_early: Annotated[float, Interval(ge=0.0, le=3.0), "1"] = 1.0
     known_m: Annotated[float, Interval(ge=0.0, le=10.0), "m"] = 0.15
     unknown_m: Annotated[float, Interval(gt=0.0, le=20.0), "m"] = 0.3
-    height_sigmas: Annotated[float, Interval(ge=0.0, le=3.0), "1"] = 0.7
-    credibility: Share = 0.85
+    height_sigmas: Annotated[float, Interval(ge=0.0, le=3.0), "1"] = 0.35
+    credibility: Share = 0.95
     blend_m: Annotated[float, Interval(ge=1e-3, le=10.0), "m"] = 0.2
     slope_decay_s: Annotated[float, Interval(ge=1e-4, le=1.0), "s"] = 0.01
 

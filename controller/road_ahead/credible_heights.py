@@ -53,8 +53,10 @@ def exact(preview: RoadPreview) -> RoadPreview:
 def credible(
     preview: RoadPreview, wheel: int, match: PreviewMatch, sigmas: float, credibility: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Heights (n,) of one wheel, `sigmas` standard deviations nearer to level ground, and existence (n,).
+    """Heights (n,) of one wheel, `sigmas` standard deviations lower than previewed, and existence (n,).
 
+    Holes keep their depth: a wheel falls no faster than spring and gravity drive it, so that a depth beyond
+    that makes little difference, whereas half the depth loses most of the gain.
     The error of a height is taken as a common factor of the heights around it. The match updates factor and
     existence at the wheel, and with decreasing correlation ahead of it. An exact preview is not changed.
     """
@@ -66,7 +68,8 @@ def credible(
     sigma = np.sqrt(
         (1.0 - correlation**2) * prior**2 + correlation**2 * np.minimum(match.gain_sigma, prior) ** 2
     )
-    heights = np.maximum(gain - sigmas * sigma, 0.0) * preview.height_m[wheel]
+    raised = preview.height_m[wheel] > 0.0
+    heights = np.maximum(gain - np.where(raised, sigmas * sigma, 0.0), 0.0) * preview.height_m[wheel]
     existence = preview.existence[wheel]
     probable = np.minimum(credibility * existence, MAX_EXISTENCE)
     odds = probable / (1.0 - probable) * np.exp(correlation * match.log_ratio)

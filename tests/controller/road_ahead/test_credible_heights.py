@@ -27,6 +27,13 @@ def test_heights_are_planned_the_lower_the_less_certain_they_are() -> None:
         assert at(heights, 4.0) == pytest.approx(expected * HEIGHT_M, abs=1e-6)
 
 
+def test_a_hole_keeps_its_depth() -> None:
+    raised = preview(0.04)
+    hole = replace(raised, height_m=-raised.height_m)
+    heights, _ = credible(hole, 0, PreviewMatch(gain_sigma=1.0), 1.0, 1.0)
+    np.testing.assert_array_equal(heights, hole.height_m[0])
+
+
 def test_a_measured_factor_replaces_the_doubt_at_the_wheel() -> None:
     match = PreviewMatch(gain=0.6, gain_sigma=0.0, log_ratio=20.0)
     heights, _ = credible(preview(), 0, match, 1.0, 1.0)
