@@ -17,7 +17,7 @@ DEFAULT_RATE_HZ, MAX_RATE_HZ = 25.0, 1000.0
 
 
 class FilmHeader(NamedTuple):
-    """What a film says of itself: frames per second, and number of frames, 0 where it is not stated."""
+    """Header of a film: frames per second, and number of frames, 0 where it is not stated."""
 
     rate_hz: float
     frames: int
