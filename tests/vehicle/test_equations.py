@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import casadi
 import numpy as np
 import pytest
@@ -5,7 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from foreride.vehicle import equations
+from foreride.vehicle.dampers.actuator import SlowActive
+from foreride.vehicle.dampers.damper import MrBoucWenDamper
 from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.state_layout import state_layout
 
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 CARS: list[Car] = [QUARTER, HALF, FULL]
@@ -110,3 +115,28 @@ def test_pressing_the_front_lifts_and_pitches_the_nose_up() -> None:
     dx = equations.derivative(car, x, x[-2:], still, still)
     assert dx[1] > 0.0
     assert dx[3] < 0.0
+
+
+def test_the_motion_takes_each_state_once() -> None:
+    """Full car with actuators and dampers of two internal states: those of a wheel follow each other."""
+    car = replace(FULL, actuator=SlowActive(), damper=MrBoucWenDamper())
+    size = equations.state_size(car)
+    parts = equations.motion(car, np.arange(size))
+    assert parts.internal_states == [
+        [size - 8, size - 7],
+        [size - 6, size - 5],
+        [size - 4, size - 3],
+        [size - 2, size - 1],
+    ]
+    rows = [
+        *parts.body,
+        *parts.body_velocity,
+        *parts.wheel,
+        *parts.wheel_velocity,
+        *parts.damping,
+        *parts.force,
+    ]
+    assert sorted([*rows, *np.ravel(parts.internal_states)]) == list(range(size))
+    layout = state_layout(car)
+    assert parts.body == list(range(size))[layout.body]
+    assert parts.wheel_velocity == list(range(size))[layout.wheel_velocity]

@@ -4,7 +4,7 @@ import pytest
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.vehicle import equations
 from foreride.vehicle.load import load_vehicle
-from foreride.vehicle.state import observe, road_under
+from foreride.vehicle.state import observe, road_under, signal_unit
 
 QUARTER, HALF = load_vehicle("quarter"), load_vehicle("half")
 RAMP = WheelProfile(0.0, 1.0, np.array([0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3]))
@@ -43,3 +43,15 @@ def test_wheel_and_body_forces_balance() -> None:
     state = observe(HALF, time, time, time, x, x[-2:], road)
     inertia = 800 * state.cg_acc + 42 * state.wheel_acc.sum(axis=0)
     np.testing.assert_allclose(inertia, (state.tyre_force - state.static_tyre_force).sum(axis=0), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"), [("seat_acc_0", "m/s²"), ("seat_acc", "m/s²"), ("x_m", "m"), ("tyre_force_3", "N")]
+)
+def test_a_signal_has_its_unit_with_and_without_an_index(name: str, unit: str) -> None:
+    assert signal_unit(name) == unit
+
+
+def test_an_unknown_signal_has_none() -> None:
+    with pytest.raises(KeyError):
+        signal_unit("seat_0_acc")

@@ -169,3 +169,10 @@ def test_blocks_of_ticks_give_the_states_of_single_ticks(part: Damper) -> None:
 def test_a_wrong_map_is_told_in_one_line(change: dict[str, Any], told: str) -> None:
     with pytest.raises(InputError, match=told):
         replace(ValveDamper(), **change)
+
+
+def test_a_yield_force_counts_up_to_the_greatest_current_only() -> None:
+    """32 + 918 I - 244 I² N vanishes at 3.80 A: a damper for 3.6 A is fine, one for 3.9 A is not."""
+    assert MrTanhDamper(current_max_a=3.6).current_max_a == 3.6
+    with pytest.raises(InputError, match="yield_n must give > 0"):
+        MrTanhDamper(current_max_a=3.9)

@@ -14,6 +14,7 @@ from foreride.vehicle import equations
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.load import GRAVITY_M_S2, Car, QuarterCar, load_vehicle
 from foreride.vehicle.plant.plant import Plant, build_model
+from foreride.vehicle.speed_profile import SpeedProfile
 from foreride.vehicle.spring_table import SpringTable
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_under
 from foreride.vehicle.state_layout import state_layout
@@ -235,3 +236,19 @@ def test_warnings_of_mujoco_leave_no_file_in_the_users_folder(
     mujoco.mj_step(model, data)
     assert list(tmp_path.iterdir()) == []
     assert "MuJoCo" in capsys.readouterr().err
+
+
+def test_braking_shifts_load_to_the_front_by_the_height_of_the_centre_of_gravity() -> None:
+    """Half car at -4 m/s² for 4 s: m h a / wheelbase of tyre load, and nose down by the axles' springs."""
+    plant = Plant(HALF)
+    plant.reset([FLAT] * 2, 0.0, SpeedProfile((0.0, 4.0), (20.0, 4.0)))
+    plant.step(np.full(2, 1500.0), 3900)
+    shifted = HALF.body_mass_kg * HALF.cg_height_m * 4.0 / (HALF.front_axle_m + HALF.rear_axle_m)
+    state = plant.state
+    np.testing.assert_allclose(state.tyre_force - state.static_tyre_force, [shifted, -shifted], rtol=1e-3)
+    dive = [
+        shifted * (1.0 / spring + 1.0 / tyre)
+        for spring, tyre in zip(HALF.spring_n_m, HALF.tyre_n_m, strict=True)
+    ]
+    wheelbase = HALF.front_axle_m + HALF.rear_axle_m
+    assert state.pitch_rad == pytest.approx(sum(dive) / wheelbase, rel=1e-3)
