@@ -87,7 +87,8 @@ class Residual:
         reach = min(float(np.hypot(settings.reach_m, sigma)), settings.widest_m)
         heights = preview.existence[wheel] * preview.height_m[wheel]
         near = np.interp(reach * _SAMPLES, preview.distance_m, heights)
-        return float(near[len(near) // 2]), float(near.min()), float(near.max())
+        here = float(np.interp(0.0, preview.distance_m, heights))
+        return here, float(near.min()), float(near.max())
 
     def _gains(self, preview: RoadPreview, size_m: float) -> tuple[float, float]:
         """Smallest and largest tolerated ratio of measured to previewed height."""

@@ -77,3 +77,10 @@ def test_what_is_no_metric_is_refused(name: str, value: Any, told: str) -> None:
 )  # fmt: skip
 def test_a_zero_is_shown_without_a_sign(style: str, value: float, shown: str) -> None:
     assert Column("c", "", style).shown(value) == shown
+
+
+@pytest.mark.parametrize("metric", METRICS.parts().values(), ids=lambda metric: metric.name)
+def test_no_tolerance_hides_what_a_comparison_would_show(metric: Metric) -> None:
+    """Two percent of a mean or of travel, three of a peak acceleration, five of a duration."""
+    of_peak, of_time = metric.name in ("crest_factor", "peak_acc"), metric.unit == "s"
+    assert 0.0 < metric.tolerance.relative <= (0.05 if of_time else 0.03 if of_peak else 0.02)

@@ -16,7 +16,10 @@ def test_transfer_function_gives_the_table_of_iso_2631_1(name):
     known = np.isfinite(printed)
     found = frequency_weighting(name, np.array(NOMINAL_HZ)[known])
     assert known.sum() >= 22
-    np.testing.assert_allclose(found, printed[known], rtol=5e-3)
+    rounding = np.where(printed[known] < 0.1, 0.05e-3, 0.5e-3)
+    if name == "Wk":  # 484.55 and 768.70 by the standard's own formula are printed as 484 and 768
+        rounding[[NOMINAL_HZ.index(1.25), NOMINAL_HZ.index(16)]] = 0.75e-3
+    assert (np.abs(found - printed[known]) <= rounding).all()
 
 
 @pytest.mark.parametrize("name", list(WEIGHTINGS))

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from foreride.controller.interface import Timing
+from foreride.controller.laws.passive import passive
+from foreride.controller.laws.skyhook import Skyhook
 from foreride.controller.registry import CONTROLLERS, build, uses_preview
 from foreride.controller.settings import ControllerSettings
 from foreride.controller.user_controller import load_user_controller
 from foreride.files.errors import InputError
 from foreride.files.reading.strict import structure
-from foreride.vehicle.dampers.damper import MrBoucWenDamper
+from foreride.vehicle.dampers.damper import MrBoucWenDamper, MrTanhDamper
 from foreride.vehicle.load import control_model, load_vehicle
 from tests.controller.cars import estimate, step_preview
 
@@ -143,3 +145,20 @@ def test_every_controller_reports_on_itself(name: str) -> None:
     assert controller.active == ()
     assert isinstance(controller.stats, dict)
     controller.acted(np.zeros(2))
+
+
+def test_a_law_of_coefficients_commands_them_to_an_ideal_damper_as_they_are() -> None:
+    car, x = load_vehicle("quarter"), np.array([0.01, 0.3, 0.0, -0.2, 1500.0])
+    at, settings = estimate(car, x), ControllerSettings()
+    np.testing.assert_array_equal(
+        build("skyhook", car, settings).step(at, None), Skyhook(car, settings.skyhook).step(at, None)
+    )
+
+
+def test_a_law_of_settings_commands_them_to_any_damper_as_they_are() -> None:
+    car = replace(load_vehicle("quarter"), damper=MrTanhDamper())
+    model, settings = control_model(car), ControllerSettings()
+    np.testing.assert_array_equal(
+        build("passive", car, settings).step(estimate(model), None),
+        passive(model, settings.passive).step(estimate(model), None),
+    )

@@ -1,8 +1,11 @@
 """Tests of the reactive laws against hand calculation."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
+from foreride.controller.interface import Controller
 from foreride.controller.laws.hybrid import Hybrid
 from foreride.controller.laws.passive import fixed, passive
 from foreride.controller.laws.skyhook import Skyhook
@@ -136,3 +139,19 @@ def test_sh_add_is_skyhook_below_its_crossover_and_add_above(frequency_hz: float
         np.testing.assert_array_equal(crossing.step(at, None), expected)
         if abs(np.sin(2 * phase)) > 0.75:  # far enough from the zeros of velocity and acceleration
             np.testing.assert_array_equal(crossing.step(at, None), pure.step(at, None))
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        lambda smoothing: Skyhook(QUARTER, SkyhookSettings(2000.0, 0.0, 300.0, smoothing)),
+        lambda smoothing: Hybrid(QUARTER, HybridSettings(2000.0, 1.0, 300.0, smoothing)),
+    ],
+    ids=["skyhook", "hybrid"],
+)
+def test_at_the_smoothing_velocity_the_coefficient_is_halved(law: Callable[[float], Controller]) -> None:
+    """v / (v² + smoothing²) is half of 1 / v there."""
+    at = estimate(QUARTER, quarter(0.4, 0.1))
+    sharp, smooth = (law(smoothing).step(at, None) for smoothing in (1e-4, 0.3))
+    np.testing.assert_allclose(sharp, [2000.0 * 0.4 / 0.3], rtol=1e-6)
+    np.testing.assert_allclose(smooth, sharp / 2, rtol=1e-6)

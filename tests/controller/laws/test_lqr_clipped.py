@@ -95,3 +95,14 @@ def test_reset_forgets_the_filters_history() -> None:
     first = [law.step(one, None) for one in at]
     law.reset()
     np.testing.assert_array_equal(first, [law.step(one, None) for one in at])
+
+
+def test_at_the_smoothing_velocity_half_of_the_force_is_asked_of_the_damper() -> None:
+    x = np.array([0.0, 0.1, 0.0, -0.4, 1500.0])
+    sharp, smooth = (
+        ClippedLqr(QUARTER, LqrSettings(smoothing_m_s=smoothing)).step(estimate(QUARTER, x), None)
+        for smoothing in (1e-4, 0.5)
+    )
+    nominal = LqrSettings().nominal_ns_m
+    assert abs(sharp[0] - nominal) > 100.0
+    np.testing.assert_allclose(smooth - nominal, (sharp - nominal) / 2, rtol=1e-6)

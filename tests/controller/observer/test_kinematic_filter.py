@@ -1,10 +1,17 @@
-"""Tests of the kinematic filter: sensor offsets at rest, and no warp of a rigid body."""
+"""Tests of the kinematic filter: sensor offsets at rest, no warp of a rigid body, and optimality."""
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_discrete_lyapunov
 
-from foreride.controller.observer.kinematic_filter import filter_layout, gyros, kinematic_filter
-from foreride.vehicle.load import load_vehicle
+from foreride.controller.observer.kinematic_filter import (
+    OFFSET_DRIFT_TIME_S,
+    ROAD_DRIFT_DENSITY_M2_S,
+    filter_layout,
+    gyros,
+    kinematic_filter,
+)
+from foreride.vehicle.load import Car, load_vehicle
 from foreride.vehicle.plant.sensors import SensorNoise
 
 CARS = ("quarter", "half", "full")
@@ -41,3 +48,29 @@ def test_the_filter_is_stable(name: str) -> None:
     filtered = kinematic_filter(load_vehicle(name), SensorNoise(), 0.005)
     closed = filtered.transition - filtered.gain @ filtered.output @ filtered.transition
     assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
+
+
+def error_covariance(car: Car, noise: SensorNoise, gain: np.ndarray, period_s: float) -> np.ndarray:
+    """Covariance of a quarter car's estimate with some gain, from noise models written out here."""
+    filtered, root = kinematic_filter(car, noise, period_s), np.sqrt(noise.bandwidth_hz)
+    sigmas = [noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root]
+    process = filtered.drive @ np.diag(np.square(sigmas)) @ filtered.drive.T
+    offsets = [noise.body_offset_m_s2, noise.wheel_offset_m_s2, noise.pitch_rate_offset_rad_s]
+    process[4:, 4:] += np.diag(np.square(offsets)) * period_s / OFFSET_DRIFT_TIME_S
+    rate = noise.pitch_rate_density_rad_s * root
+    reading = np.diag([noise.rattle_m**2, rate**2, ROAD_DRIFT_DENSITY_M2_S / period_s])
+    keep = np.eye(len(process)) - gain @ filtered.output
+    return solve_discrete_lyapunov(
+        keep @ filtered.transition, keep @ process @ keep.T + gain @ reading @ gain.T
+    )
+
+
+def test_no_other_gain_estimates_better() -> None:
+    """Optimality of a quarter car's filter: travel, velocities and offsets."""
+    car, noise, period_s = load_vehicle("quarter"), SensorNoise(), 0.01
+    best = kinematic_filter(car, noise, period_s).gain
+    least = np.diag(error_covariance(car, noise, best, period_s))
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        other = best * (1.0 + 0.1 * rng.choice([-1.0, 1.0], best.shape))
+        assert (np.diag(error_covariance(car, noise, other, period_s)) >= 0.9999 * least).all()

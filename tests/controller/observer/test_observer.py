@@ -184,3 +184,13 @@ def test_speed_is_smoothed() -> None:
     pairs = drive(load_vehicle("quarter"), Road(90.0), SensorNoise(speed_m_s=0.1, speed_scale=0.0), 100)
     assert np.std([ours.speed_m_s for ours, _ in pairs[50:]]) < 0.04
     assert pairs[-1][0].speed_m_s == pytest.approx(10.0, abs=0.1)
+
+
+@pytest.mark.parametrize(("share", "contact"), [(0.03, True), (0.01, False)])
+def test_a_wheel_is_off_the_ground_below_two_percent_of_its_load(share: float, contact: bool) -> None:
+    """Body and wheel falling together with all of gravity but this share."""
+    car, noise = load_vehicle("quarter"), NO_NOISE
+    observer, fall = Observer(car, noise, Timing(0.001)), -(1.0 - share) * 9.80665 * np.ones(1)
+    reading = Measurement(0.0, fall, fall, np.zeros(1), 0.0, 10.0)
+    estimate = observer.update(SensorMonitor(1, noise).check(reading), np.array([1500.0]))
+    assert estimate.contact.tolist() == [contact]
