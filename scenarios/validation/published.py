@@ -51,7 +51,7 @@ def _ctms() -> Check:
     """Transfer function of the tutorial from the road W to the stroke X1 - X2, with its determinant."""
     m1, m2, k1, k2, b1, b2 = CTMS.values()
     first, second, coupling = np.array([m1, b1, k1]), np.array([m2, b1 + b2, k1 + k2]), np.array([b1, k1])
-    determinant = np.polysub(np.polymul(first, second), np.polymul(coupling, coupling))
+    determinant: np.ndarray = np.polysub(np.polymul(first, second), np.polymul(coupling, coupling))
     stroke = signal.TransferFunction([-m1 * b2, -m1 * k2, 0, 0], determinant)
     signals = _drive("published_ctms").signals
     time = signals["time_s"]

@@ -38,4 +38,5 @@ def _draw(axis: Axes, values: Array, best: Mask, colour: str, label: str) -> Non
     joined = values[best]
     joined = joined[np.argsort(joined[:, 0])]
     axis.plot(joined[:, 0], joined[:, 1], color=colour, marker="o", markersize=4, label=label)
-    axis.scatter(*values[~best].T, color=colour, s=10, alpha=0.5)
+    others = values[~best]
+    axis.scatter(others[:, 0], others[:, 1], color=colour, s=10, alpha=0.5)
