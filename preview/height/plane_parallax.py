@@ -121,15 +121,13 @@ def match(
             + cv2.Sobel(mean_image, cv2.CV_32F, 0, 1, ksize=1) * along_v
         )
         pixels = np.hypot(along_u, along_v)
-        error = cv2.boxFilter(slope * (reference - warped), -1, window)
-        weight = cv2.boxFilter(slope * slope, -1, window)
+        error = cv2.blur(slope * (reference - warped), window)
+        weight = cv2.blur(slope * slope, window)
         regularised = weight + _REGULARISATION * pixels**2
         max_step = _MAX_STEP_PX / pixels
         q = np.clip(
             q + np.clip(error / regularised, -max_step, max_step), 1.0 - _MAX_STRUCTURE, 1.0 + _MAX_STRUCTURE
         )
-        q = cv2.boxFilter(q * regularised, -1, (window_px, 1)) / cv2.boxFilter(
-            regularised, -1, (window_px, 1)
-        )
+        q = cv2.blur(q * regularised, (window_px, 1)) / cv2.blur(regularised, (window_px, 1))
     noise = 1.48 * float(np.median(np.abs(reference - warped)))
     return StructureField(q, weight / pixels**2, np.stack([along_u, along_v]), noise)

@@ -30,7 +30,7 @@ def coarse(camera: Camera, view: ImageBand, left: Array, right: Array) -> Array:
     at_u, at_v, forward = project_structure(camera, view, np.ones_like(view.ahead))
     warped = cv2.remap(right, at_u, at_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     reference = left[view.top : view.top + rows, view.left : view.left + columns]
-    half_size = (max(columns // 2, 1), max(rows // 2, 1))
+    half_size = (columns // 2, rows // 2)
     matcher = cv2.StereoSGBM.create(
         minDisparity=-_DISPARITIES // 2,
         numDisparities=_DISPARITIES,

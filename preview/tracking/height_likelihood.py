@@ -177,7 +177,7 @@ def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) ->
     )
     positions = rows.x_m[:, None] + rows.smear_m[:, None] * _SMEAR_POINTS
     points_before = (plane_crossings[:, :, None, :] < positions[:, :, None]).sum(axis=3)
-    on_shape = (points_before > 0) & (points_before < len(_PROFILE_POINTS))
+    before_end = points_before < len(_PROFILE_POINTS)  # and before the near edge the height is the edge's, 0
     k = np.clip(points_before, 1, len(_PROFILE_POINTS) - 1)
     low, high = (
         np.take_along_axis(plane_crossings, k - 1, axis=2),
@@ -187,4 +187,4 @@ def _smeared_heights(kind: ObstacleTemplate, rows: HeightRows, shapes: Array) ->
     fraction = np.clip((positions - low) / np.maximum(high - low, 1e-9), 0.0, 1.0)
     shape_index = np.arange(len(shapes))[:, None, None]
     near_height = rises[shape_index, k - 1]
-    return np.where(on_shape, near_height + fraction * (rises[shape_index, k] - near_height), 0.0)
+    return np.where(before_end, near_height + fraction * (rises[shape_index, k] - near_height), 0.0)

@@ -279,6 +279,8 @@ def _normal_cdf(value: float) -> float:
 
 def _first_fit(kind: ObstacleTemplate, x_m: float, x_sigma_m: float, shared: Gaussian) -> Fit:
     state = start_state(x_m, shared, kind.length_m, kind.height_m)
-    covariance = np.diag([x_sigma_m, 1.0, 1.0, kind.length_sigma_m, kind.height_sigma_m, 1.0]) ** 2
+    covariance = np.zeros((len(state), len(state)))
     covariance[np.ix_(SHARED, SHARED)] = shared.covariance
+    own = [X, LENGTH, HEIGHT]
+    covariance[own, own] = np.square([x_sigma_m, kind.length_sigma_m, kind.height_sigma_m])
     return Fit(kind, state, covariance, -float(np.log(kind.share)))

@@ -28,7 +28,7 @@ _GATE = 20.0  # association gate: sum of squared normalised row differences; fou
 _LATERAL_GATE_M = 0.5
 _OTHER_CLASS_COST = 6.0  # cost added to a box of the other class with the same sides
 _PART_MARGIN_M = 0.3  # margin beyond an object's ends for boxes of its parts
-_FIRST_EDGE_SIGMA_M = 1.0  # of a side cut by the image border in the first box
+_FIRST_EDGE_VARIANCE_M2 = 1.0  # of a side cut by the image border in the first box
 
 
 class Tracker:
@@ -184,7 +184,7 @@ class Tracker:
         self._rate(track, view, box_index, detections)
         self.refit(track)
         track.right, track.left = (
-            Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_SIGMA_M**2))
+            Edge(edge.y_m, min(edge.variance, _FIRST_EDGE_VARIANCE_M2))
             for edge in self._sides(track, view, box_index)
         )
         self._next_identity += 1
