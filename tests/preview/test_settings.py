@@ -1,10 +1,12 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.files.errors import InputError
 from foreride.preview.settings import Settings
+from foreride.vehicle.load import HalfCar, load_vehicle
 
 
 def test_biases_may_have_any_sign():
@@ -42,3 +44,14 @@ def test_biases_come_from_the_detector_unless_set():
 def test_values_by_class_must_be_one_per_class(field):
     with pytest.raises(InputError, match=f"^{field} must hold 2 values, of speed_bump, pothole, got 1$"):
         Settings(**{field: (0.5,)})
+
+
+def test_the_first_pitch_is_uncertain_by_what_a_passenger_does():
+    """75 kg on the rear seat of each side turn the compact car on its springs and tyres by 0.6 degrees."""
+    car = load_vehicle("half_car")
+    assert isinstance(car, HalfCar)
+    spring, tyre = np.array(car.spring_n_m), np.array(car.tyre_n_m)
+    arm = np.array([car.front_axle_m, car.rear_axle_m])
+    stiffness = (spring * tyre / (spring + tyre)) @ arm**2
+    pitch = np.rad2deg(75.0 * 9.81 * -car.seat_x_m[1] / stiffness)
+    assert Settings().body_pitch_sigma_deg == pytest.approx(pitch, rel=0.25)

@@ -175,3 +175,15 @@ def test_refuses_time_that_stands_still_and_moments_long_gone():
         motion.at(1.0)
     with pytest.raises(InputError, match="no measurement"):
         EgoMotion(AXLES, Settings()).at(0.0)
+
+
+def test_the_history_reaches_back_once_to_twice_its_set_length():
+    """Steps of a power of two, so that no time is rounded."""
+    step, motion = 1.0 / 64.0, EgoMotion(AXLES, Settings(history_s=0.25))
+    for tick in range(80):
+        now = tick * step
+        motion.update(now, still())
+        oldest = max(0.0, now - 0.25 + step)
+        assert motion.at(oldest).x_m == pytest.approx(10.0 * oldest)
+        with pytest.raises(InputError, match="start of the history"):
+            motion.at(now - 0.5 - 1e-6)

@@ -27,9 +27,11 @@ def test_straight_ahead_nothing_changes_to_the_bit():
     np.testing.assert_array_equal(Path().beside(11.3, left), left)
 
 
-def test_curvature_is_yaw_rate_over_speed_and_none_at_standstill():
+def test_curvature_is_yaw_rate_over_speed_from_walking_pace_on():
+    """Rolling to a stop an offset of the gyro would look like a bend."""
     assert curvature(0.2, 10.0) == pytest.approx(0.02)
-    assert curvature(0.2, 0.3) == 0.0
+    assert curvature(0.14, 5.0 / 3.6) == pytest.approx(0.1, rel=0.01)
+    assert curvature(0.2, 0.9) == 0.0
 
 
 @pytest.mark.parametrize("bend", [1 / 60, -1 / 60])

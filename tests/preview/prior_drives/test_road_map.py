@@ -108,3 +108,9 @@ def test_what_is_no_map_is_refused(tmp_path: Path) -> None:
         read(tmp_path / "map.txt")
     with pytest.raises(InputError, match=r"map\.crg"):
         read(tmp_path / "map.crg")
+
+
+def test_wheel_tracks_end_where_the_map_ends(tmp_path: Path) -> None:
+    road_map = read(written(tmp_path / "map.csv", "x_m,z_m", ["3,0", "8,0.1", "13,0.1"]))
+    (track,) = wheel_tracks(road_map, [0.0], 0.31)
+    assert track.x0_m + track.step_m * (len(track.heights) - 1) == pytest.approx(13.0)

@@ -72,3 +72,19 @@ def test_an_object_is_in_view_if_half_of_its_box_is(share: float, visible: bool)
     assert predicted.visible
     limit = predicted.top + share * (predicted.bottom - predicted.top)
     assert predict_box(view._replace(limit_row=limit), track).visible == visible
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("beyond_m", "visible"), [(-0.25, True), (-0.15, False)])
+def test_an_object_is_in_view_if_20_cm_of_it_lie_before_the_images_border(
+    side: float, beyond_m: float, visible: bool
+) -> None:
+    """An object 2 m wide, at whose middle along the road the border's line of sight ends inside of it."""
+    view = seen_at(pose_of(CameraMount(), 10.0, 0.0, 0.0), (22.0, 0.0, 0.0))
+    fits = first_fits(1, 16.0, 0.1, CERTAIN)
+    track = Track(0, 1, 0.0, 0.0, Edge(0.0, 0.01), Edge(0.0, 0.01), fits)
+    ahead = 0.5 * (track.start_m + track.end_m) - view.pose.x
+    reach = ahead * 320.0 / CAMERA.focal_px  # of half of 640 columns
+    ends = np.sort(view.pose.y + side * np.array([reach + beyond_m, reach + beyond_m + 2.0]))
+    track.right, track.left = (Edge(float(y), 0.01) for y in ends)
+    assert predict_box(view, track).visible == visible

@@ -105,3 +105,9 @@ def test_priors_cover_what_road_design_rules_allow(kind, lengths, heights):
         assert abs(length - kind.length_m) < 2 * kind.length_sigma_m
     for height in heights:
         assert abs(height - kind.height_m) < 2 * kind.height_sigma_m
+
+
+def test_kept_profiles_cannot_be_changed_by_those_who_get_them():
+    for values in tyre_profile(BUMP, 0.4, 0.08):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 1.0

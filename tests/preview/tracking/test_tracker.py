@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -165,3 +167,14 @@ def test_with_marks_the_position_is_that_of_the_newest_box_with_an_uncut_edge() 
     cut = Detections(np.array([[100.0, 300.0, 540.0, 384.0]]), np.ones(1), np.zeros(1))
     tracker.update(*looked_at(36.5, cut))
     assert track.mark_position[0] == pytest.approx(newest)
+
+
+@pytest.mark.parametrize("ahead_m", [1.2, 1.8, 6.0])
+def test_sides_of_a_bump_are_those_of_its_box_at_the_distance_of_its_near_edge(ahead_m: float) -> None:
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    view, _ = looked_at(27.0)
+    near = view._replace(pose=replace(view.pose, x=track.start_m - ahead_m))
+    columns = near.boxes[0, [2, 0]] - near.camera.cx
+    right, left = (-ahead_m * columns / near.camera.focal_px).tolist()
+    assert [edge.y_m for edge in tracker._sides(track, near, 0)] == pytest.approx([right, left])
