@@ -7,10 +7,14 @@ import pytest
 
 from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
+from foreride.preview.height import height_measurement
 from foreride.preview.height.height_measurement import HeightGauge, _sigma_inflation
+from foreride.preview.height.plane_parallax import ImageBand, StructureField, band, match
 from foreride.preview.height.stereo import second_pose
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.height_likelihood import HeightRows
+from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.track import Edge, Track, first_fits
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.render.appearance import Appearance
@@ -82,6 +86,53 @@ def test_heights_count_less_where_bare_road_does_not_look_flat() -> None:
     assert _sigma_inflation(still, bare) == 1.0
     assert _sigma_inflation(moving, bare) == pytest.approx(2.0 * 5.0, rel=0.1)
     assert _sigma_inflation(moving, np.zeros(4000, bool)) == 1.0
+
+
+def known(cls: int, start_m: float) -> Track:
+    """Confirmed track, wide and in the middle of the road."""
+    certain = Gaussian(np.zeros(3), np.zeros((3, 3)))
+    track = Track(0, cls, 0.0, 0.0, Edge(-1.8, 0.01), Edge(1.8, 0.01), first_fits(cls, start_m, 0.1, certain))
+    track.confirmed = True
+    return track
+
+
+@pytest.mark.parametrize(("cls", "window_m"), [(0, 0.6), (1, 0.2)])
+def test_windows_and_strip_are_as_wide_as_they_appear(
+    cls: int, window_m: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows at the object's middle; the strip of 3 m, about the camera's axis, where it is nearest."""
+    seen: list[tuple[ImageBand, int]] = []
+
+    def recorded(camera: Camera, view: ImageBand, *images: np.ndarray) -> StructureField:
+        seen.append((view, int(images[-1])))
+        return match(camera, view, *images)
+
+    monkeypatch.setattr(height_measurement, "match", recorded)
+    pose, track = pose_of(MOUNT, 24.0, 0.0, 0.0), known(cls, 29.5)
+    image = np.random.default_rng(2).integers(0, 255, (CAMERA.height_px, CAMERA.width_px, 3), np.uint8)
+    HeightGauge(CAMERA, BASE_M, unbiased()).measure(pose, image, image, [track])
+    ((view, window_px),) = seen
+    middle_m = 0.5 * (track.start_m + track.end_m) - pose.x
+    assert window_px == pytest.approx(window_m * CAMERA.focal_px / middle_m, abs=2.0)
+    first, last = view.left, view.left + view.ahead.shape[1] - 1
+    assert first + last == CAMERA.width_px - 1
+    assert (view.side[-1, 0], view.side[-1, -1]) == pytest.approx((1.5, -1.5), rel=0.05)
+
+
+def test_a_row_counts_by_its_texture_however_weak() -> None:
+    """Sigma is noise over the root of the squared gradients' sum: a tenth of the contrast, tenfold sigma."""
+    pose, track = pose_of(MOUNT, 24.0, 0.0, 0.0), known(0, 29.5)
+    view = band(CAMERA, pose, second_pose(pose, BASE_M), (220, 320), (270, 370))
+    ones = np.ones_like(view.ahead)
+    along = np.stack([-CAMERA.focal_px * BASE_M / view.ahead, 0.0 * ones])
+    sigmas = []
+    for contrast in (1e-5, 1e-3):
+        field = StructureField(ones, contrast * ones, along, 1.0)
+        found = HeightGauge(CAMERA, BASE_M, unbiased())._profile(pose, view, field, True, track, [track])
+        assert found is not None
+        assert len(found[0].x_m) == 50
+        sigmas.append(found[0].sigma_m)
+    np.testing.assert_allclose(sigmas[0], 10.0 * sigmas[1], rtol=0.01)
 
 
 def test_without_images_nothing_is_measured() -> None:

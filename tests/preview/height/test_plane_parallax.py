@@ -89,3 +89,17 @@ def test_plane_of_a_wrong_pitch_is_taken_out(photographs: tuple) -> None:
     assert np.median(height[bare]) == pytest.approx(0.0, abs=0.005)
     crest = true > 0.8 * HEIGHT_M
     assert np.median(height[crest]) == pytest.approx(np.median(true[crest]), rel=0.12)
+
+
+def test_one_moving_camera_sees_depth_to_a_third_of_a_pixel(photographs: tuple) -> None:
+    """Earlier exposure 1.2 m behind: points move away from the epipole, along columns and rows."""
+    reference, _, first, _ = photographs
+    road = Road(60.0, (WattsHump(30.0, HEIGHT_M, 3.6, paint="white_stripes"),))
+    scene = Scene(road, Appearance(light="noon", weather="dry", wear=0.3), 1)
+    earlier = replace(reference, x=reference.x - 1.2)
+    view = band(CAMERA, reference, earlier, ROWS, COLUMNS)
+    images = grey(first), grey(scene.render(CAMERA, earlier, 2))
+    field = match(CAMERA, view, *images, np.ones_like(view.ahead))
+    error = (field.q - true_structure(view, first)) * field.pixels
+    assert abs(np.median(error)) < 0.1
+    assert np.median(np.abs(error)) < 0.35
