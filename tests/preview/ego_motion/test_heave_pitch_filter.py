@@ -31,3 +31,13 @@ def test_where_the_wheels_leave_the_plane_its_height_is_uncertain_by_two_centime
     assert updates[:-1] == [None] * 9
     assert updates[-1] == (pytest.approx(-0.025), 0.0)
     assert body.covariance[HEAVE, HEAVE] == pytest.approx(0.5 * SETTINGS.grade_rise_m**2, rel=0.01)
+
+
+@pytest.mark.parametrize(("memory_s", "share"), [(1.0, 0.1), (0.1, 1.0), (0.02, 1.0)])
+def test_roughness_is_the_running_mean_square_of_the_rise(memory_s: float, share: float) -> None:
+    """Two heights 0.1 s apart that differ by 1 mm; with a memory shorter than that the last rise alone."""
+    body = HeavePitchFilter(QUARTER_CAR, Settings(roughness_memory_s=memory_s))
+    body.covariance[:], before = 0.0, body.roughness_m
+    for road in (0.0, 0.001):
+        body.level(np.array([-road]), 0.1)
+    assert body.roughness_m**2 == pytest.approx((1.0 - share) * before**2 + share * 0.001**2)

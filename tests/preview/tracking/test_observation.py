@@ -88,3 +88,25 @@ def test_an_object_is_in_view_if_20_cm_of_it_lie_before_the_images_border(
     ends = np.sort(view.pose.y + side * np.array([reach + beyond_m, reach + beyond_m + 2.0]))
     track.right, track.left = (Edge(float(y), 0.01) for y in ends)
     assert predict_box(view, track).visible == visible
+
+
+def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit() -> None:
+    """Mounting 0.004 rad lower, ground 5 cm higher and box edges 0.001 rad lower than the nominal ones."""
+    pose = pose_of(CameraMount(), 10.0, 0.02, 0.01)
+    shared = Gaussian(np.array([0.004, 0.05, 0.001]), np.diag([1e-3, 0.02, 2e-4]) ** 2)
+    track = Track(0, 0, 0.0, 0.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), first_fits(0, 22.0, 0.1, shared))
+    predicted = predict_box(seen_at(pose, (22.0, 0.0, 0.0)), track)
+
+    def row(x: float, pitch: float, ground: float, bias: float) -> float:
+        return float(
+            project(CAMERA, replace(pose, pitch=pose.pitch + pitch - bias), [(x, 0.0, ground)])[0, 1]
+        )
+
+    at = np.array([22.0, 0.004, 0.05, 0.001])
+    assert predicted.bottom == pytest.approx(row(*at))
+    steps = 1e-5 * np.eye(4)
+    slope = np.array([(row(*(at + step)) - row(*(at - step))) / 2e-5 for step in steps])
+    sigma = np.linalg.norm(slope * [0.1, 1e-3, 0.02, 2e-4])
+    assert predicted.bottom_sigma == pytest.approx(sigma, rel=0.01)
+    top_only = np.sqrt(predicted.top_sigma**2 - sigma**2)  # a shape unknown to a quarter, and 2 px
+    assert top_only == pytest.approx(2.0 + 0.25 * (predicted.bottom - predicted.top), rel=0.01)

@@ -9,8 +9,9 @@ from scipy.stats import norm
 from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import EdgeBearings
+from foreride.preview.tracking.gauss_newton import SHARED, EdgeBearings
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
 from foreride.preview.tracking.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
 
 SETTINGS = Settings()
@@ -140,3 +141,13 @@ def test_what_a_wheel_has_felt_needs_no_score():
     rated_track.real_probability = 1.0
     rated_track.update_score(0.0, 20.0, SETTINGS, DEFAULT_CALIBRATION[1])
     assert rated_track.real_probability == 1.0
+
+
+def test_a_new_object_is_as_uncertain_as_its_first_box_its_kind_and_the_calibration():
+    shared = np.array([[16.0, 2.0, 0.5], [2.0, 100.0, 1.0], [0.5, 1.0, 1.0]]) * 1e-6
+    for first in first_fits(1, 20.0, 0.5, Gaussian(np.zeros(3), shared)):
+        kind = first.kind
+        own = np.square([0.5, kind.length_sigma_m, kind.height_sigma_m])
+        assert np.diag(first.covariance)[[X, LENGTH, HEIGHT]] == pytest.approx(own)
+        np.testing.assert_array_equal(first.covariance[np.ix_(SHARED, SHARED)], shared)
+        assert np.count_nonzero(first.covariance) == 3 + 9
