@@ -20,6 +20,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "render": ("inspect.render", "write the camera's images along a scenario"),
     "report": ("inspect.report", "a run or a comparison as one HTML file or a video"),
     "log": ("inspect.log", "a run as a file of measurement and robotics tools (extra: logs)"),
+    "replay": (
+        "inspect.replay",
+        "recorded images and signals through detector and estimator (extra for MCAP and MF4: logs)",
+    ),
     "road": ("inspect.road", "length, IRI, ISO 8608 class and features of a road"),
     "list": ("inspect.listing", "scenarios, vehicles, controllers and other names that are accepted"),
     "detector": ("detector", "data, training, evaluation and export of the detector"),

@@ -1,1 +1,1 @@
-"""Logs: runs in the formats of measurement tools, and recordings that are played through the perception."""
+"""Logs: runs in the formats of robotics and measurement tools."""

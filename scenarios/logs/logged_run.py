@@ -2,8 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from foreride.files.errors import InputError
 from foreride.files.reading.regular_file import read_bytes
+from foreride.files.reading.strict_json import parse_json
 from foreride.files.writing.sharing import shared_target
 from foreride.scenarios.runs.read import read
 from foreride.scenarios.runs.write import definition, frame_name, to_json
@@ -30,6 +33,15 @@ class LoggedRun:
             "seed": str(case.seed),
             "metrics": to_json(self.run.metrics, indent=None),
         }
+
+
+def recorded_scenario(record: Any, place: str) -> dict[str, Any]:
+    """Fields of the scenario in a record; InputError naming `place` if they are not there."""
+    text = record.get("scenario") if isinstance(record, dict) else None
+    fields = parse_json(text, place) if isinstance(text, str) else None
+    if not isinstance(fields, dict):
+        raise InputError(f"{place}: must hold a scenario, as `foreride log` writes it")
+    return fields
 
 
 def read_logged(folder: Path) -> LoggedRun:

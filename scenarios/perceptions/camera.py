@@ -54,8 +54,16 @@ def _with_estimator(
     drive: Drive, eye: BoxSource, calibration: Calibration = DEFAULT_CALIBRATION
 ) -> DetectorPerception:
     """Perception from the boxes of `eye` by the scenario's estimator."""
-    scenario, car, setup = drive.scenario, drive.scenario.vehicle.parameters, drive.scenario.camera
-    estimator = Estimator(
+    scenario, setup = drive.scenario, drive.scenario.camera
+    estimator = build_estimator(scenario, calibration)
+    correct = track_corrector(scenario.road.features, scenario.told)
+    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
+
+
+def build_estimator(scenario: Scenario, calibration: Calibration = DEFAULT_CALIBRATION) -> Estimator:
+    """Build the estimator of a scenario's car and camera, for boxes of a detector of this calibration."""
+    car, setup = scenario.vehicle.parameters, scenario.camera
+    return Estimator(
         setup.intrinsics,
         nominal_mount(scenario),
         car.axle_x_m,
@@ -67,8 +75,6 @@ def _with_estimator(
         calibration=calibration,
         facts=vehicle_facts(car, scenario.enveloping),
     )
-    correct = track_corrector(scenario.road.features, scenario.told)
-    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
 
 
 def vehicle_facts(car: Car, enveloping: Enveloping) -> VehicleFacts:

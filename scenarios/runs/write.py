@@ -135,7 +135,7 @@ def write(run: Run, folder: Path) -> None:
         draft.write("metrics.json", to_json(run.metrics) + "\n")
         draft.write("events.jsonl", "".join(to_json(event, indent=None) + "\n" for event in run.events))
         draft.write("signals.parquet", to_parquet(signal_table(run.signals)))
-        draft.write("previews.parquet", to_parquet(_preview_table(run.previews)))
+        draft.write("previews.parquet", to_parquet(preview_table(run.previews)))
         if run.memory is not None:
             draft.write("memory.yaml", memory_text(run.memory))
         for look in run.looks:
@@ -173,6 +173,7 @@ def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:
     return data.tobytes()
 
 
-def _preview_table(log: PreviewLog) -> pa.Table:
+def preview_table(log: PreviewLog) -> pa.Table:
+    """The previews as an Arrow table."""
     rows = {field.name: list(getattr(log, field.name)) for field in fields(log)}
     return pa.table(rows | {"distance_m": [log.distance_m] * len(log)})

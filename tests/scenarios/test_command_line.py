@@ -15,7 +15,8 @@ from foreride.scenarios.commands.inspect.listing import TOPICS
 
 NEEDED = {
     **{
-        name: ["scenario"] for name in ("run", "compare", "sweep", "bound", "render", "report", "road", "log")
+        name: ["scenario"]
+        for name in ("run", "compare", "sweep", "bound", "render", "report", "road", "log", "replay")
     },
     "calibrate": ["photo.jpg", "--squares", "9x6", "--square_m", "0.03"],
     "detector": ["eval"],

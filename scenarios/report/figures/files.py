@@ -37,14 +37,19 @@ def styled() -> Iterator[None]:
 
 def save(figure: Figure, path: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Write a figure as `path` with its suffix replaced by each format, atomically; return the files."""
-    FigureCanvasAgg(figure)
-    for _ in range(2):  # the ticks of the first layout are those of the figure's first size of axes
-        figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # the same layout in each format, computed once
     files = [path.parent / f"{path.name.removesuffix('.png')}.{kind}" for kind in formats]
-    for kind, file in zip(formats, files, strict=True):
+    for file, data in zip(files, encoded(figure, formats), strict=True):
+        write_bytes(file, data)
+    return files
+
+
+def encoded(figure: Figure, formats: Sequence[str] = ("png",)) -> Iterator[bytes]:
+    """Content of the file of a figure in each format."""
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # the same layout in each format, computed once
+    for kind in formats:
         buffer = io.BytesIO()
         with rc_context(_STYLE):
             figure.savefig(buffer, format=kind, dpi=110, metadata=_METADATA[kind])
-        write_bytes(file, buffer.getvalue())
-    return files
+        yield buffer.getvalue()

@@ -1,0 +1,1 @@
+"""Replay: recordings of images and vehicle signals through detector and estimator, without a simulator."""
