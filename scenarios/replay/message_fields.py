@@ -30,10 +30,9 @@ def _numbers(value: Any, name: str) -> Iterator[tuple[str, float]]:
 
 def time_ns(message: Any, logged_ns: int) -> int:
     """Time of a message: its field `timestamp` where it has one, else when it was logged."""
-    if isinstance(message, dict):
-        stamp = message.get("timestamp")
-        if isinstance(stamp, dict) and isinstance(stamp.get("sec"), int):
-            return int(stamp["sec"]) * _NS + int(stamp.get("nsec", 0))
-        return logged_ns
-    stamp: Any = getattr(message, "timestamp", None)
+    stamp: Any = (
+        message.get("timestamp") if isinstance(message, dict) else getattr(message, "timestamp", None)
+    )
+    if isinstance(stamp, dict) and isinstance(stamp.get("sec"), int):
+        return int(stamp["sec"]) * _NS + int(stamp.get("nsec", 0))
     return int(stamp.ToNanoseconds()) if hasattr(stamp, "ToNanoseconds") else logged_ns

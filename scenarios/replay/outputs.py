@@ -59,4 +59,4 @@ def write_replay(result: Replay, told: dict[str, Any], signals: Signals, out: Pa
         for name, rows in (("events.jsonl", result.events), ("boxes.jsonl", looks)):
             draft.write(name, "".join(to_json(row, indent=None) + "\n" for row in rows))
         draft.write("previews.parquet", to_parquet(preview_table(result.previews)))
-        draft.write("preview.png", next(encoded(replay_figure(result, signals))))
+        draft.write("replay.png", next(encoded(replay_figure(result, signals))))

@@ -49,7 +49,7 @@ def test_the_hump_of_the_drive_is_found_where_it_is(run_folder: Path, of_mcap: d
 def test_the_folder_holds_tables_preview_and_figure(logs: Path, of_mcap: dict[str, Any]) -> None:
     folder = logs / "of_mcap"
     names = {path.name for path in folder.iterdir()}
-    assert names >= {"summary.json", "events.jsonl", "boxes.jsonl", "previews.parquet", "preview.png"}
+    assert names >= {"summary.json", "events.jsonl", "boxes.jsonl", "previews.parquet", "replay.png"}
     events = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
     assert {"born", "confirmed"} <= {event["event"] for event in events}
     assert len((folder / "boxes.jsonl").read_text().splitlines()) == of_mcap["images"]
