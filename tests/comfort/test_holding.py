@@ -58,3 +58,7 @@ def test_linear_damper_heats_by_half_its_coefficient_times_velocity_squared():
 def test_bad_input_is_told_in_one_line(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_a_wheel_that_still_carries_a_little_has_not_lifted():
+    assert holding.lift_time([0.5, 0.0, 0.2, 0.0], 1000.0) == pytest.approx(0.002)

@@ -96,3 +96,18 @@ def test_the_shipped_cars_raise_no_doubt(name: str) -> None:
 def test_what_no_passenger_car_has_is_said_and_driven(changes: dict[str, Any], message: str) -> None:
     car = replace(load_vehicle("quarter"), **changes)
     assert any(re.search(message, line) for line in doubts(car))
+
+
+def test_a_stiff_bar_is_doubted_at_either_axle() -> None:
+    """A car alike in front and behind, whose wheels hop too fast with a bar at one axle."""
+    car = load_vehicle("full")
+    alike = {
+        name: (getattr(car, name)[0],) * 2
+        for name in ("unsprung_mass_kg", "spring_n_m", "tyre_n_m", "damping_max_ns_m", "damping_passive_ns_m")
+    }
+    told = [
+        doubts(replace(car, front_axle_m=1.3, rear_axle_m=1.3, anti_roll_n_m=bars, **alike))
+        for bars in ((4e5, 0.0), (0.0, 4e5))
+    ]
+    assert any("natural frequencies" in line for line in told[0])
+    assert told[0] == told[1]

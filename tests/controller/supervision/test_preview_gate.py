@@ -167,3 +167,7 @@ def test_an_obstacle_passed_while_nothing_was_known_is_no_contradiction() -> Non
         heights = np.tile(step(place + grid), (CAR.wheels, 1))
         nothing = np.zeros_like(heights)
         assert gate.check(now, RoadPreview(time_s, grid, heights, nothing, nothing, nothing + 1.0)) is None
+
+
+def test_a_hole_that_was_announced_is_no_reason() -> None:
+    assert drive(bump(FIRST_M, -0.08), bump(FIRST_M, -0.08))[1].all()

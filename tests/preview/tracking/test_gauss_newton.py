@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -172,3 +174,35 @@ def test_lines_of_sight_at_the_horizon_or_above_say_far_away_and_no_more(bottom)
     assert 80.0 < state[X] < 120.0
     assert np.isfinite(found.covariance).all()
     assert np.isfinite(found.cost)
+
+
+@pytest.mark.parametrize("kind", [BUMP, HUMP, POTHOLE])
+def test_the_cost_is_the_negative_logarithm_of_the_evidence(kind):
+    """For one direct measurement of the position: its normal density about the start is exact.
+
+    The densities of a fit lack the normalisation of the data's own sigmas but for direct ones.
+    """
+    start = start_of(kind, 20.0)
+    unseen = bearings_of(kind, start, np.array([10.0]))[0]._replace(bottom=np.nan, top=np.nan)
+    costs = []
+    for height_off in (0.0, 2.0):
+        place = DirectMeasurement(X, 20.0, 0.1)
+        other = DirectMeasurement(
+            HEIGHT, kind.height_m + height_off * kind.height_sigma_m, 0.5 * kind.height_sigma_m
+        )
+        costs.append(fit(kind, [unseen], start, PRIOR, [place, other], SETTINGS, 2).cost)
+    # A second measurement of the height, two prior sigmas off, has the variance 1 + 0.25 about its mean.
+    assert costs[1] - costs[0] == pytest.approx(0.5 * 2.0**2 / 1.25, rel=1e-6)
+
+
+def test_a_vaguer_prior_of_the_height_is_paid_for():
+    """Evidence of a height measured at the mean: density of variance prior plus measurement."""
+    start = start_of(BUMP, 20.0)
+    unseen = bearings_of(BUMP, start, np.array([10.0]))[0]._replace(bottom=np.nan, top=np.nan)
+    measured = [DirectMeasurement(X, 20.0, 0.1), DirectMeasurement(HEIGHT, BUMP.height_m, 0.01)]
+    costs = [
+        fit(replace(BUMP, height_sigma_m=sigma), [unseen], start, PRIOR, measured, SETTINGS, 2).cost
+        for sigma in (0.015, 0.06)
+    ]
+    expected = np.log(np.hypot(0.06, 0.01) / np.hypot(0.015, 0.01))
+    assert costs[1] - costs[0] == pytest.approx(expected, rel=1e-6)

@@ -176,3 +176,11 @@ def test_a_yield_force_counts_up_to_the_greatest_current_only() -> None:
     assert MrTanhDamper(current_max_a=3.6).current_max_a == 3.6
     with pytest.raises(InputError, match="yield_n must give > 0"):
         MrTanhDamper(current_max_a=3.9)
+
+
+def test_a_bouc_wen_damper_at_rest_is_without_force_where_its_node_has_crept_to() -> None:
+    """The spring k₀ is between the body and the node: relaxed at y = travel, and else k₀ (travel - y)."""
+    part = MrBoucWenDamper()
+    assert law(part, 0.0, 0.0, 0.02, (0.02, 0.0)) == pytest.approx(0.0, abs=1e-9)
+    series = 14649.0 / (784.0 + 14649.0)  # the dashpots c₀ and c₁ divide the force
+    assert law(part, 0.0, 0.0, 0.02, (0.01, 0.0)) == pytest.approx(-3610.0 * 0.01 * series)
