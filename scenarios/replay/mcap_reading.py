@@ -1,4 +1,4 @@
-"""Reading of MCAP files: numbers of Protocol Buffers and JSON messages, and compressed images.
+"""Reading of MCAP files: numbers in messages of Protocol Buffers, JSON or ROS 2, and compressed images.
 
 A channel of numbers is a field of a topic's messages, such as `/vehicle/signals.pitch_rate`, or
 `pitch_rate` if one topic alone has such a field; entries of lists count from 0: `/imu.acceleration.2`.
@@ -24,7 +24,9 @@ from foreride.scenarios.replay.message_fields import numbers, time_ns
 from foreride.scenarios.replay.recording import RecordedImage, Series
 
 _MAGIC = b"\x89MCAP0\r\n"
-IMAGE_SCHEMA = "foxglove.CompressedImage"
+IMAGE_SCHEMAS = ("foxglove.CompressedImage", "sensor_msgs/msg/CompressedImage")
+ENCODINGS = ("protobuf", "json", "cdr")
+"""Encodings of messages that are read; cdr is that of ROS 2."""
 
 
 class McapLog:
@@ -46,8 +48,8 @@ class McapLog:
     @contextmanager
     def _opened(self) -> Iterator[Any]:
         make_reader = library("mcap.reader", "MCAP").make_reader
-        protobuf = library("mcap_protobuf.decoder", "MCAP").DecoderFactory()
-        factories = [protobuf, _JsonDecoders()]
+        modules = (library(name, "MCAP") for name in ("mcap_protobuf.decoder", "mcap_ros2.decoder"))
+        factories = [*(module.DecoderFactory() for module in modules), _JsonDecoders()]
         with reading(self.path), self.path.open("rb") as stream:
             yield make_reader(stream, validate_crcs=True, decoder_factories=factories)
 
@@ -80,14 +82,11 @@ class McapLog:
         return {field: places[0] for field, places in by_field.items() if len(places) == 1} | full
 
     def _number_topics(self) -> list[str]:
-        unread = {"json", "protobuf"}
-        known = [topic for topic, (kind, *_) in self._topics.items() if kind in unread]
+        known = [topic for topic, (kind, *_) in self._topics.items() if kind in ENCODINGS]
         if not known:
-            kinds = {kind for kind, *_ in self._topics.values()} or {"none"}
-            raise InputError(
-                f"{self.path}: messages must be of encoding protobuf or json, got {', '.join(sorted(kinds))}"
-            )
-        return [topic for topic in known if self._topics[topic][1] != IMAGE_SCHEMA]
+            kinds = ", ".join(sorted({kind for kind, *_ in self._topics.values()})) or "no messages"
+            raise InputError(f"{self.path}: messages must be of encoding {', '.join(ENCODINGS)}, got {kinds}")
+        return [topic for topic in known if self._topics[topic][1] not in IMAGE_SCHEMAS]
 
     def _messages(self, topics: list[str]) -> Iterator[tuple[int, Any, str]]:
         """Time (ns), message and topic."""
@@ -135,10 +134,12 @@ class McapLog:
             yield RecordedImage(when / 1e9, content, f"{self.path}: {topic} at {when / 1e9:.3f} s")
 
     def _image_topic(self, wanted: str | None) -> str:
-        topics = [topic for topic, (_, schema, _) in self._topics.items() if schema == IMAGE_SCHEMA]
+        topics = [topic for topic, (_, schema, _) in self._topics.items() if schema in IMAGE_SCHEMAS]
         if not topics:
             kinds = ", ".join(sorted({schema for _, schema, _ in self._topics.values()}))
-            raise InputError(f"{self.path}: has no channel of {IMAGE_SCHEMA}, only {shown(kinds)}")
+            raise InputError(
+                f"{self.path}: has no channel of {' or '.join(IMAGE_SCHEMAS)}, only {shown(kinds)}"
+            )
         if wanted in topics:
             return str(wanted)
         if wanted is not None or len(topics) > 1:

@@ -1,4 +1,4 @@
-"""Fields of decoded messages, Protocol Buffers or JSON: their numbers by dotted names, and their time."""
+"""Fields of decoded messages, of Protocol Buffers, JSON or ROS 2: numbers by dotted names, and the time."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -17,22 +17,30 @@ def _numbers(value: Any, name: str) -> Iterator[tuple[str, float]]:
     elif isinstance(value, dict):
         for key, inner in value.items():
             yield from _numbers(inner, f"{name}.{key}" if name else str(key))
-    elif hasattr(value, "DESCRIPTOR"):
-        for field in value.DESCRIPTOR.fields:
-            if field.message_type is None or field.name != "timestamp":
-                yield from _numbers(
-                    getattr(value, field.name), f"{name}.{field.name}" if name else field.name
-                )
+    elif names := _field_names(value):
+        for field in names:
+            yield from _numbers(getattr(value, field), f"{name}.{field}" if name else field)
     elif not isinstance(value, str | bytes) and hasattr(value, "__len__"):
         for index, inner in enumerate(value):
             yield from _numbers(inner, f"{name}.{index}")
 
 
+def _field_names(value: Any) -> list[str]:
+    """Names of the fields of a message or of one inside it; none of a time, which is no number."""
+    if hasattr(value, "DESCRIPTOR"):
+        is_time = value.DESCRIPTOR.full_name == "google.protobuf.Timestamp"
+        return [] if is_time else [field.name for field in value.DESCRIPTOR.fields]
+    return list(getattr(value, "__slots__", ()))  # ROS 2
+
+
 def time_ns(message: Any, logged_ns: int) -> int:
-    """Time of a message: its field `timestamp` where it has one, else when it was logged."""
-    stamp: Any = (
-        message.get("timestamp") if isinstance(message, dict) else getattr(message, "timestamp", None)
-    )
-    if isinstance(stamp, dict) and isinstance(stamp.get("sec"), int):
-        return int(stamp["sec"]) * _NS + int(stamp.get("nsec", 0))
-    return int(stamp.ToNanoseconds()) if hasattr(stamp, "ToNanoseconds") else logged_ns
+    """Time of a message: its `timestamp` or `header.stamp` where it has one, else when it was logged."""
+    stamp = _field(message, "timestamp") or _field(_field(message, "header"), "stamp")
+    if hasattr(stamp, "ToNanoseconds"):
+        return int(stamp.ToNanoseconds())
+    seconds, fractions = _field(stamp, "sec"), _field(stamp, "nsec") or _field(stamp, "nanosec") or 0
+    return int(seconds) * _NS + int(fractions) if isinstance(seconds, int) else logged_ns
+
+
+def _field(message: Any, name: str) -> Any:
+    return message.get(name) if isinstance(message, dict) else getattr(message, name, None)
