@@ -14,10 +14,12 @@ from foreride.road.features.feature import HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
+from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import motion, rattle
 from foreride.vehicle.load import Car, FullCar, load_vehicle
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.plant.sensors import NO_NOISE, Measurement, SensorNoise, Sensors
+from foreride.vehicle.state_layout import state_layout
 
 
 class Errors(NamedTuple):
@@ -194,3 +196,12 @@ def test_a_wheel_is_off_the_ground_below_two_percent_of_its_load(share: float, c
     reading = Measurement(0.0, fall, fall, np.zeros(1), 0.0, 10.0)
     estimate = observer.update(SensorMonitor(1, noise).check(reading), np.array([1500.0]))
     assert estimate.contact.tolist() == [contact]
+
+
+@pytest.mark.parametrize("forces", [(), (0.0, 0.0)])
+def test_a_command_of_damper_settings_alone_asks_for_no_force(forces: tuple[float, ...]) -> None:
+    car, noise = replace(load_vehicle("half"), actuator=SlowActive()), NO_NOISE
+    observer, zeros = Observer(car, noise, Timing(0.001)), np.zeros(2)
+    reading = SensorMonitor(2, noise).check(Measurement(0.0, zeros, zeros, zeros, 0.0, 10.0))
+    estimate = observer.update(reading, np.array([1500.0, 1500.0, *forces]))
+    np.testing.assert_array_equal(estimate.x[state_layout(car).force], zeros)

@@ -171,3 +171,28 @@ def test_an_obstacle_passed_while_nothing_was_known_is_no_contradiction() -> Non
 
 def test_a_hole_that_was_announced_is_no_reason() -> None:
     assert drive(bump(FIRST_M, -0.08), bump(FIRST_M, -0.08))[1].all()
+
+
+@pytest.mark.parametrize(
+    ("road", "claimed"),
+    [
+        (flat, bump(FIRST_M)),
+        (bump(FIRST_M), flat),
+        (bump(FIRST_M), bump(FIRST_M, 0.03)),
+        (rough(1), rough(2)),
+    ],
+    ids=["missing", "unannounced", "too low", "other texture"],
+)
+def test_holes_are_judged_like_bumps(road: Road, claimed: Road) -> None:
+    """Road and preview upside down: the same decisions at the same places."""
+    upright = drive(road, claimed, noise_m=0.0)[1]
+    turned = drive(lambda x: -road(x), lambda x: -claimed(x), noise_m=0.0)[1]
+    np.testing.assert_array_equal(turned, upright)
+
+
+def test_a_place_is_tolerated_as_far_early_as_late() -> None:
+    """6 cm, and as much as the edge's own slope within the tolerated height."""
+    assert all(drive(bump(FIRST_M), bump(FIRST_M + shift), noise_m=0.0)[1].all() for shift in (-0.09, 0.09))
+    for shift in (-0.15, 0.15):
+        places, used = drive(bump(FIRST_M), bump(FIRST_M + shift), noise_m=0.0)
+        assert places[~used][0] < FIRST_M + 0.2

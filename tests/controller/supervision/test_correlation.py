@@ -1,0 +1,46 @@
+"""Tests of the correlation between measured and previewed road on waves of known phase."""
+
+import numpy as np
+import pytest
+
+from foreride.controller.supervision.correlation import Correlation
+
+STEP_M, WAVE_M, MEMORY_M = 0.05, 0.8, 20.0
+
+
+def drive(test: Correlation, correlation: float, sigma_m: float = 0.0, size_m: float = 0.006) -> bool:
+    """Verdict after 100 m of a previewed wave, felt with the phase shift that has this correlation."""
+    for phase in 2 * np.pi * np.arange(0.0, 100.0, STEP_M) / WAVE_M:
+        felt, claimed = size_m * np.sin(phase + np.arccos(correlation)), size_m * np.sin(phase)
+        test.feel(felt, True, claimed, sigma_m, STEP_M)
+    return test.alike
+
+
+@pytest.mark.parametrize(("correlation", "alike"), [(1.0, True), (0.5, True), (0.3, False), (-1.0, False)])
+def test_roads_are_alike_above_the_least_correlation(correlation: float, alike: bool) -> None:
+    assert drive(Correlation(MEMORY_M, 0.4), correlation) == alike
+
+
+@pytest.mark.parametrize(("correlation", "alike"), [(0.3, True), (0.18, False)])
+def test_a_position_unknown_to_a_decimetre_asks_for_less(correlation: float, alike: bool) -> None:
+    """exp(-1/2) of 0.4 is 0.24."""
+    assert drive(Correlation(MEMORY_M, 0.4), correlation, sigma_m=0.1) == alike
+
+
+@pytest.mark.parametrize(("correlation", "alike"), [(0.45, False), (0.65, True)])
+def test_what_was_unlike_must_be_more_alike_than_that(correlation: float, alike: bool) -> None:
+    """0.15 above the least correlation of 0.4."""
+    test = Correlation(MEMORY_M, 0.4)
+    assert not drive(test, -1.0)
+    assert drive(test, correlation) == alike
+
+
+def test_a_road_previewed_as_plain_says_nothing() -> None:
+    """Differences of less than 1 mm, against waves felt the other way."""
+    assert drive(Correlation(MEMORY_M, 0.4), -1.0, size_m=0.0005)
+
+
+def test_in_the_air_nothing_is_compared() -> None:
+    test = Correlation(MEMORY_M, 0.4)
+    for phase in np.arange(0.0, 100.0, 0.4):
+        assert test.feel(-0.006 * np.sin(phase), False, 0.006 * np.sin(phase), 0.0, STEP_M)
