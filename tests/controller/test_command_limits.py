@@ -5,7 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.controller.command_limits import command_limits, full_command, passive_command, plan_limits
+from foreride.controller.command_limits import (
+    command_limits,
+    front_wheels,
+    full_command,
+    passive_command,
+    plan_limits,
+)
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.load import load_vehicle
 
@@ -36,3 +42,9 @@ def test_a_plan_stays_off_the_limits_and_keeps_half_of_a_narrow_range(range_ns_m
     assert high < 1.0 + 1e-3 * range_ns_m
     margin = min(1e-9, 0.25e-3 * range_ns_m)
     np.testing.assert_allclose(high - low, 1e-3 * range_ns_m - 2 * margin, rtol=1e-5)
+
+
+def test_wheels_are_in_front_from_the_centre_of_gravity_on() -> None:
+    assert front_wheels(load_vehicle("quarter")).tolist() == [True]
+    assert front_wheels(replace(HALF, front_axle_m=0.8)).tolist() == [True, False]
+    assert front_wheels(load_vehicle("full")).tolist() == [True, True, False, False]

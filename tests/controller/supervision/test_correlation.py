@@ -23,8 +23,10 @@ def test_roads_are_alike_above_the_least_correlation(correlation: float, alike: 
 
 @pytest.mark.parametrize(("correlation", "alike"), [(0.3, True), (0.18, False)])
 def test_a_position_unknown_to_a_decimetre_asks_for_less(correlation: float, alike: bool) -> None:
-    """exp(-1/2) of 0.4 is 0.24."""
-    assert drive(Correlation(MEMORY_M, 0.4), correlation, sigma_m=0.1) == alike
+    """exp(-1/2) of 0.4 is 0.24. The test begins on a road that is as previewed."""
+    test = Correlation(MEMORY_M, 0.4)
+    assert drive(test, 1.0)
+    assert drive(test, correlation, sigma_m=0.1) == alike
 
 
 @pytest.mark.parametrize(("correlation", "alike"), [(0.45, False), (0.65, True)])
@@ -44,3 +46,27 @@ def test_in_the_air_nothing_is_compared() -> None:
     test = Correlation(MEMORY_M, 0.4)
     for phase in np.arange(0.0, 100.0, 0.4):
         assert test.feel(-0.006 * np.sin(phase), False, 0.006 * np.sin(phase), 0.0, STEP_M)
+
+
+@pytest.mark.parametrize(("size_m", "alike"), [(0.0014, True), (0.0023, False)])
+def test_only_a_previewed_relief_of_2_mm_is_compared(size_m: float, alike: bool) -> None:
+    """Differences over 0.2 m, a quarter of the wave, have about its amplitude as their root mean square."""
+    assert drive(Correlation(MEMORY_M, 0.4), -1.0, size_m=size_m) == alike
+
+
+@pytest.mark.parametrize(("distance_m", "alike"), [(85.0, False), (100.0, True)])
+def test_a_contradiction_is_forgotten_when_its_relief_has_faded(distance_m: float, alike: bool) -> None:
+    """From 6 mm to 0.6 mm of root mean square in 20 m times ln 100, on a road previewed as plain."""
+    test = Correlation(MEMORY_M, 0.4)
+    assert not drive(test, -1.0)
+    for _ in np.arange(0.0, distance_m, STEP_M):
+        test.feel(0.0, True, 0.0, 0.0, STEP_M)
+    assert test.alike == alike
+
+
+def test_an_edge_counts_no_more_than_a_centimetre() -> None:
+    """Waves felt as previewed, with a step of half a metre the other way in each tenth metre."""
+    test = Correlation(MEMORY_M, 0.4)
+    for x in np.arange(0.0, 100.0, STEP_M):
+        wave, edge = 0.006 * np.sin(2 * np.pi * x / WAVE_M), 0.5 * (x // 10.0)
+        assert test.feel(wave - edge, True, wave + edge, 0.0, STEP_M) or x < 1.0
