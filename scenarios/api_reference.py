@@ -8,7 +8,7 @@ from typing import Any
 
 _HEAD = """# Public interface
 
-Generated from the docstrings of the names in `foreride.__all__`; [As a library](../library.md) shows them in
+Generated from the docstrings of the names in `__all__` of foreride; [As a library](../library.md) shows them in
 use.
 """
 _QUALIFIED = re.compile(r"\b(?:foreride|collections|typing|numpy|pathlib)(?:\.[a-z_]\w*)*\.(?=[A-Z_a-z])")

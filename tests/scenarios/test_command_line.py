@@ -20,6 +20,7 @@ NEEDED = {
     },
     "calibrate": ["photo.jpg", "--squares", "9x6", "--square_m", "0.03"],
     "detector": ["eval"],
+    "fmu": ["export", "vehicle", "scenario", "--out", "car.fmu"],
     "table": ["budget"],
     "list": ["scenarios"],
 }
