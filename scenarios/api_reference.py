@@ -8,8 +8,8 @@ from typing import Any
 
 _HEAD = """# Public interface
 
-Generated from the docstrings of the names in `__all__` of foreride; [As a library](../library.md) shows them in
-use.
+Generated from the docstrings of the names in `__all__` of foreride; [As a library](../library.md) shows them
+in use.
 """
 _QUALIFIED = re.compile(r"\b(?:foreride|collections|typing|numpy|pathlib)(?:\.[a-z_]\w*)*\.(?=[A-Z_a-z])")
 _SHAPED = re.compile(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[\w+\]\]")
