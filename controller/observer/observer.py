@@ -89,7 +89,7 @@ class Observer:
         rotation = np.zeros(gyros(w))
         rotation[: len(self._plane.rate) - 1] = self._plane.rate[1:]
         rates = np.array([measurement.pitch_rate, measurement.roll_rate][: gyros(w)]) - rotation
-        reading = np.concatenate([rattle, rates, self._plane.road_m])
+        reading = np.concatenate([rattle, rates, self._plane.road_m + self._plane.obstacle_m])
         self._motion = kalman_filter.step(self._motion, mean_acceleration, reading)
         self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
         if self._actuators:

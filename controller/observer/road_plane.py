@@ -19,8 +19,11 @@ BANDWIDTH_RAD_S = 2.0
 Half car, class B, 60 km/h, reactive MPC: 1 rad/s adds 66 % to J on a curve of 60 m to -6 %, 2 rad/s 16 %; on
 a level road they lose 0.4 % and 1.4 % to a frame at rest.
 """
-OBSTACLE_LENGTH_M, OBSTACLE_HEIGHT_M = 10.0, 0.2
-"""Longest and highest departure from the plane that is taken for an obstacle, wheelbase included."""
+OBSTACLE_LENGTH_M, OBSTACLE_TIME_S, OBSTACLE_HEIGHT_M = 10.0, 3.0, 0.2
+"""Longest and highest departure from the plane that is taken for an obstacle, wheelbase included.
+
+The time is that over which the observer goes without the plane as its reference of height.
+"""
 ROUGHNESSES, LEAST_ROUGHNESS_M, MEMORY_M = 3.0, 0.01, 50.0
 """Departure of an obstacle in mean departures, least mean departure, and distance over which it is learnt."""
 LEAST_SPEED_M_S = 1.0
@@ -36,7 +39,7 @@ class RoadPlane:
     than the roughness but short, leave the plane where it is.
 
     level: (body,) position of the frame, m and rad. rate: (body,) its velocity. slope: (body,) its change per
-    metre of travel.
+    metre of travel. obstacle_m: (wheels,) height of a present obstacle over the plane, otherwise zero.
     """
 
     def __init__(self, vehicle: Car) -> None:
@@ -51,7 +54,8 @@ class RoadPlane:
         self.level, self.slope = np.zeros(size), np.zeros(size)
         self.rate = np.zeros(size)
         self._offset, self._acceleration = np.zeros(size), np.zeros(size)
-        self._elapsed_s, self._departed_m, self._usual_m = 0.0, 0.0, LEAST_ROUGHNESS_M
+        self.obstacle_m = np.zeros(len(self.kinematic_rows))
+        self._elapsed_s, self._passed, self._usual_m = 0.0, 0.0, LEAST_ROUGHNESS_M
 
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:
         """Begin in equilibrium on a road of these heights (wheels,), the body moving along its plane."""
@@ -72,9 +76,9 @@ class RoadPlane:
         """
         elapsed_s, previous_rate = self._elapsed_s, self.rate
         departure = road_over_plane_m - self.road_m
-        if self._is_obstacle(float(np.abs(departure).max()), speed_m_s * elapsed_s):
-            departure = np.zeros_like(departure)
-        innovation = self._body_of_road @ departure
+        is_obstacle = self._is_obstacle(float(np.abs(departure).max()), speed_m_s * elapsed_s, elapsed_s)
+        self.obstacle_m = departure if is_obstacle else np.zeros_like(departure)
+        innovation = self._body_of_road @ (departure - self.obstacle_m)
         self._offset = self._offset + 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
         change = elapsed_s * (self._acceleration + 2.0 * BANDWIDTH_RAD_S**2 * innovation)
         self._acceleration = self._acceleration + BANDWIDTH_RAD_S**3 * elapsed_s * innovation
@@ -93,13 +97,13 @@ class RoadPlane:
         """Heights of the plane over the frame under the wheels, (wheels,); zero on a constant grade."""
         return self.kinematic_rows @ self._offset
 
-    def _is_obstacle(self, departure_m: float, travelled_m: float) -> bool:
+    def _is_obstacle(self, departure_m: float, travelled_m: float, elapsed_s: float) -> bool:
         """Whether the road departs unusually far from the plane, but not farther than obstacles do."""
         if departure_m < ROUGHNESSES * self._usual_m:
-            self._departed_m = 0.0
+            self._passed = 0.0
         else:
-            self._departed_m += travelled_m
-            if self._departed_m < OBSTACLE_LENGTH_M and departure_m < OBSTACLE_HEIGHT_M:
+            self._passed += max(travelled_m / OBSTACLE_LENGTH_M, elapsed_s / OBSTACLE_TIME_S)
+            if self._passed < 1.0 and departure_m < OBSTACLE_HEIGHT_M:
                 return True
         share = min(1.0, travelled_m / MEMORY_M)
         self._usual_m += share * (max(departure_m, LEAST_ROUGHNESS_M) - self._usual_m)
