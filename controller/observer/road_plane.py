@@ -19,7 +19,7 @@ BANDWIDTH_RAD_S = 2.0
 Half car, class B, 60 km/h, reactive MPC: 1 rad/s adds 66 % to J on a curve of 60 m to -6 %, 2 rad/s 16 %; on
 a level road they lose 0.4 % and 1.4 % to a frame at rest.
 """
-OBSTACLE_LENGTH_M, OBSTACLE_TIME_S, OBSTACLE_HEIGHT_M = 10.0, 3.0, 0.2
+OBSTACLE_LENGTH_M, OBSTACLE_TIME_S, OBSTACLE_HEIGHT_M = 15.0, 3.0, 0.2
 """Longest and highest departure from the plane that is taken for an obstacle, wheelbase included.
 
 The time is that over which the observer goes without the plane as its reference of height.

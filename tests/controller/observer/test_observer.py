@@ -10,7 +10,7 @@ from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.exact_observer import ExactObserver
 from foreride.controller.observer.observer import Observer
 from foreride.controller.observer.sensor_monitor import SensorMonitor
-from foreride.road.features.feature import HalfSineBump, Pothole
+from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
 from foreride.road.road import Road
 from foreride.road.roughness.iso8608 import Roughness
 from foreride.road.tyre.wheel_profile import wheel_profile
@@ -173,6 +173,20 @@ def test_a_stop_under_one_side_of_a_full_car_is_part_of_its_balance() -> None:
     stiff = replace(vehicle, stop_gap_m=(0.015, 0.015), rebound_gap_m=(0.015, 0.015))
     road = Road(90.0, (Pothole(60.0, 0.05, 2.0, 0.8, 0.75),))
     assert errors(stiff, drive(stiff, road, NO_NOISE, 1000)).tyre_deflection_m < 3e-4
+
+
+@pytest.mark.parametrize("name", ["half", "full"])
+@pytest.mark.parametrize("hump", [WattsHump(40.0), FlatTopHump(40.0, 0.09, 9.0, 1.0)])
+def test_a_hump_on_a_level_road_leaves_the_height_of_the_road_behind_it(name: str, hump: Feature) -> None:
+    """A pull to the mean height while on the hump would leave the road 20 mm too low behind it."""
+    vehicle = load_vehicle(name)
+    pairs = drive(vehicle, Road(90.0, (hump,)), SensorNoise(), 200)
+    x = 2.0 + 10.0 * np.array([truth.time_s for _, truth in pairs])
+    error = np.array([ours.road_height - truth.road_height for ours, truth in pairs])
+    left_m = hump.start_m + hump.length_m + 3.0
+    before = error[(x > 35.0) & (x < 37.0)].mean(axis=0)
+    behind = error[(x > left_m) & (x < left_m + 1.0)].mean(axis=0)
+    assert np.abs(behind - before).max() < 0.006
 
 
 def test_standing_still_with_offsets_it_stays_near_rest() -> None:

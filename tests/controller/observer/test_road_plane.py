@@ -60,11 +60,26 @@ def test_a_bank_is_learnt_by_the_car_that_can_roll() -> None:
     assert plane.level[2] == pytest.approx(0.03, abs=1e-3)
 
 
-def test_a_hump_leaves_the_plane_where_it_is() -> None:
+@pytest.mark.parametrize("length_m", [4.0, 10.0])
+def test_a_hump_leaves_the_plane_where_it_is(length_m: float) -> None:
     car = load_vehicle("half")
     plane, axles = RoadPlane(car), np.array(car.axle_x_m)
-    rates, _ = followed(plane, axles, lambda x: 0.09 * ((x > 30.0) & (x < 34.0)), 4.0)
+    rates, _ = followed(plane, axles, lambda x: 0.09 * ((x > 30.0) & (x < 30.0 + length_m)), 4.0)
     assert np.abs(rates).max() < 1e-6
+
+
+def test_the_height_of_an_obstacle_is_told_until_it_is_too_long_or_takes_too_long() -> None:
+    """A road that stays at its new height is the plane's: the observer needs a reference of height again."""
+    for speed_m_s, longest_s in ((10.0, 1.5), (0.0, 3.0)):
+        plane, seconds = RoadPlane(load_vehicle("quarter")), 0.0
+        while seconds < 10.0:
+            plane.advance(PERIOD_S)
+            plane.correct(np.array([0.09]) - plane.level, speed_m_s)
+            if not plane.obstacle_m.any():
+                break
+            assert plane.obstacle_m == pytest.approx(0.09)
+            seconds += PERIOD_S
+        assert seconds == pytest.approx(longest_s, abs=2 * PERIOD_S)
 
 
 def test_a_kink_of_a_hill_is_learnt_within_three_seconds() -> None:
