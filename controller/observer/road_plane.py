@@ -24,6 +24,8 @@ OBSTACLE_LENGTH_M, OBSTACLE_TIME_S, OBSTACLE_HEIGHT_M = 15.0, 3.0, 0.2
 
 The time is that over which the observer goes without the plane as its reference of height.
 """
+FOOT_M = 2.0
+"""Distance within which an obstacle rises: a curve, or a drift of the observer, departs more slowly."""
 ROUGHNESSES, LEAST_ROUGHNESS_M, MEMORY_M = 3.0, 0.01, 50.0
 """Departure of an obstacle in mean departures, least mean departure, and distance over which it is learnt."""
 LEAST_SPEED_M_S = 1.0
@@ -54,7 +56,7 @@ class RoadPlane:
         self.level, self.slope = np.zeros(size), np.zeros(size)
         self.rate = np.zeros(size)
         self._offset, self._acceleration = np.zeros(size), np.zeros(size)
-        self.obstacle_m = np.zeros(len(self.kinematic_rows))
+        self.obstacle_m = self._base_m = np.zeros(len(self.kinematic_rows))
         self._elapsed_s, self._passed, self._usual_m = 0.0, 0.0, LEAST_ROUGHNESS_M
 
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:
@@ -76,7 +78,7 @@ class RoadPlane:
         """
         elapsed_s, previous_rate = self._elapsed_s, self.rate
         departure = road_over_plane_m - self.road_m
-        is_obstacle = self._is_obstacle(float(np.abs(departure).max()), speed_m_s * elapsed_s, elapsed_s)
+        is_obstacle = self._is_obstacle(departure, speed_m_s * elapsed_s)
         self.obstacle_m = departure if is_obstacle else np.zeros_like(departure)
         innovation = self._body_of_road @ (departure - self.obstacle_m)
         self._offset = self._offset + 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
@@ -97,14 +99,21 @@ class RoadPlane:
         """Heights of the plane over the frame under the wheels, (wheels,); zero on a constant grade."""
         return self.kinematic_rows @ self._offset
 
-    def _is_obstacle(self, departure_m: float, travelled_m: float, elapsed_s: float) -> bool:
-        """Whether the road departs unusually far from the plane, but not farther than obstacles do."""
-        if departure_m < ROUGHNESSES * self._usual_m:
-            self._passed = 0.0
-        else:
-            self._passed += max(travelled_m / OBSTACLE_LENGTH_M, elapsed_s / OBSTACLE_TIME_S)
-            if self._passed < 1.0 and departure_m < OBSTACLE_HEIGHT_M:
+    def _is_obstacle(self, departure: np.ndarray, travelled_m: float) -> bool:
+        """Whether the road has risen or fallen unusually far and steeply, but not farther than obstacles do.
+
+        A departure that has turned out to be none is learnt until the plane has come up to it.
+        """
+        usual_m = ROUGHNESSES * self._usual_m
+        rise_m = float(np.abs(departure - self._base_m).max())
+        if self._passed < 1.0 and rise_m >= usual_m:
+            passing = max(travelled_m / OBSTACLE_LENGTH_M, self._elapsed_s / OBSTACLE_TIME_S)
+            self._passed = self._passed + passing if rise_m < OBSTACLE_HEIGHT_M else 1.0
+            if self._passed < 1.0:
                 return True
+        elif self._passed < 1.0 or np.abs(departure).max() < usual_m:
+            self._passed = 0.0
+        self._base_m = self._base_m + min(1.0, travelled_m / FOOT_M) * (departure - self._base_m)
         share = min(1.0, travelled_m / MEMORY_M)
-        self._usual_m += share * (max(departure_m, LEAST_ROUGHNESS_M) - self._usual_m)
+        self._usual_m += share * (max(rise_m, LEAST_ROUGHNESS_M) - self._usual_m)
         return False

@@ -68,6 +68,14 @@ def test_a_hump_leaves_the_plane_where_it_is(length_m: float) -> None:
     assert np.abs(rates).max() < 1e-6
 
 
+def test_a_slow_departure_is_no_obstacle() -> None:
+    """As by a curve or by an accelerometer whose offset is unknown yet: 0.1 m over 20 m."""
+    plane = RoadPlane(load_vehicle("quarter"))
+    followed(plane, np.zeros(1), lambda x: 0.005 * np.maximum(x - 10.0, 0.0), 2.0)
+    assert plane.obstacle_m == 0.0
+    assert plane.road_m != 0.0
+
+
 def test_the_height_of_an_obstacle_is_told_until_it_is_too_long_or_takes_too_long() -> None:
     """A road that stays at its new height is the plane's: the observer needs a reference of height again."""
     for speed_m_s, longest_s in ((10.0, 1.5), (0.0, 3.0)):
