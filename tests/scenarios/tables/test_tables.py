@@ -112,7 +112,7 @@ def test_pieces_that_cannot_be_read_are_named(short: Scenario, tmp_path: Path, c
     [
         (["faults", "--lines", "solver fials"], "--lines: must be of body_acc stuck, "),
         (["degraded", "--lines", "20 % missed,fog"], "--lines: must be of true, bias +0.1 m, "),
-        (["degraded", "--seeds", "x"], "--seeds: must be whole numbers >= 0, separated by commas"),
+        (["degraded", "--seeds", "x"], "--seeds: must be whole numbers in 0 ... 4294967295"),
         (["rivals", "--events", "nowhere.yaml"], "nowhere.yaml: no such scenario file"),
         (["rivals", "--json", "no/folder/"], "no/folder"),
         (["budget", "--set", "speed_kmh"], "must read path.to.field=value"),
