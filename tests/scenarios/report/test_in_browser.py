@@ -283,7 +283,7 @@ def test_the_film_plays_for_a_second(
     film = "document.querySelector('video')"
     tab.wait(f"{film}.error || {film}.currentTime >= 1")
     assert tab.tell(f"{film}.error && {film}.error.message") is None
-    assert tab.tell(f"[{film}.videoWidth, {film}.videoHeight]") == [video.WIDTH, video.HEIGHT]
+    assert tab.tell(f"[{film}.videoWidth, {film}.videoHeight]") == list(video.FILM_SIZE)
     tab.screenshot(tmp_path / "playing.png", whole=False)
     playing = cv2.imread(str(tmp_path / "playing.png")).astype(int)
     blue = np.array([int(COLOURS["mpc_preview"][at : at + 2], 16) for at in (5, 3, 1)])
