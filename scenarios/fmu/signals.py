@@ -20,6 +20,13 @@ ECHOES = (
 )
 """Signals that are time or inputs of the car."""
 
+METRIC_PORTS = (
+    Port("wk_rms", "output", "m/s²", "Wk-weighted RMS acceleration so far, all seats (ISO 2631-1)"),
+    Port("tyre_load_rms", "output", "1", "RMS relative dynamic tyre load so far, all wheels"),
+    Port("rattle_rms", "output", "m", "RMS suspension travel so far, all wheels"),
+    Port("objective", "output", "m²/s⁴", "J = wk_rms² + rho · tyre_load_rms² so far"),
+)
+
 
 def values_now(state: VehicleState) -> dict[str, float]:
     """Signals of one instant by their names in `signals.parquet`."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.fmu.block import Port, start_values
-from foreride.scenarios.fmu.running_metrics import PORTS, RunningMetrics
-from foreride.scenarios.fmu.signals import signal_ports, values_now
+from foreride.scenarios.fmu.signals import METRIC_PORTS, signal_ports, values_now
+from foreride.scenarios.simulation.running_metrics import RunningMetrics
 from foreride.vehicle.clock import STEP_S
 from foreride.vehicle.equations import input_size
 from foreride.vehicle.plant.mujoco_engine import build_engine
@@ -38,7 +38,7 @@ class VehicleBlock:
         self._commands = [f"damping_command_{wheel}" for wheel in range(wheels)]
         self._commands += [f"force_command_{wheel}" for wheel in range(self._forces)]
         self.reset()
-        self.ports += (*signal_ports(self._observed()), *PORTS)
+        self.ports += (*signal_ports(self._observed()), *METRIC_PORTS)
 
     def reset(self) -> None:
         """Stand on the road of the inputs, the body in equilibrium."""

@@ -15,8 +15,8 @@ from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.overrides import Overrides
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.gym.observation import ObservationLayout
-from foreride.scenarios.gym.running_cost import RunningCost
 from foreride.scenarios.simulation.multirate_loop import Decision
+from foreride.scenarios.simulation.running_metrics import RunningMetrics
 from foreride.scenarios.simulation.simulate import assembled, metrics_of
 
 Array = np.ndarray
@@ -42,7 +42,7 @@ class DamperEnv(gymnasium.Env[Array, Array]):
 
     observation: see `ObservationLayout`, SI units. action: (inputs,) from -1 to 1 for the lowest to the
     highest damping coefficient of each wheel's damper (N·s/m) and, after them, actuator force (N).
-    reward: minus the running cost (`RunningCost`) of the step divided by the ticks of the drive, so that the
+    reward: minus the cost of the step (`RunningMetrics`) divided by the ticks of the drive, so that the
     return is minus the drive's J. The info of the last step holds the ride metrics under `metrics`.
     """
 
@@ -86,7 +86,7 @@ class DamperEnv(gymnasium.Env[Array, Array]):
         self.close()
         self._case = Case(scenario, "passive", self.perception, drawn if seed is None else seed % 2**32)
         self._loop, self._plant, self._perception = assembled(self._case, controller=_Agent())
-        self._cost = RunningCost(scenario.tyre_load_weight)
+        self._cost = RunningMetrics(scenario.tyre_load_weight)
         self._added_ticks = self._driven_ticks = 0
         self._drive = self._loop.decisions(self._count)
         self._seen = self._observation(next(self._drive))

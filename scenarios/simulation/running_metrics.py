@@ -1,4 +1,4 @@
-"""Ride metrics of a drive so far, from the signals of every tick between communication points."""
+"""Ride metrics of a drive so far, from the signals of every tick as they come."""
 
 from typing import Any
 
@@ -7,15 +7,7 @@ import numpy as np
 from foreride.comfort.holding import relative_load
 from foreride.comfort.weighting import StreamedWeighting
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
-from foreride.scenarios.fmu.block import Port
 from foreride.vehicle.state import VehicleState
-
-PORTS = (
-    Port("wk_rms", "output", "m/s²", "Wk-weighted RMS acceleration so far, all seats (ISO 2631-1)"),
-    Port("tyre_load_rms", "output", "1", "RMS relative dynamic tyre load so far, all wheels"),
-    Port("rattle_rms", "output", "m", "RMS suspension travel so far, all wheels"),
-    Port("objective", "output", "m²/s⁴", "J = wk_rms² + rho · tyre_load_rms² so far"),
-)
 
 
 class RunningMetrics:
@@ -27,16 +19,19 @@ class RunningMetrics:
         self._weighting = StreamedWeighting(TICKS_PER_SECOND)
         self._comfort, self._load, self._travel, self._ticks = 0.0, 0.0, 0.0, 0
 
-    def add(self, signals: VehicleState) -> None:
-        """Add the next ticks, signals with a trailing axis of time."""
-        self._comfort += float(np.mean(self._weighting(signals.seat_acc) ** 2, axis=0).sum())
+    def add(self, signals: VehicleState) -> float:
+        """Add the next ticks, signals with a trailing axis of time; return the sum of their cost."""
+        comfort = float(np.mean(self._weighting(signals.seat_acc) ** 2, axis=0).sum())
         static = np.asarray(signals.static_tyre_force)[:, 0]
-        self._load += float(np.mean(relative_load(signals.tyre_force, static) ** 2, axis=0).sum())
+        load = float(np.mean(relative_load(signals.tyre_force, static) ** 2, axis=0).sum())
+        self._comfort += comfort
+        self._load += load
         self._travel += float(np.mean(np.asarray(signals.rattle_m) ** 2, axis=0).sum())
         self._ticks += np.shape(signals.rattle_m)[-1]
+        return comfort + self._rho * load
 
     def values(self) -> dict[str, float]:
-        """Metrics so far, by the names of `PORTS`."""
+        """Metrics so far, by their names."""
         count = max(1, self._ticks)
         comfort, load, travel = self._comfort / count, self._load / count, self._travel / count
         found = {"wk_rms": comfort**0.5, "tyre_load_rms": load**0.5, "rattle_rms": travel**0.5}
