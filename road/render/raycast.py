@@ -52,9 +52,9 @@ def direction(r, left, up):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True)
 def trace(  # type: ignore[no-untyped-def]
-    view, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
+    view, first, height, ids, mask, outlines, limits, far, hills, drop, slope, hits, depth
 ):
-    """Cast one ray per pixel; fills four (H, W) images.
+    """Cast one ray per pixel; fills four (H, W) images, whose rows are those of the view from `first` on.
 
     Heights refer to the plane of `CameraView.relative_to_plane`.
     drop: depth of the intersection below the camera (m), 0 if the ray meets no ground. slope: dz/dx there, if
@@ -73,7 +73,7 @@ def trace(  # type: ignore[no-untyped-def]
     rows, cols = drop.shape
     for v in range(rows):
         for u in range(cols):
-            dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
+            dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - (first + v) - 0.5) / focal)
             reach = np.sqrt(dx * dx + dy * dy)
             drop[v, u], slope[v, u], hits[v, u], depth[v, u] = 0, 0, 0, np.inf
             above_far_plane = reach * over_far > (far_grade * dx - dz) * end

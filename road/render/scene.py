@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from foreride.road.camera.pinhole import Camera, CameraPose
 from foreride.road.features.feature import Bump, ExpansionJoint, RoadFeature, Step
-from foreride.road.render import draw_objects, image_sensor, lens_effects, lighting, panorama
+from foreride.road.render import draw_objects, lighting, panorama
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.ground_map import Surface
 from foreride.road.render.map_tile import CELL_M, START_M
 from foreride.road.render.noise import grain
 from foreride.road.render.objects.props import Prop
+from foreride.road.render.optics.exposure import Sensor
+from foreride.road.render.optics.image_sensor import noise_pool
 from foreride.road.render.raycast import FAR_M, CameraView, trace
 from foreride.road.render.shading import Conditions, colour
 from foreride.road.render.visible_boxes import visible_boxes
@@ -26,11 +28,7 @@ MAX_HIDDEN = 0.6  # greatest occluded share of a labelled feature's part in view
 _FOG_M = {"dry": 2000.0, "wet": 700.0, "rain": 220.0, "fog": 45.0, "snow": 130.0}
 _HEADLIGHT = {"noon": 0.0, "overcast": 0.0, "sunset": 0.15, "night": 1.0}
 _AMBIENT = {"noon": 1.0, "overcast": 1.0, "sunset": 1.0, "night": 0.06}
-_KEY = {"noon": 0.20, "overcast": 0.18, "sunset": 0.15, "night": 0.13}  # exposure key at albedo 0.2
-_SNOW_LEVEL = 1.7  # gain of scene brightness by snow around the road
-_FLAKE_AT_NIGHT = 0.15  # radiance of a snowflake in the headlights
 _BANDS_PER_THREAD = 4  # sky rows are cheap: one band per thread would leave threads idle
-_NIGHT_LEVEL = 0.6  # headlight irradiance for which night scenes are exposed
 
 
 @dataclass(frozen=True)
@@ -88,29 +86,39 @@ class Scene:
             self._panorama.haze,
             appearance.weather in ("wet", "rain"),
         )
-        self._pool = image_sensor.noise_pool(rng)
-        self._curve = image_sensor.tone_curve()
-        self._exposure = _exposure(appearance)
+        self._sensor = Sensor(appearance, self._panorama.haze, noise_pool(rng), seed)
         self._outlines = np.array([_outline(f) for f in road.features]).reshape(-1, 5)
 
-    def render(self, camera: Camera, pose: CameraPose, index: int = 0, props: Sequence[Prop] = ()) -> Frame:
-        """Render the road and the `props` on it; `index` (the frame's number) seeds rain and noise."""
-        lens = None if camera.is_pinhole else lens_effects.lens_map(camera)
-        camera = camera if lens is None else lens.source
-        view = CameraView(pose.rotation, pose.position, camera.focal_px, camera.cx, camera.cy)
+    def render(
+        self,
+        camera: Camera,
+        pose: CameraPose,
+        index: int = 0,
+        props: Sequence[Prop] = (),
+        first_row: int = 0,
+    ) -> Frame:
+        """Render the road and the `props` on it; `index` (the frame's number) seeds rain and noise.
+
+        Pixels and depths from `first_row` on are those of the whole image. The rows above are filled with one
+        colour, without ground or features, and boxes end there.
+        """
+        optics = self._sensor.optics(camera, pose.rotation, pose.position, index, first_row)
+        view, height = optics.view, optics.pinhole.height_px
         rise = min_descending_slope(self.road.grades, float(view.position[0]), float(view.position[2]), FAR_M)
-        drop, slope, hits, depth = self._trace(camera, view.relative_to_plane(rise), rise)
+        plane_view = view.relative_to_plane(rise)
+        drop, slope, hits, depth = self._trace(optics.pinhole, plane_view, rise, optics.top)
         image = np.empty((*drop.shape, 3), np.float32)
+        image[: optics.top] = self._panorama.haze
         sky, surface, pools = self._panorama, self._surface, draw_objects.lamp_pools(props)
         self._parallel_rows(
-            lambda part, rows: colour(
-                part, self._conditions, drop[rows], slope[rows], surface.atlas, surface.strip, self._grain,
-                sky.image, sky.blurred, sky.haze, pools, image[rows],
+            lambda rows: colour(
+                plane_view, rows.start, self._conditions, drop[rows], slope[rows], surface.atlas,
+                surface.strip, self._grain, sky.image, sky.blurred, sky.haze, pools, image[rows],
             ),
-            view.relative_to_plane(rise), camera.height_px,
+            optics.top, height,
         )  # fmt: skip
         hidden_share = draw_objects.draw(image, hits, view, props, self._air) if props else {}
-        hits, depth, pixels = self._expose(image, hits, depth, view, lens, index)
+        pixels, hits, depth = self._sensor.expose(optics, image, hits, depth)
         boxes, numbers, counts = visible_boxes(hits)
         hidden = np.array([hidden_share.get(k, 0.0) for k in numbers], np.float32)
         labelled = np.array([self.road.features[k - 1].cls is not None for k in numbers], bool)
@@ -119,40 +127,8 @@ class Scene:
         classes = np.array([self.road.features[k - 1].cls for k in numbers], np.int64)
         return Frame(pixels, boxes, classes, numbers - 1, counts, depth, hidden)
 
-    def _expose(
-        self,
-        image: np.ndarray,
-        hits: np.ndarray,
-        depth: np.ndarray,
-        view: CameraView,
-        lens: lens_effects.LensMap | None,
-        index: int,
-    ) -> tuple[np.ndarray, np.ndarray, NDArray[np.uint8]]:
-        """Atmosphere, lens, bonnet and sensor: hits and depth (H, W) as recorded, and the pixels."""
-        appearance, haze = self.appearance, self._panorama.haze
-        rng = np.random.default_rng((self.seed, 4, index))
-        if appearance.motion_blur_px:
-            image = lens_effects.motion_blur(image, view, appearance.motion_blur_px, rng)
-        if appearance.glare and appearance.weather not in lighting.OVERCAST_WEATHER:
-            lens_effects.glare(image, view, self._air.light.direction, appearance.glare)
-        if lens is not None:
-            image, hits, depth = lens_effects.apply_lens_map(lens, image, (hits, depth))
-        if appearance.weather == "rain":
-            image_sensor.rain_streaks(image, rng, haze)
-        if appearance.weather == "snow":
-            lens_effects.snowfall(image, rng, np.maximum(haze, _FLAKE_AT_NIGHT))
-        if appearance.distortion:
-            image, hits, depth = lens_effects.distort(image, (hits, depth), appearance.distortion)
-        if appearance.bonnet:
-            height, width = hits.shape
-            rows = image_sensor.bonnet_row(appearance, width, height)
-            image_sensor.paint_bonnet(image, rows, haze)
-            hits[np.arange(height)[:, None] >= rows] = 0
-        pixels = image_sensor.develop(image, appearance, self._exposure, self._pool, rng, self._curve)
-        return hits, depth, pixels
-
     def _trace(
-        self, camera: Camera, view: CameraView, rise: float
+        self, camera: Camera, view: CameraView, rise: float, top: int
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int16], NDArray[np.float32]]:
         x = float(view.position[0])
         surface = self._surface
@@ -160,41 +136,28 @@ class Scene:
         shape = (camera.height_px, camera.width_px)
         drop, slope, depth = (np.empty(shape, np.float32) for _ in range(3))
         hits = np.empty(shape, np.int16)
+        hits[:top], depth[:top] = 0, np.inf
         end, grades = x + FAR_M, self.road.grades
         low, high = surface.height_range(x, end)
         limits = low - max(rise, 0.0) * FAR_M, high + max(-rise, 0.0) * FAR_M
         far = float(grade_height(grades, end)) - rise * FAR_M, grade_at(grades, end) - rise
         hills = len(grades) > 0, rise
         self._parallel_rows(
-            lambda part, rows: trace(
-                part, surface.height, surface.ids, surface.mask, self._outlines, limits, far, hills,
-                drop[rows], slope[rows], hits[rows], depth[rows],
+            lambda rows: trace(
+                view, rows.start, surface.height, surface.ids, surface.mask, self._outlines, limits, far,
+                hills, drop[rows], slope[rows], hits[rows], depth[rows],
             ),
-            view, camera.height_px,
+            top, camera.height_px,
         )  # fmt: skip
         return drop, slope, hits, depth
 
-    def _parallel_rows(
-        self, work: Callable[[CameraView, slice], object], view: CameraView, height: int
-    ) -> None:
-        """Do `work` on bands of rows, shared among threads; a band's view counts rows from its first."""
+    def _parallel_rows(self, work: Callable[[slice], object], first: int, end: int) -> None:
+        """Do `work` on bands of the rows from `first` to `end`, shared among threads."""
         count = 1 if self._executor is None else _BANDS_PER_THREAD * self._threads
-        starts = [height * band // count for band in range(count + 1)]
+        starts = [first + (end - first) * band // count for band in range(count + 1)]
         bands = [slice(*pair) for pair in pairwise(starts)]
-        views = [view._replace(cy=view.cy - band.start) for band in bands]
-        for _ in (
-            map(work, views, bands) if self._executor is None else self._executor.map(work, views, bands)
-        ):
+        for _ in map(work, bands) if self._executor is None else self._executor.map(work, bands):
             pass
-
-
-def _exposure(appearance: Appearance) -> float:
-    """Exposure that brings a road of mean brightness near the key, compensating 60 % of its albedo."""
-    level = _NIGHT_LEVEL if appearance.light == "night" else lighting.plan(appearance).level
-    level *= _SNOW_LEVEL if appearance.weather == "snow" else 1.0
-    return float(
-        appearance.exposure * _KEY[appearance.light] / (level * 0.2**0.4 * appearance.brightness**0.6)
-    )
 
 
 def _outline(feature: RoadFeature) -> tuple[float, float, float, float, float]:

@@ -38,10 +38,11 @@ class Conditions(NamedTuple):
 
 @njit(nogil=True)
 def colour(  # type: ignore[no-untyped-def]
-    view, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, pools, image
+    view, first, conditions, drop, slope, atlas, strip, grain, panorama, reflected, haze, pools, image
 ):
     """Shade `image` (H, W, 3) linear rgb from `drop` and `slope` (H, W), the result of the ray caster.
 
+    The rows are those of the view from `first` on.
     atlas: (rows, cols, 4) mip levels, one below the other (see `surface.Surface`); strip: (n, 4) average
     colours across the road; panorama, reflected: see `background.Panorama`; haze: (3,);
     pools: (n, 3) position (m) and strength of street lamps.
@@ -52,7 +53,7 @@ def colour(  # type: ignore[no-untyped-def]
     texel, light = np.zeros(4), np.zeros(3)
     for v in range(rows):
         for u in range(cols):
-            dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - v - 0.5) / focal)
+            dx, dy, dz = direction(r, (cx - u - 0.5) / focal, (cy - (first + v) - 0.5) / focal)
             drop_m = drop[v, u]
             if drop_m == 0:
                 _sample_panorama(panorama, dx, dy, dz, light)

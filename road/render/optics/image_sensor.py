@@ -2,12 +2,15 @@
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from foreride.files.jit import njit
 from foreride.road.render.appearance import Appearance
 
 _CURVE_TOP = 4.0
 _CURVE_STEPS = 4096
+_LEAST_BLUR_PX = 0.2
+_BLUR_REACH = 4.0  # standard deviations; OpenCV's kernels for float images end there
 
 
 def tone_curve() -> np.ndarray:
@@ -16,6 +19,12 @@ def tone_curve() -> np.ndarray:
     code = (1 - np.exp(-1.5 * linear)) ** (1 / 2.2)
     contrast = 0.6 * code + 0.4 * code * code * (3 - 2 * code)
     return np.rint(255 * np.clip(contrast, 0, 1)).astype(np.uint8)
+
+
+def tone(exposed: np.ndarray, curve: np.ndarray) -> NDArray[np.uint8]:
+    """Code of each linear exposure, without noise."""
+    positions = np.clip(exposed * (_CURVE_STEPS / _CURVE_TOP), 0, _CURVE_STEPS)
+    return np.asarray(curve[positions.astype(int)])
 
 
 def noise_pool(rng: np.random.Generator) -> np.ndarray:
@@ -39,8 +48,10 @@ def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None
     image[hidden] = gloss[:, None] * sheen
 
 
-def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray) -> None:
-    """Rain streaks: falling drops, blurred by their motion."""
+def rain_streaks(
+    image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray, first_row: int = 0
+) -> None:
+    """Rain streaks: falling drops, blurred by their motion; only in rows from `first_row` on."""
     height, width = image.shape[:2]
     veil = np.zeros((height, width), np.float32)
     for _ in range(int(rng.integers(60, 160))):
@@ -54,7 +65,7 @@ def rain_streaks(image: np.ndarray, rng: np.random.Generator, brightness: np.nda
             1,
             cv2.LINE_AA,
         )
-    image += veil[..., None] * brightness
+    image[first_row:] += veil[first_row:, :, None] * brightness
 
 
 def develop(
@@ -64,14 +75,30 @@ def develop(
     pool: np.ndarray,
     rng: np.random.Generator,
     curve: np.ndarray,
+    first_row: int = 0,
 ) -> np.ndarray:
-    """Sensor model: lens blur, exposure, shot and read noise, tone curve; returns (H, W, 3) uint8."""
-    if appearance.blur_px > 0.2:
-        image = cv2.GaussianBlur(image, (0, 0), appearance.blur_px)
+    """Sensor model: lens blur, exposure, shot and read noise, tone curve; returns (H, W, 3) uint8.
+
+    Rows above `first_row` stay undefined; of `image`, rows from `first_blurred_row` on are read.
+    """
+    if appearance.blur_px > _LEAST_BLUR_PX:
+        top = first_blurred_row(appearance, first_row)
+        blurred = np.empty_like(image)
+        cv2.GaussianBlur(image[top:], (0, 0), appearance.blur_px, dst=blurred[top:])
+        image = blurred
     gains = exposure * np.array([1 + appearance.warmth, 1.0, 1 - appearance.warmth], np.float32)
     out = np.empty(image.shape, np.uint8)
-    _expose(image, gains, np.float32(appearance.noise), pool, int(rng.integers(pool.size)), curve, out)
+    rows = slice(first_row, None)
+    offset = int(rng.integers(pool.size)) + first_row * image.shape[1]
+    _expose(image[rows], gains, np.float32(appearance.noise), pool, offset % pool.size, curve, out[rows])
     return out
+
+
+def first_blurred_row(appearance: Appearance, first_row: int) -> int:
+    """First row that the lens blur of rows from `first_row` on mixes in."""
+    if appearance.blur_px <= _LEAST_BLUR_PX:
+        return first_row
+    return max(first_row - int(np.ceil(_BLUR_REACH * appearance.blur_px)) - 1, 0)
 
 
 @njit(nogil=True)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from foreride.road.render import image_sensor
 from foreride.road.render.appearance import Appearance
+from foreride.road.render.optics import image_sensor
 
 
 def developed(level: float, **look: float) -> np.ndarray:
