@@ -24,12 +24,14 @@ from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.mjcf import car_xml
+from foreride.vehicle.plant.mujoco_timers import switch_timers_off
 
 Array = NDArray[np.float64]
 _RATE_INCREMENT_M_S = 1e-4
 mujoco.set_mju_user_warning(lambda text: say_once(f"MuJoCo {text}", f"MuJoCo: {printable(text)}"))
 """MuJoCo's own handler would append its warnings to MUJOCO_LOG.TXT in the user's folder."""
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+switch_timers_off()
 
 
 def build_model(parameters: Car) -> mujoco.MjModel:
