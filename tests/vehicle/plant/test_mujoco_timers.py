@@ -20,7 +20,8 @@ def test_timers_are_off_and_the_states_are_those_with_timers() -> None:
     model = build_model(load_vehicle("half"))
     assert switch_timers_off()
     off, without = _stepped(model)
-    assert off.timer.duration.sum() == 0.0 and off.timer.number.sum() > 0
+    assert off.timer.duration.sum() == 0.0
+    assert off.timer.number.sum() > 0
     mujoco.set_mjcb_time(None)  # the package's own clock
     try:
         on, with_timers = _stepped(model)
