@@ -1,9 +1,9 @@
 """Profiling timers of MuJoCo, switched off.
 
-MuJoCo's Python package installs a clock that the library reads around every part of every stage of a step, for
-statistics in `MjData.timer`. For a car that is a quarter to nearly half of the time of a step. The C interface
-has no timers while its callback `mjcb_time` is null, which `mujoco.set_mjcb_time` cannot say: None restores
-the package's own clock. Nothing else depends on it: the states are the same bit for bit.
+MuJoCo's Python package installs a clock that the library reads around every part of every stage of a step,
+for statistics in `MjData.timer`. For a car that is a quarter to nearly half of the time of a step. The C interface
+has no timers while its callback `mjcb_time` is null, which `mujoco.set_mjcb_time` cannot say: None restores the
+package's own clock. Nothing else depends on it: the states are the same bit for bit.
 """
 
 import ctypes
