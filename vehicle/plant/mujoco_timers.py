@@ -1,9 +1,9 @@
 """Profiling timers of MuJoCo, switched off.
 
 MuJoCo's Python package installs a clock that the library reads around every part of every stage of a step,
-for statistics in `MjData.timer`. For a car that is a quarter to nearly half of the time of a step. The C interface
-has no timers while its callback `mjcb_time` is null, which `mujoco.set_mjcb_time` cannot say: None restores the
-package's own clock. Nothing else depends on it: the states are the same bit for bit.
+for statistics in `MjData.timer`. For a car that is a quarter to nearly half of the time of a step. The C
+interface has no timers while its callback `mjcb_time` is null, which `mujoco.set_mjcb_time` cannot say: None
+restores the package's own clock. Nothing else depends on it: the states are the same bit for bit.
 """
 
 import ctypes
@@ -15,7 +15,7 @@ _LIBRARIES = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
 
 
 def switch_timers_off() -> bool:
-    """Switch them off in this process; False if the library or its callback is not found, and they stay on."""
+    """Switch them off in this process; False, and they stay on, if the library is not found."""
     folder = Path(mujoco.__file__).parent
     for library in (found for pattern in _LIBRARIES for found in folder.glob(pattern)):
         try:
