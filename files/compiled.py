@@ -10,7 +10,7 @@ from pathlib import Path
 
 from foreride.files.cache import cache_folder, temporary_folder, writable
 
-PACKAGES = ("road", "controller")
+PACKAGES = ("files", "road", "preview", "controller")
 """Packages with compiled functions."""
 SOURCE = Path(__file__).resolve().parents[1]
 """Folder of all packages."""

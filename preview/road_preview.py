@@ -2,13 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import inf
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from foreride.files.errors import InputError
+from foreride.files.interpolation import interpolated
+from foreride.files.jit import njit
+
+_DOUBLE = np.dtype(float)
 
 
 class Profile(Protocol):
@@ -42,6 +46,24 @@ class RoadPreview:
     age_s: float = 0.0
 
     def __post_init__(self) -> None:
+        if not self._is_valid():
+            self._check()
+
+    def _is_valid(self) -> bool:
+        """Whether all arrays are as they must be already."""
+        rows = self.height_m, self.position_sigma_m, self.height_sigma_m, self.existence
+        if not all(
+            type(values) is np.ndarray and values.dtype is _DOUBLE and values.flags.c_contiguous
+            for values in (self.distance_m, *rows)
+        ):
+            return False
+        shape = self.height_m.shape
+        if self.distance_m.ndim != 1 or len(shape) != 2 or any(values.shape != shape for values in rows):
+            return False
+        return shape[0] > 0 and shape[1] == len(self.distance_m) > 1 and _in_range(self.distance_m, *rows)
+
+    def _check(self) -> None:
+        """Convert all arrays; raise InputError for the first that is wrong."""
         distance = np.asarray(self.distance_m, dtype=float)
         if distance.ndim != 1 or len(distance) < 2:
             raise InputError(f"distance_m must have shape (n,) with n >= 2, got {distance.shape}")
@@ -70,6 +92,16 @@ class RoadPreview:
         """Number of wheels."""
         return self.height_m.shape[0]
 
+    @cached_property
+    def is_exact(self) -> bool:
+        """Whether the preview claims to be free of errors."""
+        return not (self.position_sigma_m.any() or self.height_sigma_m.any())
+
+    @cached_property
+    def height_here_m(self) -> np.ndarray:
+        """Height at distance zero of each wheel, (wheels,) m; not to be changed."""
+        return np.array([interpolated(0.0, self.distance_m, row) for row in self.height_m])
+
     def height(self, wheel: int, distance: float | np.ndarray) -> np.ndarray:
         """Height (m) at `distance` ahead of `wheel`: linear between grid points, constant beyond."""
         return np.interp(distance, self.distance_m, self.height_m[wheel])
@@ -90,6 +122,24 @@ class RoadPreview:
             existence=shifted(self.existence),
             age_s=self.age_s + time_s - self.time_s,
         )
+
+
+@njit
+def _in_range(distance: Any, height: Any, position_sigma: Any, height_sigma: Any, existence: Any) -> bool:
+    """Whether distances ascend in equal steps, heights are finite, sigmas >= 0 and existences in 0 ... 1."""
+    first = distance[1] - distance[0]
+    if not first > 0.0:
+        return False
+    for i in range(1, len(distance) - 1):
+        if not abs(distance[i + 1] - distance[i] - first) <= 1e-9 + 1e-5 * first:
+            return False
+    for wheel in range(height.shape[0]):
+        for i in range(height.shape[1]):
+            valid = abs(height[wheel, i]) < inf and 0.0 <= existence[wheel, i] <= 1.0
+            valid = valid and 0.0 <= position_sigma[wheel, i] < inf
+            if not (valid and 0.0 <= height_sigma[wheel, i] < inf):
+                return False
+    return True
 
 
 @lru_cache(maxsize=8)

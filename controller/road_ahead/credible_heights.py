@@ -39,11 +39,6 @@ class Credibility:
         (self._confirming.add if confirms else self._confirming.discard)(wheel)
 
 
-def is_exact(preview: RoadPreview) -> bool:
-    """Whether a preview claims to be free of errors."""
-    return not (preview.position_sigma_m.any() or preview.height_sigma_m.any())
-
-
 def exact(preview: RoadPreview) -> RoadPreview:
     """The same preview, taken to be free of errors."""
     none = np.zeros_like(preview.height_m)
@@ -60,7 +55,7 @@ def credible(
     The error of a height is taken as a common factor of the heights around it. The match updates factor and
     existence at the wheel, and with decreasing correlation ahead of it. An exact preview is not changed.
     """
-    if is_exact(preview):
+    if preview.is_exact:
         return preview.height_m[wheel], preview.existence[wheel]
     correlation = np.exp(-np.abs(preview.distance_m) / MEMORY_M)
     prior = _relative_sigmas(preview, wheel)

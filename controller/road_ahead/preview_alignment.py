@@ -63,6 +63,8 @@ class PreviewAlignment:
 
     def match(self, preview: RoadPreview) -> PreviewMatch:
         """Return the posterior errors; their priors are the preview's standard deviations near the wheel."""
+        if preview.is_exact:
+            return PreviewMatch()
         distance_m = preview.distance_m
         near = np.abs(distance_m) < MATCH_LENGTH_M
         sigma = float(preview.position_sigma_m[self._wheel][near].max(initial=0.0))

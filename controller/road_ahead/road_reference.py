@@ -1,16 +1,18 @@
 """Road reference: the previewed profile, anchored to the road heights estimated under the wheels."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from foreride.controller.interface import Estimate
 from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
-from foreride.controller.road_ahead.credible_heights import Credibility, credible, is_exact
+from foreride.controller.road_ahead.credible_heights import Credibility, credible
 from foreride.controller.road_ahead.preview_alignment import PreviewAlignment, PreviewMatch
 from foreride.controller.settings import RoadSettings
-from foreride.preview.road_preview import RoadPreview
+from foreride.files.interpolation import interpolate, interpolate_rows, interpolated
+from foreride.files.jit import njit
+from foreride.preview.road_preview import RoadPreview, distance_grid
 
 _STANDSTILL_M_S = 0.1
 """Speed below which the road is taken not to move under the wheels."""
@@ -32,6 +34,8 @@ ROAD_HYPOTHESES = (
 )
 """Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
 _POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
+_LEVEL = distance_grid(0.0, 1.0, 1.0)
+"""Grid of the level road that is assumed without a preview, m."""
 
 
 class RoadReference:
@@ -63,6 +67,7 @@ class RoadReference:
         self._previous: Estimate | None = None
         self._speed = 0.0
         self._has_preview = False
+        self._times_s, self._slope_travel = np.zeros(0), np.zeros(0)
         self._set_preview(None)
 
     def update(
@@ -78,23 +83,30 @@ class RoadReference:
             alignment.record_road(estimate)
         previous = self._previous
         elapsed_s = estimate.time_s - previous.time_s if previous is not None else 0.0
-        predicted = self._previewed(np.array([elapsed_s]))[..., 0]
+        before = self._grid, self._previewed_heights
         self._set_preview(preview, measured)
-        previewed = self._previewed(np.array([-elapsed_s, 0.0]))
-        previous_heights, heights = previewed[..., 0], previewed[..., 1]
-        if self._has_preview != (preview is not None):
-            self._height = self._height + predicted - heights  # keep what was predicted in the air
-            self._has_preview = preview is not None
-        excess = estimate.road_height - heights
-        self._height = np.where(estimate.contact, excess, np.minimum(excess, self._height))
-        slope = estimate.road_velocity
-        if preview is not None:
-            slope = np.zeros((self._hypotheses, self._wheels))
-            if previous is not None and elapsed_s > 0.0:
-                # Instantaneous rates would differ by metres per second if an edge lies between two samples.
-                unexplained = (estimate.road_height - previous.road_height) - (heights - previous_heights)
-                slope = np.where(previous.contact, unexplained / elapsed_s, 0.0)
-        self._slope = np.where(estimate.contact, slope, 0.0)
+        excess, slope = np.empty((2, self._hypotheses, self._wheels))
+        last = previous or estimate
+        _anchor(
+            elapsed_s,
+            self._speed,
+            *before,
+            self._grid,
+            self._previewed_heights,
+            self._has_preview != (preview is not None),
+            preview is not None,
+            preview is not None and previous is not None and elapsed_s > 0.0,
+            estimate.road_height,
+            estimate.road_velocity,
+            estimate.contact,
+            last.road_height,
+            last.contact,
+            self._height,
+            excess,
+            slope,
+        )
+        self._height, self._slope = excess, slope
+        self._has_preview = preview is not None
         self._previous = estimate
 
     def heights(self, times_s: np.ndarray) -> np.ndarray:
@@ -111,29 +123,37 @@ class RoadReference:
 
     def roads(self, times_s: np.ndarray) -> np.ndarray:
         """Return the heights for every road hypothesis, (roads, wheels, n); `weights` (roads,) sum to one."""
-        decay = self._settings.slope_decay_s
-        slope_travel = -decay * np.expm1(-times_s / decay)
-        return self._previewed(times_s) + self._height[..., None] + self._slope[..., None] * slope_travel
+        if times_s is not self._times_s:
+            decay = self._settings.slope_decay_s
+            self._times_s, self._slope_travel = times_s, -decay * np.expm1(-times_s / decay)
+        out = np.empty((self._hypotheses, self._wheels, len(times_s)))
+        _ahead(
+            self._speed,
+            times_s,
+            self._slope_travel,
+            self._grid,
+            self._previewed_heights,
+            self._height,
+            self._slope,
+            out,
+        )
+        return out
 
     def _set_preview(self, preview: RoadPreview | None, measured: RoadPreview | None = None) -> None:
         self.weights = self._certain
         if preview is None:
-            self._grid, self._previewed_heights = (
-                np.array([0.0, 1.0]),
-                np.zeros((self._hypotheses, self._wheels, 2)),
-            )
+            self._grid, self._previewed_heights = _LEVEL, np.zeros((self._hypotheses, self._wheels, 2))
             return
         self._grid = preview.distance_m
         matches = {leader: alignment.match(preview) for leader, alignment in self._alignments.items()}
         for leader, match in matches.items():
             self._credibility.update(leader, match)
-        rows = [
-            self._roads(preview, wheel, matches[leader], measured)
-            for wheel, leader in enumerate(self._leaders)
-        ]
-        self._previewed_heights = np.array(rows).swapaxes(0, 1)
+        rows = np.empty((self._hypotheses, self._wheels, len(self._grid)))
+        for wheel, leader in enumerate(self._leaders):
+            rows[:, wheel] = self._roads(preview, wheel, matches[leader], measured)
+        self._previewed_heights = rows
         if self._hypotheses > 1:
-            likely = _likelihood(preview) * (1.0 if is_exact(preview) else self._credibility.value)
+            likely = _likelihood(preview) * (1.0 if preview.is_exact else self._credibility.value)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
@@ -153,30 +173,87 @@ class RoadReference:
         elif settings.uncertainty == "blend":
             roads = [existence * heights / (1.0 + (remaining_sigma_ratio * sigma / settings.blend_m) ** 2)]
         else:
-            usable = np.clip((settings.unknown_m - sigma) / (settings.unknown_m - settings.known_m), 0.0, 1.0)
-            roads = [
-                moved(
-                    preview,
-                    np.minimum(usable, existence) * heights,
-                    settings.sigmas_early * remaining_sigma_ratio * sigma,
-                )
-            ]
+            expected = np.empty_like(heights)
+            _lower(heights, existence, sigma, settings.known_m, settings.unknown_m, expected)
+            roads = [moved(preview, expected, settings.sigmas_early * remaining_sigma_ratio * sigma)]
         if earlier_m:
             roads = [np.interp(self._grid + earlier_m, self._grid, road) for road in roads]
-        if measured is None:
+        if measured is None or not measured.existence[wheel].any():
             return np.array(roads)
         early, late = (moved(preview, heights, sign * remaining_sigma_ratio * sigma) for sign in (1.0, -1.0))
         variance = previewed_variance(preview, wheel, early, late)
         return fused(np.array(roads), variance, wheel, preview, measured)
 
-    def _previewed(self, times_s: np.ndarray) -> np.ndarray:
-        distance = self._speed * times_s
-        return np.array(
-            [
-                [np.interp(distance, self._grid, row) for row in hypothesis]
-                for hypothesis in self._previewed_heights
-            ]
-        )
+
+@njit
+def _lower(heights: Any, existence: Any, sigma: Any, known_m: float, unknown_m: float, out: Any) -> None:
+    """Write the heights, lower the less probable they are and the less is known of their position."""
+    for i in range(len(heights)):
+        usable = min(max((unknown_m - sigma[i]) / (unknown_m - known_m), 0.0), 1.0)
+        out[i] = min(usable, existence[i]) * heights[i]
+
+
+@njit
+def _anchor(
+    elapsed_s: float,
+    speed: float,
+    grid_before: Any,
+    before: Any,
+    grid: Any,
+    now: Any,
+    changed: bool,
+    has_preview: bool,
+    measure_slope: bool,
+    road: Any,
+    road_velocity: Any,
+    contact: Any,
+    last_road: Any,
+    last_contact: Any,
+    height: Any,
+    excess: Any,
+    slope: Any,
+) -> None:
+    """Write excess and excess slope (roads, wheels) of the measured over the previewed road.
+
+    before, now: previewed heights (roads, wheels, n) of the last and the present period on their grids.
+    height: the excess so far, which keeps what was predicted in the air if the preview has `changed`.
+    """
+    for k in range(len(now)):
+        for wheel in range(len(road)):
+            here = interpolated(speed * 0.0, grid, now[k, wheel])
+            so_far = height[k, wheel]
+            if changed:
+                so_far = so_far + interpolated(speed * elapsed_s, grid_before, before[k, wheel]) - here
+            excess[k, wheel] = road[wheel] - here
+            slope[k, wheel] = 0.0
+            if not contact[wheel]:
+                excess[k, wheel] = min(excess[k, wheel], so_far)
+            elif not has_preview:
+                slope[k, wheel] = road_velocity[wheel]
+            elif measure_slope and last_contact[wheel]:
+                # Instantaneous rates would differ by metres per second if an edge lies between two samples.
+                passed = here - interpolated(speed * -elapsed_s, grid, now[k, wheel])
+                slope[k, wheel] = (road[wheel] - last_road[wheel] - passed) / elapsed_s
+
+
+@njit
+def _ahead(
+    speed: float,
+    times_s: Any,
+    slope_travel: Any,
+    grid: Any,
+    previewed: Any,
+    height: Any,
+    slope: Any,
+    out: Any,
+) -> None:
+    """Write the heights (roads, wheels, n) at times after the last update."""
+    distances = speed * times_s
+    for k in range(len(previewed)):
+        interpolate_rows(distances, grid, previewed[k], out[k])
+        for wheel in range(previewed.shape[1]):
+            for i in range(len(times_s)):
+                out[k, wheel, i] = out[k, wheel, i] + height[k, wheel] + slope[k, wheel] * slope_travel[i]
 
 
 def _likelihood(preview: RoadPreview) -> float:
@@ -191,11 +268,23 @@ def moved(preview: RoadPreview, heights: np.ndarray, nearer_m: np.ndarray) -> np
 
     The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
     """
-    if not nearer_m.any():
-        return heights
-    positions_m = preview.distance_m - nearer_m
-    if nearer_m.min() < 0.0:
-        positions_m = np.maximum.accumulate(positions_m)
+    out = np.empty_like(heights)
+    return out if _move(preview.distance_m, heights, nearer_m, out) else heights
+
+
+@njit
+def _move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> bool:
+    """Write the moved heights and return True, or return False if nothing moves."""
+    n = len(grid)
+    least, most = nearer_m.min(), nearer_m.max()
+    if least == most == 0.0:
+        return False
+    places = grid - nearer_m
+    if least < 0.0:
+        for i in range(1, n):
+            places[i] = max(places[i - 1], places[i])
     else:
-        positions_m = np.minimum.accumulate(positions_m[::-1])[::-1]
-    return np.interp(preview.distance_m, positions_m, heights)
+        for i in range(n - 2, -1, -1):
+            places[i] = min(places[i + 1], places[i])
+    interpolate(grid, places, heights, out)
+    return True

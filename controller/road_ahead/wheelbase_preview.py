@@ -1,11 +1,13 @@
 """Wheelbase preview: the road measured by the front wheels serves as preview for the rear wheels."""
 
-from collections import deque
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.interface import Estimate
 from foreride.files.errors import InputError
+from foreride.files.interpolation import interpolate
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.load import Car
 
@@ -13,6 +15,8 @@ BEHIND_M = 0.5
 STEP_M = 0.025
 CONTACT_SIGMA_M, AIR_SIGMA_M = 0.003, 0.03
 """Standard deviation of a measured height, m: with contact, and bridged while the wheel was in the air."""
+_ROOM = 2048
+"""Least number of measured points for which there is room."""
 
 
 def has_two_axles(vehicle: Car) -> bool:
@@ -42,13 +46,20 @@ class WheelbasePreview:
             raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
         self._leader = leading_wheels(vehicle)
         self._grid = distance_grid(BEHIND_M, float(self._behind_front_m.max()), STEP_M)
+        existence = np.zeros((len(axles_m), len(self._grid)))
+        existence[self._behind_front_m > 0.0] = 1.0
+        self._existence, self._certain = existence, np.zeros_like(existence)
         self.reset()
 
     def reset(self) -> None:
         """Clear the road behind."""
         self._travelled_m = 0.0
         self._time_s: float | None = None
-        self._measured: deque[tuple[float, np.ndarray, np.ndarray]] = deque()
+        wheels = len(self._behind_front_m)
+        self._first, self._end = 0, 0  # of the measured points
+        self._positions_m = np.zeros(_ROOM)
+        self._heights_m = np.zeros((wheels, _ROOM))
+        self._contacts = np.zeros((wheels, _ROOM), dtype=bool)
 
     def update(self, estimate: Estimate) -> RoadPreview:
         """Record the road under the front wheels; return the preview for each wheel.
@@ -59,21 +70,73 @@ class WheelbasePreview:
         if self._time_s is not None:
             self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)
         self._time_s = estimate.time_s
-        self._measured.append((self._travelled_m, estimate.road_height, estimate.contact))
-        while (
-            len(self._measured) > 1 and self._measured[1][0] < self._travelled_m - self._grid[-1] - BEHIND_M
-        ):
-            self._measured.popleft()
-        heights, existence, sigmas = np.zeros((3, len(self._behind_front_m), len(self._grid)))
-        positions_m, heights_m, contacts = (np.array(column) for column in zip(*self._measured, strict=True))
+        self._record(estimate)
+        heights, sigmas = np.zeros((2, *self._existence.shape))
+        measured = slice(self._first, self._end)
         for wheel, behind_m in enumerate(self._behind_front_m):
             if behind_m > 0.0:
-                height, contact = heights_m[:, self._leader[wheel]], contacts[:, self._leader[wheel]]
-                interpolated = (
-                    np.interp(positions_m, positions_m[contact], height[contact]) if contact.any() else height
+                leader = self._leader[wheel]
+                _road_behind(
+                    self._positions_m[measured],
+                    self._heights_m[leader, measured],
+                    self._contacts[leader, measured],
+                    self._travelled_m,
+                    behind_m,
+                    self._grid,
+                    heights[wheel],
+                    sigmas[wheel],
                 )
-                ahead = positions_m - self._travelled_m + behind_m
-                heights[wheel] = np.interp(self._grid, ahead, np.minimum(interpolated, height))
-                sigmas[wheel] = np.interp(self._grid, ahead, np.where(contact, CONTACT_SIGMA_M, AIR_SIGMA_M))
-                existence[wheel] = 1.0
-        return RoadPreview(estimate.time_s, self._grid, heights, np.zeros_like(heights), sigmas, existence)
+        return RoadPreview(estimate.time_s, self._grid, heights, self._certain, sigmas, self._existence)
+
+    def _record(self, estimate: Estimate) -> None:
+        """Append the present point, and drop those that all wheels have passed."""
+        if self._end == len(self._positions_m):
+            self._make_room()
+        self._positions_m[self._end] = self._travelled_m
+        self._heights_m[:, self._end] = estimate.road_height
+        self._contacts[:, self._end] = estimate.contact
+        self._end += 1
+        passed_m = self._travelled_m - self._grid[-1] - BEHIND_M
+        while self._end - self._first > 1 and self._positions_m[self._first + 1] < passed_m:
+            self._first += 1
+
+    def _make_room(self) -> None:
+        """Move the points to the start of arrays with room for as many again."""
+        count, kept = self._end - self._first, slice(self._first, self._end)
+        room = max(_ROOM, 2 * count)
+        for name in ("_positions_m", "_heights_m", "_contacts"):
+            old = getattr(self, name)
+            new = np.zeros((*old.shape[:-1], room), old.dtype)
+            new[..., :count] = old[..., kept]
+            setattr(self, name, new)
+        self._first, self._end = 0, count
+
+
+@njit
+def _road_behind(
+    positions_m: Any,
+    heights_m: Any,
+    contacts: Any,
+    travelled_m: float,
+    behind_m: float,
+    grid: Any,
+    heights: Any,
+    sigmas: Any,
+) -> None:
+    """Write the heights that a front wheel measured, and their sigmas, on the grid of the wheel behind it."""
+    count, touched = len(positions_m), int(contacts.sum())
+    places, felt, ahead = np.empty(touched), np.empty(touched), np.empty(count)
+    known, sigma = heights_m.copy(), np.empty(count)
+    at = 0
+    for k in range(count):
+        ahead[k] = positions_m[k] - travelled_m + behind_m
+        sigma[k] = CONTACT_SIGMA_M if contacts[k] else AIR_SIGMA_M
+        if contacts[k]:
+            places[at], felt[at] = positions_m[k], heights_m[k]
+            at += 1
+    if 0 < touched < count:
+        interpolate(positions_m, places, felt, known)
+        for k in range(count):
+            known[k] = min(known[k], heights_m[k])
+    interpolate(grid, ahead, known, heights)
+    interpolate(grid, ahead, sigma, sigmas)

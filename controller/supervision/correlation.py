@@ -56,6 +56,7 @@ class Correlation:
         place, felt, claimed = past[0]
         if not 0.5 * LAG_M <= self._travelled_m - place <= 2.0 * LAG_M:
             return
-        rise, told = np.array([past[-1][1] - felt, past[-1][2] - claimed]).clip(-CLIP_M, CLIP_M)
+        rise = min(max(past[-1][1] - felt, -CLIP_M), CLIP_M)
+        told = min(max(past[-1][2] - claimed, -CLIP_M), CLIP_M)
         if abs(told) > CLAIMED_M:
             self._moments += share * np.array([rise * rise, rise * told, told * told])

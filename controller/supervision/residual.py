@@ -6,10 +6,13 @@ Biometrika 41, 1954).
 """
 
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.settings import GateSettings
+from foreride.files.interpolation import between, cell, interpolated
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 
 FORGET_M = 0.1
@@ -83,27 +86,59 @@ class Residual:
     def _claims(self, preview: RoadPreview) -> tuple[float, float, float]:
         """Previewed height here, and its lowest and highest value within the tolerated position error."""
         settings, wheel = self._settings, self._wheel
-        sigma = np.interp(0.0, preview.distance_m, preview.position_sigma_m[wheel])
+        grid, existence, height = preview.distance_m, preview.existence[wheel], preview.height_m[wheel]
+        sigma = interpolated(0.0, grid, preview.position_sigma_m[wheel])
         reach = min(float(np.hypot(settings.reach_m, sigma)), settings.widest_m)
-        heights = preview.existence[wheel] * preview.height_m[wheel]
-        near = np.interp(reach * _SAMPLES, preview.distance_m, heights)
-        here = float(np.interp(0.0, preview.distance_m, heights))
-        return here, float(near.min()), float(near.max())
+        here, low, high = claims(reach * _SAMPLES, grid, existence, height)
+        return here, low, high
 
     def _gains(self, preview: RoadPreview, size_m: float) -> tuple[float, float]:
         """Smallest and largest tolerated ratio of measured to previewed height."""
-        sigma = float(np.interp(0.0, preview.distance_m, preview.height_sigma_m[self._wheel]))
+        sigma = interpolated(0.0, preview.distance_m, preview.height_sigma_m[self._wheel])
         doubt = self._settings.gain + 2.0 * sigma / max(size_m, _LEAST_SIZE_M)
         return max(self._settings.least_gain, 1.0 - doubt), 1.0 + doubt
 
     def _follows(self, preview: RoadPreview, height_m: float) -> bool:
         """Whether an obstacle like the one measured is previewed close ahead."""
-        close = (preview.distance_m > 0.0) & (preview.distance_m < LATE_M)
-        claims = (preview.existence[self._wheel] * preview.height_m[self._wheel])[close]
-        return bool((claims * np.sign(height_m)).max(initial=0.0) > LATE_SHARE * abs(height_m))
+        rows = preview.existence[self._wheel], preview.height_m[self._wheel]
+        return bool(
+            _greatest_ahead(preview.distance_m, *rows, np.sign(height_m)) > LATE_SHARE * abs(height_m)
+        )
 
     def _learn_roughness(self, error_m: float, travelled_m: float) -> None:
         """Update the roughness; an obstacle counts no more than twice the present value."""
         share = min(1.0, travelled_m / ROUGH_M)
         usual = min(max(error_m, SMOOTH_M), 2.0 * self._rough)
         self._rough += share * (usual - self._rough)
+
+
+@njit
+def expected_at(value: float, grid: Any, existence: Any, height: Any) -> float:
+    """Expected height at one distance: that of the grid, existence times height, interpolated."""
+    last, j = len(grid) - 1, cell(grid, value, 0)
+    if j < 0:
+        return float(existence[0] * height[0])
+    if j >= last:
+        return float(existence[last] * height[last])
+    low, high = existence[j] * height[j], existence[j + 1] * height[j + 1]
+    return between(grid[j], grid[j + 1], low, high, value)
+
+
+@njit
+def claims(distances: Any, grid: Any, existence: Any, height: Any) -> tuple[float, float, float]:
+    """Expected height at distance zero, and the lowest and the highest one at these distances."""
+    low, high = np.inf, -np.inf
+    for distance in distances:
+        expected = expected_at(distance, grid, existence, height)
+        low, high = min(low, expected), max(high, expected)
+    return expected_at(0.0, grid, existence, height), low, high
+
+
+@njit
+def _greatest_ahead(grid: Any, existence: Any, height: Any, sign: float) -> float:
+    """Greatest expected height of this sign in the next `LATE_M`, at least zero."""
+    greatest = 0.0
+    for i in range(len(grid)):
+        if 0.0 < grid[i] < LATE_M:
+            greatest = max(greatest, existence[i] * height[i] * sign)
+    return greatest

@@ -14,6 +14,7 @@ from foreride.controller.settings import SupervisorSettings
 from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.controller.supervision.step_statistics import ControllerStatistics
 from foreride.files.errors import InputError
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
@@ -135,7 +136,7 @@ def preview_problem(
         return "preview of another car"
     if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
         return "stale preview"
-    level_m = [preview.height(wheel, 0.0) for wheel in range(preview.wheels)] - estimate.road_height
+    level_m = preview.height_here_m - estimate.road_height
     if relief_m(preview) > settings.highest_m or np.abs(level_m).max() > MAX_LEVEL_M:
         return "absurd preview"
     return None
@@ -146,10 +147,20 @@ def relief_m(preview: RoadPreview) -> float:
 
     The grade of a preview says nothing of its soundness: a road ahead may climb.
     """
-    heights, along_m = preview.height_m, preview.distance_m - preview.distance_m.mean()
-    level = heights - heights.mean(axis=1, keepdims=True)
-    grade = level @ along_m / (along_m @ along_m)
-    departure = np.abs(level - grade[:, None] * along_m).max()
-    metre = max(1, round(1.0 / (along_m[1] - along_m[0])))
-    rise = np.abs(heights[:, metre:] - heights[:, :-metre]).max(initial=0.0)
-    return float(max(departure, rise))
+    return float(_relief(preview.distance_m, preview.height_m))
+
+
+@njit
+def _relief(distance: Any, heights: Any) -> float:
+    n, relief = len(distance), 0.0
+    metre = max(1, int(np.round(1.0 / (distance[1] - distance[0]))))
+    along = distance - distance.mean()
+    spread = (along * along).sum()
+    for wheel in range(len(heights)):
+        level = heights[wheel] - heights[wheel].mean()
+        grade = (level * along).sum() / spread
+        for i in range(n):
+            relief = max(relief, abs(level[i] - grade * along[i]))
+        for i in range(metre, n):
+            relief = max(relief, abs(heights[wheel, i] - heights[wheel, i - metre]))
+    return relief

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass, field
 from math import floor
-from typing import Annotated, overload
+from typing import Annotated, Any, overload
 
 import numpy as np
 from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
+from foreride.files.jit import njit
 from foreride.files.reading.checks import check_number
 from foreride.files.reading.ranges import Checked
 from foreride.road.road import Road
@@ -31,6 +32,7 @@ class WheelProfile(Checked):
     step_m: Annotated[float, Interval(gt=0.0, le=10.0), "m"]
     heights: NDArray[np.float64]
     _table: list[float] = field(init=False, repr=False)
+    _grid_heights: NDArray[np.float64] = field(init=False, repr=False)
     _rises: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -39,7 +41,8 @@ class WheelProfile(Checked):
         if heights.ndim != 1 or len(heights) < 2 or not np.all(np.isfinite(heights)):
             raise InputError(f"heights must be (n,) finite values, n >= 2, got shape {heights.shape}")
         object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
-        object.__setattr__(self, "_rises", np.diff(heights))
+        object.__setattr__(self, "_grid_heights", np.ascontiguousarray(heights, float))
+        object.__setattr__(self, "_rises", np.diff(heights).astype(float))
 
     @overload
     def height(self, x: float) -> float: ...
@@ -74,10 +77,16 @@ class WheelProfile(Checked):
         return (table[index + 1] - table[index]) / self.step_m
 
     def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        last = len(self.heights) - 1
-        position = np.minimum(np.maximum((x - self.x0_m) / self.step_m, 0.0), last)
-        index = np.minimum(position.astype(np.int64), last - 1)
-        return self.heights.take(index) + (position - index) * self._rises.take(index)
+        found = np.empty(x.shape)
+        _linear(
+            np.ascontiguousarray(x).ravel(),
+            self.x0_m,
+            self.step_m,
+            self._grid_heights,
+            self._rises,
+            found.ravel(),
+        )
+        return found
 
     def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         last = len(self.heights) - 1
@@ -85,6 +94,16 @@ class WheelProfile(Checked):
         inside = (index >= 0) & (index < last)
         index = np.clip(index, 0, last - 1)
         return np.where(inside, (self.heights[index + 1] - self.heights[index]) / self.step_m, 0.0)
+
+
+@njit
+def _linear(x: Any, x0: float, step: float, heights: Any, rises: Any, out: Any) -> None:
+    """Heights on a uniform grid at x, constant beyond both ends."""
+    last = len(heights) - 1
+    for k in range(len(x)):
+        position = min(max((x[k] - x0) / step, 0.0), float(last))
+        index = min(int(position), last - 1)
+        out[k] = heights[index] + (position - index) * rises[index]
 
 
 def envelope(

@@ -21,7 +21,7 @@ class PlaneFrame:
     def relative(self, preview: RoadPreview, state: VehicleState) -> RoadPreview:
         """Return the preview over the plane of the previewed road under the wheels so far."""
         plane, rows, speed_m_s = self._plane, self._plane.kinematic_rows, float(state.speed_m_s)
-        road_m = np.array([preview.height(wheel, 0.0) for wheel in range(preview.wheels)])
+        road_m = preview.height_here_m
         if self._time_s is None:
             plane.start(road_m, np.array(state.x[self._body_velocity], float), speed_m_s)
         else:

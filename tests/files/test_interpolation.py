@@ -6,14 +6,21 @@ import pytest
 from foreride.files.interpolation import at, interpolate, interpolated
 
 
-@pytest.mark.parametrize("repeated", [False, True], ids=["ascending grid", "grid with equal points"])
+def _grid(kind: str, points: int) -> np.ndarray:
+    grid = np.sort(np.random.default_rng(2).normal(size=points))
+    if kind == "with equal points":
+        grid[points // 4 : points // 2] = grid[points // 4]
+    elif kind == "partly descending":
+        grid[points // 4 : points // 2] = grid[points // 4 : points // 2][::-1].copy()
+    return grid
+
+
+@pytest.mark.parametrize("points", [2, 3, 4, 5, 8, 60])
+@pytest.mark.parametrize("kind", ["ascending", "with equal points", "partly descending"])
 @pytest.mark.parametrize("order", ["ascending", "mixed"])
-def test_heights_equal_those_of_numpy(repeated: bool, order: str) -> None:
-    rng = np.random.default_rng(1)
-    grid = np.sort(rng.normal(size=60))
-    if repeated:
-        grid[10:14] = grid[14]
-    rows = rng.normal(size=(3, 60))
+def test_heights_equal_those_of_numpy(points: int, kind: str, order: str) -> None:
+    rng, grid = np.random.default_rng(1), _grid(kind, points)
+    rows = rng.normal(size=(3, points))
     values = np.concatenate([rng.uniform(grid[0] - 1.0, grid[-1] + 1.0, 200), grid])
     if order == "ascending":
         values.sort()
@@ -22,4 +29,5 @@ def test_heights_equal_those_of_numpy(repeated: bool, order: str) -> None:
     one = np.empty(len(values))
     interpolate(values, grid, rows[0], one)
     assert np.array_equal(one, expected[0])
-    assert [interpolated(value, grid, rows[0]) for value in values] == expected[0].tolist()
+    alone = [float(np.interp(value, grid, rows[0])) for value in values]
+    assert [interpolated(value, grid, rows[0]) for value in values] == alone

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.controller.road_ahead.credible_heights import Credibility, credible, exact, is_exact
+from foreride.controller.road_ahead.credible_heights import Credibility, credible, exact
 from foreride.controller.road_ahead.preview_alignment import PreviewMatch
 from foreride.preview.road_preview import RoadPreview
 from tests.controller.cars import step_preview
@@ -58,8 +58,8 @@ def test_confirmation_does_not_raise_existence_above_what_the_preview_states() -
 
 def test_an_exact_preview_is_taken_at_its_word() -> None:
     certain = exact(preview())
-    assert is_exact(certain)
-    assert not is_exact(preview())
+    assert certain.is_exact
+    assert not preview().is_exact
     heights, existence = credible(certain, 0, REFUTED, 1.0, 0.1)
     np.testing.assert_array_equal(heights, certain.height_m[0])
     np.testing.assert_array_equal(existence, certain.existence[0])
