@@ -1,13 +1,14 @@
-"""Execution of a study on a Dask cluster, local or reached by an address."""
+"""Execution of a study on a Dask cluster: local, reached by an address, or started by a recipe."""
 
 from __future__ import annotations
 
 import asyncio
 import json
+import os
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent import futures
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.comparison.document import flat
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import row, to_json
+from foreride.scenarios.studies.recipes import Recipe, start
 from foreride.scenarios.studies.results import Results
 from foreride.scenarios.studies.study import Sample
 
@@ -36,10 +38,13 @@ _SIMULATION_LOCK = threading.Lock()
 """Prediction models are shared within a process, so worker threads must take turns."""
 
 
-def simulate_sample(sample: Sample) -> dict[str, Any]:
-    """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process."""
+def simulate_sample(sample: Sample, folder: str = ".") -> dict[str, Any]:
+    """Simulate one sample on a worker; return its row or its error. Compiled models stay in the process.
+
+    folder: the one in which the study was read and its relative paths hold; a worker may run in another.
+    """
     try:
-        with _SIMULATION_LOCK:
+        with _SIMULATION_LOCK, chdir(folder):
             columns = json.loads(to_json(flat(row(simulate_case(sample.case())))))
         return sample_columns(sample, None) | columns
     except Exception as error:  # any failure of a case is its result
@@ -65,18 +70,19 @@ def run(
     failed. Raises `WorkerDied` if no worker is left, or the scheduler is gone.
     """
 
-    waiting = iter(samples)
+    waiting, folder = iter(samples), os.getcwd()
     submitted: dict[str, Sample] = {}
 
     def hand_out(count: int) -> list[Future]:
         submitted_futures = []
         for sample in islice(waiting, count):
-            future = client.submit(simulate_sample, sample, key=f"foreride-{sample.key}", pure=False)
+            key = f"foreride-{sample.key}"
+            future = client.submit(simulate_sample, sample, folder=folder, key=key, pure=False)
             submitted[str(future.key)] = sample
             submitted_futures.append(future)
         return submitted_futures
 
-    running = set(hand_out(QUEUED_PER_WORKER * max(1, sum(client.nthreads().values()))))
+    running = set(hand_out(QUEUED_PER_WORKER * max(1, _threads(client))))
     while running:
         finished, running = _wait(client, running)
         for future in finished:
@@ -84,7 +90,9 @@ def run(
             failure_row = sample_columns(sample, f"{type(problem).__name__}: {problem}")
             results.add(future.result() if problem is None else failure_row)
             advance()
-        running |= set(hand_out(len(finished)))
+        running |= set(
+            hand_out(QUEUED_PER_WORKER * max(1, _threads(client)) - len(running))
+        )  # more may have come
 
 
 def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future]]:
@@ -104,6 +112,14 @@ def _wait(client: Client, running: set[Future]) -> tuple[set[Future], set[Future
             raise WorkerDied("the scheduler is gone") from None
 
 
+def _wait_for_workers(client: Client, recipe: Recipe) -> None:
+    """Wait for the first worker of a recipe; the others join when they come."""
+    try:
+        client.wait_for_workers(1, timeout=recipe.wait_s)
+    except TimeoutError:
+        raise WorkerDied(f"no worker of the {recipe.kind} cluster came within {recipe.wait_s:g} s") from None
+
+
 def _threads(client: Client) -> int:
     """Threads of all workers; none if the scheduler does not answer."""
     try:
@@ -113,8 +129,10 @@ def _threads(client: Client) -> int:
 
 
 @contextmanager
-def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Iterator[Client]:
-    """Connect to the cluster at `address`, or start one of `workers` processes on this machine.
+def cluster(
+    address: str | None, workers: int, dashboard: str = LOOPBACK, recipe: Recipe | None = None
+) -> Iterator[Client]:
+    """Connect to the cluster at `address`, or start that of a recipe or `workers` processes on this machine.
 
     A cluster of this machine talks over the loopback interface only; its dashboard listens at `dashboard`.
     """
@@ -132,6 +150,11 @@ def cluster(address: str | None, workers: int, dashboard: str = LOOPBACK) -> Ite
             reason = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"--scheduler {address}: cannot be reached ({reason})") from None
         with client:
+            yield client
+        return
+    if recipe is not None:
+        with start(recipe) as started, Client(started) as client:
+            _wait_for_workers(client, recipe)
             yield client
         return
     with (

@@ -105,6 +105,7 @@ def _map(path: Path) -> object:
     return read(path)
 
 
+RECIPE = "nodes: {kind: ssh, hosts: [node1, node2], workers: 8, port: 2222, wait_s: 30, username: me}\n"
 STUDY = """
 scenarios: [bump_8x40_30]
 controllers: [passive]
@@ -151,6 +152,12 @@ def _memory(path: Path) -> object:
     return read(path)
 
 
+def _recipe(path: Path) -> object:
+    from foreride.scenarios.studies.recipes import read_recipe
+
+    return read_recipe(str(path))
+
+
 def _study(path: Path) -> object:
     from foreride.scenarios.studies.study import read
 
@@ -180,5 +187,6 @@ ROAD_READERS: dict[str, Reader] = {
     "vehicle": Reader(copy_file("vehicle.yaml", "vehicle/parameters/half_car.yaml"), _vehicle),
     "memory": Reader(_memory_file, _memory),
     "study": Reader(text_file("study.yaml", STUDY), _study),
+    "cluster recipe": Reader(text_file("clusters.yaml", RECIPE), _recipe),
     "settings": Reader(text_file("settings.yaml", "mpc: {horizon_s: 0.8}\n"), _settings),
 }

@@ -20,10 +20,11 @@ from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.definition.sets import load_all, set_names
 from foreride.scenarios.reference_docs import blocks
 from foreride.scenarios.studies.axis import Axis
+from foreride.scenarios.studies.recipes import Recipe
 from foreride.scenarios.studies.study import Study
 from foreride.vehicle.load import Car, load_vehicle
 
-ROOTS = (Scenario, ControllerSettings, Memory, Study, Axis, *get_args(Car))
+ROOTS = (Scenario, ControllerSettings, Memory, Study, Axis, *get_args(Car), *get_args(Recipe))
 FAR = (1e300, -1e300, math.nan, math.inf, -math.inf, 10**400)
 
 

@@ -3,8 +3,10 @@
 import argparse
 import shlex
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
+from foreride.files.errors import InputError, shown
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import claim, exclusive
 from foreride.files.writing.names import component
@@ -15,6 +17,7 @@ from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.studies.complete import missing_samples
+from foreride.scenarios.studies.recipes import Recipe, read_recipe
 from foreride.scenarios.studies.results import DATASET, KIND, Results
 from foreride.scenarios.studies.study import Sample, read
 from foreride.scenarios.studies.sweep import LOOPBACK, cluster, run
@@ -31,8 +34,8 @@ def configure(command: argparse.ArgumentParser) -> None:
     command.add_argument("--scheduler", metavar="tcp://HOST:PORT", help=there)
     watched = "where Dask's dashboard listens, without a password (default: this machine alone)"
     command.add_argument("--dashboard", metavar="HOST:PORT", default=LOOPBACK, help=watched)
-    many = "worker processes (default: all cores)"
-    command.add_argument("--jobs", type=int, default=0, metavar="N", help=many)
+    many = "worker processes (default: all cores), or a recipe of a cluster: ssh, slurm or kubernetes"
+    command.add_argument("--jobs", type=_jobs, default=0, metavar="N|FILE.yaml[:NAME]", help=many)
     command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
     add_json_option(command, "write the counts as JSON")
     command.set_defaults(execute=execute)
@@ -41,21 +44,37 @@ def configure(command: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run the drives that are missing; every finished drive is saved at once."""
     samples = {sample.key: sample for sample in read(arguments.study)}
-    jobs = jobs_of(arguments)
+    recipe = read_recipe(arguments.jobs) if isinstance(arguments.jobs, str) else None
+    if recipe is None:
+        jobs_of(arguments)
+    elif arguments.scheduler is not None:
+        raise InputError("--scheduler: a recipe in --jobs starts its own, give one of the two")
     out = arguments.out or runs_folder(None) / component(arguments.study.stem)
     with exclusive(claim(out, KIND)):
-        return _sweep(arguments, samples, jobs, Results(out))
+        return _sweep(arguments, samples, recipe, Results(out))
 
 
-def _sweep(arguments: argparse.Namespace, samples: Mapping[str, Sample], jobs: int, results: Results) -> int:
+def _jobs(text: str) -> int | str:
+    """Number of worker processes, or the file of a recipe."""
+    if ".yaml" in text:
+        return text
+    with suppress(ValueError):
+        return int(text)
+    raise argparse.ArgumentTypeError(f"must be a whole number or FILE.yaml[:NAME], got {shown(text)}")
+
+
+def _sweep(
+    arguments: argparse.Namespace, samples: Mapping[str, Sample], recipe: Recipe | None, results: Results
+) -> int:
     missing = missing_samples(samples, results, arguments.retry_failed)
     before = len(samples) - len(missing)
     if before:
         console.print(f"{before} of {len(samples)} drives are there already")
     try:
         if missing:
+            jobs = min(jobs_of(arguments), len(missing)) if recipe is None else 1
             with (
-                cluster(arguments.scheduler, min(jobs, len(missing)), arguments.dashboard) as client,
+                cluster(arguments.scheduler, jobs, arguments.dashboard, recipe) as client,
                 progress_bar() as progress,
             ):
                 bar = progress.add_task(f"{len(samples)} drives", total=len(samples), completed=before)

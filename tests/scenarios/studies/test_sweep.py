@@ -48,12 +48,12 @@ def study(tmp_path: Path) -> Path:
     return path
 
 
-def _die_once(flag: str, sample: object) -> dict:
+def _die_once(flag: str, sample: object, folder: str) -> dict:
     """Kill the worker that is given the first drive; the next worker finds the flag and works."""
     if not os.path.exists(flag):
         Path(flag).touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    return simulate_sample(sample)  # type: ignore[arg-type]
+    return simulate_sample(sample, folder)  # type: ignore[arg-type]
 
 
 def test_a_killed_worker_loses_nothing_and_failures_are_recorded(
@@ -80,6 +80,27 @@ def test_a_killed_worker_loses_nothing_and_failures_are_recorded(
     assert all("damping_passive_ns_m" in rows[sample.key]["error"] for sample in hard)
     good = next(sample for sample in samples if sample not in hard)
     assert rows[good.key]["wk_rms"] == simulate(good.case()).metrics["wk_rms"]
+
+
+def test_a_worker_in_another_folder_reads_the_same_files(
+    study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A relative path means the same there, even where a file of the same name stands."""
+    monkeypatch.chdir(study.parent)
+    varied = "vehicle.parameters.damping_passive_ns_m"
+    sample = min(read(Path(study.name)), key=lambda one: dict(one.point)[varied])
+    expected = simulate_sample(sample)
+    elsewhere = study.parent / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "short.yaml").write_text(ROAD.replace("0.05", "0.01"))
+    folder = os.getcwd()
+    os.chdir(elsewhere)
+    found = simulate_sample(sample, folder)
+    assert os.getcwd() == str(elsewhere)
+    assert found["error"] is None
+    assert found["wk_rms"] == expected["wk_rms"] != simulate_sample(sample)["wk_rms"]
+    gone = simulate_sample(sample, str(study.parent / "gone"))
+    assert "FileNotFoundError" in gone["error"]
 
 
 def test_a_sweep_goes_on_where_it_was(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
