@@ -16,13 +16,18 @@ import pytest
 from foreride.scenarios.cli import main
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.studies import study
+from foreride.scenarios.studies.recipes import PACKAGES, read_recipe
 from foreride.vehicle.load import load_vehicle
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# (\w+\.(?:py|yaml))\n")
-READERS = {"scenarios": lambda name: study.read(Path(name)), "kind": load_vehicle}
+READERS = {
+    "scenarios": lambda name: study.read(Path(name)),
+    "kind": load_vehicle,
+    "ssh": lambda name: [read_recipe(f"{name}:{kind}") for kind in PACKAGES],
+}
 """Reader of a yaml block with this key at its top level, if it is no scenario."""
 KNOWN = {"yaml", "python", "bash", "sh", "text"}
 
