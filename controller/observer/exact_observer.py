@@ -27,22 +27,26 @@ class ExactObserver:
     """Error-free state in the frame of the road's plane: see `controller.observer.road_plane`."""
 
     def __init__(self, vehicle: Car) -> None:
-        self._plane, self._layout = RoadPlane(vehicle), state_layout(vehicle)
+        self.plane, self._layout = RoadPlane(vehicle), state_layout(vehicle)
         self._time_s: float | None = None
 
-    def update(self, state: VehicleState) -> Estimate:
-        """Return the estimate of this state; call once a period, in order of time."""
-        estimate, plane = exact_estimate(state), self._plane
+    def update(self, state: VehicleState, obstacle: bool | None = None) -> Estimate:
+        """Return the estimate of this state; call once a period, in order of time.
+
+        obstacle: whether the wheels are on an obstacle, None to decide from the road's heights.
+        """
+        estimate, plane = exact_estimate(state), self.plane
         if self._time_s is None:
             plane.start(estimate.road_height, estimate.x[self._layout.body_velocity], estimate.speed_m_s)
         else:
             plane.advance(estimate.time_s - self._time_s)
-            plane.correct(estimate.road_height - plane.kinematic_rows @ plane.level, estimate.speed_m_s)
+            heights = estimate.road_height - plane.kinematic_rows @ plane.level
+            plane.correct(heights, estimate.speed_m_s, obstacle)
         self._time_s = estimate.time_s
         return self._over_plane(estimate)
 
     def _over_plane(self, estimate: Estimate) -> Estimate:
-        plane, layout, x = self._plane, self._layout, estimate.x.copy()
+        plane, layout, x = self.plane, self._layout, estimate.x.copy()
         height, rate = plane.kinematic_rows @ plane.level, plane.kinematic_rows @ plane.rate
         x[layout.body] -= plane.level
         x[layout.body_velocity] -= plane.rate

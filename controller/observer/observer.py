@@ -3,21 +3,22 @@
 import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
-from foreride.controller.observer.kinematic_filter import filter_layout, gyros, kinematic_filter
-from foreride.controller.observer.road_plane import RoadPlane
+from foreride.controller.observer.filter_layout import gyros
+from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
+from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
 from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.equations import body_acceleration, forces, rest_state
 from foreride.vehicle.load import Car
-from foreride.vehicle.plant.sensors import SensorNoise, channel_layout
+from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
 from foreride.vehicle.state_layout import state_layout
 
 SPEED_FILTER_S = 0.2
-OFFSET_LEARNING_S = 2.0
-"""Time constant with which an acceleration of the plane passes into the offsets of the accelerometers.
-
-The two cannot be told apart. A vertical curve so leaves an error of half a millimetre in the tyre deflection.
-"""
+DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
+"""Standard deviation of the tyre deflection as the accelerations give it: on the ground and off it."""
+SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2, SUBSTITUTE_RATTLE_SIGMA_M = 1.0, 30.0, 0.03
+UNKNOWN_RATE_SIGMA_RAD_S = 10.0
+"""Standard deviations of the substitutes for a lost sensor."""
 LIFT_OFF_LOAD_RATIO = 0.02
 """Fraction of the static wheel load below which a wheel counts as lifted."""
 
@@ -35,9 +36,9 @@ class Observer:
 
     def __init__(self, vehicle: Car, noise: SensorNoise, timing: Timing):
         corners = vehicle.corners
-        self._wheels, self._period_s, self._noise = vehicle.wheels, timing.period_s, noise
-        self._filter = kinematic_filter(vehicle, noise, timing.period_s)
-        kinematic_rows = np.array([corner.kinematic_row for corner in corners])
+        self._vehicle, self._wheels, self._period_s = vehicle, vehicle.wheels, timing.period_s
+        self._filter, self._plane = KinematicFilter(vehicle, noise, timing.period_s), RoadPlane(vehicle)
+        kinematic_rows = self._plane.kinematic_rows
         self._body = np.linalg.pinv(kinematic_rows)
         force_distribution = np.linalg.pinv(kinematic_rows.T)
         self._residual_projection = (
@@ -45,60 +46,56 @@ class Observer:
             if vehicle.wheels > kinematic_rows.shape[1]
             else None
         )
-        self._vehicle = vehicle
         self._mass = corner_inertia(vehicle)
+        arms = np.array(vehicle.inertial_lever_arm_m)
+        self._load_transfer = force_distribution @ (vehicle.generalised_mass[0] * arms)
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
         lags = np.array([corner.damper_lag_s for corner in corners])
         self._damper_gain = -np.expm1(-timing.period_s / lags)
-        self._state, self._rows = state_layout(vehicle), filter_layout(vehicle.wheels)
-        self._channels = channel_layout(vehicle.wheels)
+        self._state, self._channels = state_layout(vehicle), channel_layout(vehicle.wheels)
         self._passive = rest_state(vehicle)[self._state.damping]
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
-        self._plane = RoadPlane(vehicle)
         self.reset()
 
     def reset(self) -> None:
         """Reset to a car at rest on the mean road."""
-        self._motion = np.zeros(len(self._filter.transition))
-        self._acceleration: np.ndarray | None = None
+        self._filter.reset()
+        self._plane.reset()
         self._damping = self._passive.copy()
         self._force = np.zeros(len(self._actuators))
         self._deflection = np.zeros(self._wheels)
         self._road = np.zeros(self._wheels)
         self._speed: float | None = None
-        self._plane.reset()
+        self._forward_acc = 0.0
+
+    @property
+    def claim(self) -> Claim:
+        """The filter's state with its covariance, and how the last reading differed from its prediction."""
+        own = self._filter
+        return Claim(own.state, own.covariance, own.innovation, own.innovation_covariance)
+
+    @property
+    def plane(self) -> RoadPlane:
+        """The frame of the estimates."""
+        return self._plane
 
     def update(self, checked: ValidatedReading, command: np.ndarray) -> Estimate:
         """Process a reading and the command that acted until then; return the present estimate."""
         w, measurement = self._wheels, checked.measurement
-        acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
-        rattle, kalman_filter = measurement.rattle_m, self._filter
-        if any(checked.lost):
-            kalman_filter = kinematic_filter(self._vehicle, self._noise, self._period_s, checked.lost)
-            lost_mask = np.array(checked.lost)
-            acceleration = np.where(
-                lost_mask[self._channels.acceleration], self._substitute_accelerations(), acceleration
-            )
-            rattle = np.where(lost_mask[self._channels.rattle], 0.0, rattle)
-        if self._acceleration is None:
-            self._acceleration = acceleration
-        mean_acceleration = 0.5 * (acceleration + self._acceleration)
-        self._acceleration = acceleration
-        rotation = np.zeros(gyros(w))
-        rotation[: len(self._plane.rate) - 1] = self._plane.rate[1:]
-        rates = np.array([measurement.pitch_rate, measurement.roll_rate][: gyros(w)]) - rotation
-        reading = np.concatenate([rattle, rates, self._plane.road_m + self._plane.obstacle_m])
-        self._motion = kalman_filter.step(self._motion, mean_acceleration, reading)
+        previous_speed, speed_m_s = self._speed, self._smooth_speed(float(measurement.speed_m_s))
+        faster = self._relative_change(previous_speed, speed_m_s)
+        acceleration, deflection_variance = self._follow_motion(checked, speed_m_s)
         self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
         if self._actuators:
             self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
         previous_road = self._road
-        road, contact = self._estimate_road_from_tyre(acceleration - self._motion[self._rows.offset])
+        offset = self._filter.state[self._filter.rows.offset]
+        road, contact = self._estimate_road_from_tyre(acceleration - offset)
         self._road = np.where(contact, road, np.minimum(road, previous_road))
-        speed_m_s = self._smooth_speed(float(measurement.speed_m_s))
-        plane_change = self._follow_plane(speed_m_s)
+        deflection_variance = deflection_variance + np.where(contact, DEFLECTION_SIGMA_M, AIR_SIGMA_M) ** 2
+        plane_change = self._follow_plane(speed_m_s, faster, deflection_variance)
         return Estimate(
             time_s=float(measurement.time_s),
             x=self._vehicle_state(),
@@ -109,17 +106,58 @@ class Observer:
             faults=checked.faults,
         )
 
-    def _follow_plane(self, speed_m_s: float) -> np.ndarray:
+    def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
+        """Filter the reading; return the accelerations and the variance (w,) of deflections due to losses."""
+        w, measurement, plane, model = self._wheels, checked.measurement, self._plane, self._filter.model
+        acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        rates = np.array([measurement.pitch_rate, measurement.roll_rate][: gyros(w)])
+        rates[: len(plane.rate) - 1] -= plane.rate[1:]
+        reading = np.zeros(len(model.output))
+        reading[:w], reading[w : w + len(rates)] = measurement.rattle_m, rates
+        reading[self._filter.rows.curve_reading] = -plane.acceleration
+        acceleration_variance = model.acceleration_variance
+        reading_variance = self._filter.reading_variance(speed_m_s)
+        deflection_variance = np.zeros(w)
+        if any(checked.lost):
+            acceleration, acceleration_variance = self._without_lost_accelerations(acceleration, checked.lost)
+            reading, reading_variance = self._without_lost_readings(reading, reading_variance, checked.lost)
+            surplus = acceleration_variance - model.acceleration_variance
+            deflection_variance = (self._mass / self._stiffness[:, None]) ** 2 @ surplus
+        self._filter.predict(acceleration, acceleration_variance)
+        plane.adjust(self._filter.correct(reading, reading_variance), speed_m_s)
+        return acceleration, deflection_variance
+
+    def _without_lost_accelerations(
+        self, acceleration: np.ndarray, lost: tuple[bool, ...]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Accelerations with substitutes for lost ones, and their variances."""
+        mask = np.array(lost)[self._channels.acceleration]
+        sigma = np.repeat([SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2], self._wheels)
+        variance = np.where(mask, sigma**2, self._filter.model.acceleration_variance)
+        return np.where(mask, self._substitute_accelerations(), acceleration), variance
+
+    def _without_lost_readings(
+        self, reading: np.ndarray, variance: np.ndarray, lost: tuple[bool, ...]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Readings with zero for lost travels, as a suspension stays between its stops, and their variances."""
+        w, g, mask = self._wheels, gyros(self._wheels), np.array(lost)
+        read = np.zeros(len(reading), dtype=bool)
+        read[:w] = mask[self._channels.rattle]
+        reading = np.where(read, 0.0, reading)
+        variance = np.where(read, SUBSTITUTE_RATTLE_SIGMA_M**2, variance)
+        variance[w : w + g][mask[[PITCH_RATE, ROLL_RATE][:g]]] = UNKNOWN_RATE_SIGMA_RAD_S**2
+        return reading, variance
+
+    def _follow_plane(
+        self, speed_m_s: float, faster: float, deflection_variance: np.ndarray
+    ) -> np.ndarray:
         """Change the frame's velocity to that of the road's plane; return the change (wheels,) at the wheels.
 
         The frame is inertial between updates, as the prediction of the controllers takes it to be.
         """
         self._plane.advance(self._period_s)
         change = self._plane.kinematic_rows @ self._plane.correct(self._road, speed_m_s)
-        self._motion[self._rows.body_velocity] -= change
-        self._motion[self._rows.wheel_velocity] -= change
-        learnt = self._plane.release_acceleration(min(1.0, self._period_s / OFFSET_LEARNING_S))
-        self._motion[self._rows.offset] += np.tile(learnt, 2)
+        self._filter.move_frame(change, not self._plane.obstacle_m.any(), faster, deflection_variance)
         return change
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
@@ -131,7 +169,7 @@ class Observer:
         """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""
         level = np.zeros(self._wheels)
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
-        return self._motion[self._rows.offset] + np.concatenate([body, level])
+        return self._filter.state[self._filter.rows.offset] + np.concatenate([body, level])
 
     def _estimate_road_from_tyre(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
@@ -139,7 +177,7 @@ class Observer:
         Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
         the forces that cancels in the body is taken from the strut model.
         """
-        force = self._mass @ acceleration
+        force = self._mass @ acceleration + self._load_transfer * self._forward_acc
         if self._residual_projection is not None:
             level = np.zeros(self._wheels)
             struts = forces(self._vehicle, self._vehicle_state(), level, level)
@@ -149,18 +187,27 @@ class Observer:
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection
-        road = self._motion[self._rows.wheel] + deflection
+        road = self._filter.state[self._filter.rows.wheel] + deflection
         return road, force > -(1.0 - LIFT_OFF_LOAD_RATIO) * self._static
 
     def _vehicle_state(self) -> np.ndarray:
-        x, state, rows = np.empty(self._state.internal_states.stop), self._state, self._rows
-        x[state.body] = self._body @ self._motion[rows.body]
-        x[state.body_velocity] = self._body @ self._motion[rows.body_velocity]
-        x[state.wheel], x[state.wheel_velocity] = self._motion[rows.wheel], self._motion[rows.wheel_velocity]
-        x[state.damping], x[state.force] = self._damping, self._force
+        x, layout, rows = np.empty(self._state.internal_states.stop), self._state, self._filter.rows
+        s = self._filter.state
+        x[layout.body], x[layout.body_velocity] = self._body @ s[rows.body], self._body @ s[rows.body_velocity]
+        x[layout.wheel], x[layout.wheel_velocity] = s[rows.wheel], s[rows.wheel_velocity]
+        x[layout.damping], x[layout.force] = self._damping, self._force
         return x
 
+    @staticmethod
+    def _relative_change(previous: float | None, speed_m_s: float) -> float:
+        """Relative change of the speed, by which the frame's velocity changes; -1 at standstill."""
+        if previous is None or speed_m_s < LEAST_SPEED_M_S:
+            return -1.0
+        return speed_m_s / max(previous, LEAST_SPEED_M_S) - 1.0
+
     def _smooth_speed(self, measured: float) -> float:
+        """Low-pass filtered speed; its rate of change gives the forward acceleration."""
         speed = measured if self._speed is None else self._speed
+        self._forward_acc = (measured - speed) / SPEED_FILTER_S
         self._speed = speed + min(1.0, self._period_s / SPEED_FILTER_S) * (measured - speed)
         return self._speed

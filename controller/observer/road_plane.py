@@ -41,7 +41,8 @@ class RoadPlane:
     than the roughness but short, leave the plane where it is.
 
     level: (body,) position of the frame, m and rad. rate: (body,) its velocity. slope: (body,) its change per
-    metre of travel. obstacle_m: (wheels,) height of a present obstacle over the plane, otherwise zero.
+    metre of travel. offset: (body,) position of the plane over the frame. acceleration: (body,) of the plane.
+    obstacle_m: (wheels,) height of a present obstacle over the plane, otherwise zero.
     """
 
     def __init__(self, vehicle: Car) -> None:
@@ -55,7 +56,7 @@ class RoadPlane:
         size = len(self._body_of_road)
         self.level, self.slope = np.zeros(size), np.zeros(size)
         self.rate = np.zeros(size)
-        self._offset, self._acceleration = np.zeros(size), np.zeros(size)
+        self.offset, self.acceleration = np.zeros(size), np.zeros(size)
         self.obstacle_m = self._base_m = np.zeros(len(self.kinematic_rows))
         self._elapsed_s, self._passed, self._usual_m = 0.0, 0.0, LEAST_ROUGHNESS_M
 
@@ -71,33 +72,39 @@ class RoadPlane:
         self._elapsed_s = elapsed_s
         self.level = self.level + elapsed_s * self.rate
 
-    def correct(self, road_over_plane_m: np.ndarray, speed_m_s: float) -> np.ndarray:
+    def correct(
+        self, road_over_plane_m: np.ndarray, speed_m_s: float, obstacle: bool | None = None
+    ) -> np.ndarray:
         """Take in the road's heights (wheels,) over the frame after `advance`.
+
+        obstacle: whether they are those of an obstacle, None to decide here.
 
         Returns the change (body,) of the frame's velocity, to be subtracted from velocities relative to it.
         """
         elapsed_s, previous_rate = self._elapsed_s, self.rate
         departure = road_over_plane_m - self.road_m
-        is_obstacle = self._is_obstacle(departure, speed_m_s * elapsed_s)
-        self.obstacle_m = departure if is_obstacle else np.zeros_like(departure)
+        own = self._is_obstacle(departure, speed_m_s * elapsed_s)
+        self.obstacle_m = departure if (own if obstacle is None else obstacle) else np.zeros_like(departure)
         innovation = self._body_of_road @ (departure - self.obstacle_m)
-        self._offset = self._offset + 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
-        change = elapsed_s * (self._acceleration + 2.0 * BANDWIDTH_RAD_S**2 * innovation)
-        self._acceleration = self._acceleration + BANDWIDTH_RAD_S**3 * elapsed_s * innovation
+        self.offset = self.offset + 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
+        change = elapsed_s * (self.acceleration + 2.0 * BANDWIDTH_RAD_S**2 * innovation)
+        self.acceleration = self.acceleration + BANDWIDTH_RAD_S**3 * elapsed_s * innovation
         self.slope = self.slope + change / max(speed_m_s, LEAST_SPEED_M_S)
         self.rate = self.slope * speed_m_s
         return self.rate - previous_rate
 
-    def release_acceleration(self, share: float) -> np.ndarray:
-        """Hand over this share of the plane's acceleration, (wheels,) at the wheels, m/s²."""
-        released = share * self._acceleration
-        self._acceleration = self._acceleration - released
-        return self.kinematic_rows @ released
+    def adjust(self, corrections: np.ndarray, speed_m_s: float) -> None:
+        """Add the observer's corrections to offset, acceleration and rate, one after the other."""
+        offset, acceleration, rate = np.split(corrections, 3)
+        self.offset = self.offset + offset
+        self.acceleration = self.acceleration + acceleration
+        self.rate = self.rate + rate
+        self.slope = self.slope + rate / max(speed_m_s, LEAST_SPEED_M_S)
 
     @property
     def road_m(self) -> np.ndarray:
         """Heights of the plane over the frame under the wheels, (wheels,); zero on a constant grade."""
-        return self.kinematic_rows @ self._offset
+        return self.kinematic_rows @ self.offset
 
     def _is_obstacle(self, departure: np.ndarray, travelled_m: float) -> bool:
         """Whether the road has risen or fallen unusually far and steeply, but not farther than obstacles do.

@@ -8,6 +8,7 @@ TABLES = {
     "degraded": "cost of errors of the preview, with an erroneous oracle",
     "faults": "cost of failing sensors, previews and solvers under the supervisor",
     "grades": "controllers on grades and banks, relative to the level road",
+    "observer": "errors of the observer against the covariances that it claims",
     "rivals": "all controllers on the reporting set",
     "proving_ground": "proving-ground bumps of Theunissen et al.",
     "random_roads": "controllers on random roads that nothing was tuned on",

@@ -44,7 +44,8 @@ class MultirateLoop:
 
     events: detections, fallbacks and changes of the active constraints, in order of time; solver: the
     controller's counts, without its run times; timing: those run times; estimates: the observer's, one per
-    decision; seen: the previews, 20 Hz. For fixed dampers and a perception without an estimator neither
+    decision; seen: the previews, 20 Hz; observer, sensors: those of the drive. For fixed dampers and a
+    perception without an estimator neither
     sensors nor controller are evaluated: no estimates.
     """
 
@@ -63,11 +64,11 @@ class MultirateLoop:
         timing = control.timing
         known = control_model(car)
         self._controller = controller or build(case.controller, known, control.settings, timing)
-        self._observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
+        self.observer = None if scenario.observer == "truth" else Observer(known, scenario.sensors, timing)
         self._exact = ExactObserver(known)
         self._states = state_size(known)
         self._watch = SensorMonitor(car.wheels, scenario.sensors)
-        self._plant, self._sensors, self._perception = plant, sensors, perception
+        self._plant, self.sensors, self._perception = plant, sensors, perception
         self._faults = faults
         different = scenario.plant
         self._delay = ticks(control.delay_s + different.actuation_delay_s)
@@ -140,13 +141,13 @@ class MultirateLoop:
 
     def _sense(self, state: VehicleState) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
-        checked = self._watch.check(self._faults.reading(self._sensors.measure(state)))
+        checked = self._watch.check(self._faults.reading(self.sensors.measure(state)))
         self._perception.sense(checked.measurement)
-        if self._observer is None:
+        if self.observer is None:
             return self._exact.update(replace(state, x=state.x[: self._states]))
         known, period_s = self._known_valves, 1.0 / self._rate_hz
         acting = self._command if known.ideal else known.advance(self._command, period_s)
-        estimate = self._observer.update(checked, acting)
+        estimate = self.observer.update(checked, acting)
         self.estimates.append(estimate)
         return estimate
 

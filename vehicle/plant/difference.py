@@ -124,6 +124,11 @@ class DeliveredReadings:
         self._waiting: deque[Array] = deque(maxlen=difference.sensor_delay_readings + 1)
         self._held = bias
 
+    @property
+    def offset(self) -> Array:
+        """Offset of each channel, in the order of `Measurement.channels`."""
+        return np.asarray(self._sensors.offset + self._bias)
+
     def measure(self, state: VehicleState) -> Measurement:
         """Return the reading that arrives at the present state's time."""
         reading = self._sensors.measure(state).channels() + self._bias

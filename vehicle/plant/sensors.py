@@ -140,7 +140,10 @@ def channel_layout(wheels: int) -> ChannelLayout:
 
 
 class Sensors:
-    """Sensors of one car: offsets are drawn once, noise at each reading, both from `rng`."""
+    """Sensors of one car: offsets are drawn once, noise at each reading, both from `rng`.
+
+    offset: of each channel, in the order of `Measurement.channels`.
+    """
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
         self._rng, self._wheels = rng, wheels
@@ -173,7 +176,7 @@ class Sensors:
                 has_roll * noise_levels.roll_rate_offset_rad_s,
             ]
         )
-        self._offset = offset_sigma * self._normal()
+        self.offset = offset_sigma * self._normal()
         self._scale = 1.0 + noise_levels.speed_scale * rng.standard_normal()
         resolution = noise_levels.interface
         sizes = np.repeat(
@@ -193,7 +196,7 @@ class Sensors:
 
     def measure(self, state: VehicleState) -> Measurement:
         """Return the reading for the present state."""
-        error = self._offset + self._sigma * self._normal()
+        error = self.offset + self._sigma * self._normal()
         moved = [state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate]
         reading = np.concatenate([state.body_acc, state.wheel_acc, state.rattle_m, moved]) + error
         if not self._ideal_interface:

@@ -1,76 +1,96 @@
-"""Tests of the kinematic filter: sensor offsets at rest, no warp of a rigid body, and optimality."""
+"""Tests of the kinematic filter: consistency with its own model, and no warp of a rigid body."""
 
 import numpy as np
 import pytest
-from scipy.linalg import solve_discrete_lyapunov
+from scipy.stats import chi2
 
-from foreride.controller.observer.kinematic_filter import (
-    OFFSET_DRIFT_TIME_S,
-    ROAD_DRIFT_DENSITY_M2_S,
-    filter_layout,
-    gyros,
-    kinematic_filter,
-)
+from foreride.controller.observer.filter_layout import filter_layout
+from foreride.controller.observer.kinematic_filter import KinematicFilter
 from foreride.vehicle.load import Car, load_vehicle
 from foreride.vehicle.plant.sensors import SensorNoise
 
 CARS = ("quarter", "half", "full")
-
-
-@pytest.mark.parametrize("name", CARS)
-def test_a_minute_at_rest_reveals_the_offsets_of_accelerometers_and_gyros(name: str) -> None:
-    vehicle = load_vehicle(name)
-    w, rows = vehicle.wheels, filter_layout(vehicle.wheels)
-    body, wheel = np.array([0.1, -0.2, 0.3, -0.1])[:w], np.array([-1.0, 2.0, 0.5, -0.8])[:w]
-    rates = np.radians([0.05, -0.03])[: gyros(w)]
-    filtered = kinematic_filter(vehicle, SensorNoise(), 0.01)
-    s = np.zeros(len(filtered.transition))
-    for _ in range(6000):
-        s = filtered.step(s, np.concatenate([body, wheel]), np.concatenate([np.zeros(w), rates]))
-    np.testing.assert_allclose(s[rows.offset], [*body, *wheel], rtol=1e-3)
-    np.testing.assert_allclose(s[rows.gyro_offset], rates, rtol=0.06)
-    assert np.abs(s[: 4 * w]).max() < 1e-3
+PERIOD_S = 0.01
 
 
 def test_the_corners_of_a_rigid_body_do_not_warp_under_offsets_that_say_so() -> None:
-    vehicle = load_vehicle("full")
-    rows, warp = filter_layout(4), np.array([0.25, -0.25, -0.25, 0.25])
-    filtered = kinematic_filter(vehicle, SensorNoise(), 0.01)
-    s, acceleration = np.zeros(len(filtered.transition)), np.concatenate([2.0 * warp, np.zeros(4)])
-    for _ in range(3000):
-        s = filtered.step(s, acceleration, np.zeros(6))
-        assert abs(warp @ s[rows.body]) < 1e-3
-    assert abs(warp @ s[rows.body_velocity]) < 1e-4
+    car = load_vehicle("full")
+    rows, warp = filter_layout(car), np.array([0.25, -0.25, -0.25, 0.25])
+    filtered = KinematicFilter(car, SensorNoise(), PERIOD_S)
+    model, acceleration = filtered.model, np.concatenate([2.0 * warp, np.zeros(4)])
+    for _ in range(1000):
+        filtered.predict(acceleration, model.acceleration_variance)
+        filtered.correct(np.zeros(len(model.output)), model.reading_variance)
+        filtered.move_frame(np.zeros(4), True, 0.0, np.full(4, 1e-8))
+        assert abs(warp @ filtered.state[rows.body]) < 1e-3
+    assert abs(warp @ filtered.state[rows.body_velocity]) < 1e-4
+
+
+class DrawnCar:
+    """A car drawn from the filter's own model, and the filter with a plane that follows as a caller's does."""
+
+    def __init__(self, car: Car, rng: np.random.Generator) -> None:
+        self.filtered, self._rng = KinematicFilter(car, SensorNoise(), PERIOD_S), rng
+        self.truth = self._normal(self.filtered.model.start)
+        self._plane = np.zeros_like(self.truth[self.filtered.rows.plane])
+        self._deflection = np.full(car.wheels, 1e-7)
+
+    def _normal(self, covariance: np.ndarray) -> np.ndarray:
+        return factor(covariance) @ self._rng.standard_normal(len(covariance))
+
+    def step(self, first: bool) -> np.ndarray:
+        """One period; return the innovation in units of its standard deviations."""
+        filtered, model = self.filtered, self.filtered.model
+        variance = model.acceleration_variance
+        acceleration = np.zeros(len(variance))
+        if not first:
+            self.truth = model.transition @ self.truth + self._normal(model.process)
+            self.truth -= model.drive @ self._normal(np.diag(variance))
+        filtered.predict(acceleration, variance)
+        reading = model.output @ self.truth + self._normal(np.diag(model.reading_variance))
+        reading -= model.output[:, filtered.rows.plane] @ self._plane
+        self._plane = self._plane + filtered.correct(reading, model.reading_variance)
+        innovation = np.linalg.solve(factor(filtered.innovation_covariance), filtered.innovation)
+        self._follow()
+        return innovation
+
+    def _follow(self) -> None:
+        step, drive = self.filtered.model.frame[True], self.filtered.model.frame_drive[True]
+        before, rows = self.estimate, self.filtered.rows
+        after = step @ before
+        change = (before - after)[rows.body_velocity]
+        self.filtered.move_frame(change, True, 0.0, self._deflection)
+        self._plane = after[rows.plane]
+        self.truth = step @ self.truth + drive @ self._normal(np.diag(self._deflection))
+
+    @property
+    def estimate(self) -> np.ndarray:
+        state = self.filtered.state.copy()
+        state[self.filtered.rows.plane] = self._plane
+        return state
 
 
 @pytest.mark.parametrize("name", CARS)
-def test_the_filter_is_stable(name: str) -> None:
-    filtered = kinematic_filter(load_vehicle(name), SensorNoise(), 0.005)
-    closed = filtered.transition - filtered.gain @ filtered.output @ filtered.transition
-    assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
+def test_a_car_drawn_from_the_model_has_the_errors_that_are_claimed(name: str) -> None:
+    """Monte Carlo: errors at the end within the chi-square band, white innovations of the right size."""
+    car, rng = load_vehicle(name), np.random.default_rng(4)
+    squares, innovations = [], []
+    for _ in range(30):
+        drawn = DrawnCar(car, rng)
+        innovations.append([drawn.step(first=not k) for k in range(120)])
+        error = drawn.estimate - drawn.truth
+        whitened = np.linalg.solve(factor(drawn.filtered.covariance), error)
+        squares.append(np.mean(whitened**2))
+    white = np.array(innovations)
+    assert inside(np.mean(squares), len(squares) * len(error))
+    assert inside(np.mean(white**2), white.size)
+    assert abs(np.mean(white[:, 1:] * white[:, :-1])) < 4.0 / np.sqrt(white.size)
 
 
-def error_covariance(car: Car, noise: SensorNoise, gain: np.ndarray, period_s: float) -> np.ndarray:
-    """Covariance of a quarter car's estimate with some gain, from noise models written out here."""
-    filtered, root = kinematic_filter(car, noise, period_s), np.sqrt(noise.bandwidth_hz)
-    sigmas = [noise.body_density_m_s2 * root, noise.wheel_density_m_s2 * root]
-    process = filtered.drive @ np.diag(np.square(sigmas)) @ filtered.drive.T
-    offsets = [noise.body_offset_m_s2, noise.wheel_offset_m_s2, noise.pitch_rate_offset_rad_s]
-    process[4:, 4:] += np.diag(np.square(offsets)) * period_s / OFFSET_DRIFT_TIME_S
-    rate = noise.pitch_rate_density_rad_s * root
-    reading = np.diag([noise.rattle_m**2, rate**2, ROAD_DRIFT_DENSITY_M2_S / period_s])
-    keep = np.eye(len(process)) - gain @ filtered.output
-    return solve_discrete_lyapunov(
-        keep @ filtered.transition, keep @ process @ keep.T + gain @ reading @ gain.T
-    )
+def factor(covariance: np.ndarray) -> np.ndarray:
+    return np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance)))
 
 
-def test_no_other_gain_estimates_better() -> None:
-    """Optimality of a quarter car's filter: travel, velocities and offsets."""
-    car, noise, period_s = load_vehicle("quarter"), SensorNoise(), 0.01
-    best = kinematic_filter(car, noise, period_s).gain
-    least = np.diag(error_covariance(car, noise, best, period_s))
-    rng = np.random.default_rng(2)
-    for _ in range(20):
-        other = best * (1.0 + 0.1 * rng.choice([-1.0, 1.0], best.shape))
-        assert (np.diag(error_covariance(car, noise, other, period_s)) >= 0.9999 * least).all()
+def inside(mean: float, freedom: int) -> bool:
+    low, high = chi2.ppf([0.0005, 0.9995], freedom) / freedom
+    return low < mean < high

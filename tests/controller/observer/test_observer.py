@@ -8,6 +8,7 @@ import pytest
 
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.exact_observer import ExactObserver
+from foreride.controller.observer.filter_layout import filter_layout, gyros
 from foreride.controller.observer.observer import Observer
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.road.features.feature import Feature, FlatTopHump, HalfSineBump, Pothole, WattsHump
@@ -187,6 +188,28 @@ def test_a_hump_on_a_level_road_leaves_the_height_of_the_road_behind_it(name: st
     before = error[(x > 35.0) & (x < 37.0)].mean(axis=0)
     behind = error[(x > left_m) & (x < left_m + 1.0)].mean(axis=0)
     assert np.abs(behind - before).max() < 0.006
+
+
+@pytest.mark.parametrize("name", ["quarter", "half", "full"])
+def test_offsets_are_found_at_rest(name: str) -> None:
+    """Of accelerometers and gyros, with their signs; within the standard deviations that are claimed."""
+    car, noise = load_vehicle(name), SensorNoise()
+    w, rng = car.wheels, np.random.default_rng(3)
+    observer, watch = Observer(car, noise, Timing(0.005)), SensorMonitor(w, noise)
+    body, wheel, rates = np.full(w, 0.05), np.linspace(-0.6, 0.6, w) + 0.3, np.radians([0.1, -0.08])
+    for k in range(2000):
+        travel = 2e-4 * rng.standard_normal(w)
+        noises = 1.2e-3 * rng.standard_normal(2)
+        roll = rates[1] + noises[1] if w > 2 else 0.0
+        reading = Measurement(0.005 * k, body + 8e-3 * rng.standard_normal(w),
+                              wheel + 0.1 * rng.standard_normal(w), travel,
+                              rates[0] + noises[0], 0.01 * rng.standard_normal(), roll)  # fmt: skip
+        observer.update(watch.check(reading), np.full(w, 1500.0))
+    rows, claim = filter_layout(car), observer.claim
+    found = claim.state[[*range(rows.offset.start, rows.gyro_offset.stop)]]
+    true = np.concatenate([body, wheel, rates[: gyros(w)]])
+    np.testing.assert_allclose(found[:w], body, atol=0.012)
+    np.testing.assert_allclose(found[w:], true[w:], rtol=0.08, atol=0.02)
 
 
 def test_standing_still_with_offsets_it_stays_near_rest() -> None:
