@@ -38,8 +38,8 @@ class FilterModel(NamedTuple):
 
     s: see `controller.observer.filter_layout`. a: (2w,) accelerations of body corners, then wheels. d: (w,)
     errors of the tyre deflections. y = output·s: suspension travel (w), gyros, acceleration of the plane in
-    body coordinates, warp of the body's corners and its rate. process: covariance of s⁺ per period beside that
-    of a. start: initial covariance. acceleration_variance (2w,) and reading_variance (y): of sound sensors.
+    body coordinates, warp of the body's corners and its rate. process: covariance of s⁺ per period, without
+    that of a. start: initial covariance. acceleration_variance (2w,) and reading_variance (y): of sound sensors.
     """
 
     transition: np.ndarray
@@ -94,17 +94,18 @@ def _frame(vehicle: Car, period_s: float, follows: bool) -> tuple[np.ndarray, np
 
     A plane that does not follow, over an obstacle, only goes on with its acceleration.
     """
-    rows, w, t, corner = filter_layout(vehicle), vehicle.wheels, period_s, BANDWIDTH_RAD_S
+    rows, t, omega = filter_layout(vehicle), period_s, BANDWIDTH_RAD_S
     kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
     body_of_road = rest_per_road_height(vehicle)[state_layout(vehicle).body]
     innovation = np.zeros((len(body_of_road), rows.size))
     if follows:
-        innovation[:, rows.wheel], innovation[:, rows.plane_offset] = body_of_road, -body_of_road @ kinematic_rows
-    change = 2.0 * corner**2 * t * innovation
+        innovation[:, rows.wheel] = body_of_road
+        innovation[:, rows.plane_offset] = -body_of_road @ kinematic_rows
+    change = 2.0 * omega**2 * t * innovation
     change[:, rows.plane_acceleration] += t * np.eye(len(change))
     step = np.eye(rows.size)
-    step[rows.plane_offset] += 2.0 * corner * t * innovation
-    step[rows.plane_acceleration] += corner**3 * t * innovation
+    step[rows.plane_offset] += 2.0 * omega * t * innovation
+    step[rows.plane_acceleration] += omega**3 * t * innovation
     step += _frame_velocity(vehicle) @ change
     return step, (step - np.eye(rows.size))[:, rows.wheel]
 

@@ -1,4 +1,4 @@
-"""Kinematic Kalman filter: estimate of corner and wheel motion from the car's own sensors, with its covariance.
+"""Kinematic Kalman filter: corner and wheel motion from the car's own sensors, with its covariance.
 
 Measured accelerations drive double integrators, so stiffness, damping and bump stops play no part. Suspension
 travel, pitch rate and roll rate correct them. Two pseudo-measurements complete them: the road's plane seldom

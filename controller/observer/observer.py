@@ -13,7 +13,7 @@ from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
 from foreride.vehicle.state_layout import state_layout
 
-SPEED_FILTER_S = 0.2
+SPEED_FILTER_S, FORWARD_FILTER_S = 0.2, 0.1
 DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
 """Standard deviation of the tyre deflection as the accelerations give it: on the ground and off it."""
 SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2, SUBSTITUTE_RATTLE_SIGMA_M = 1.0, 30.0, 0.03
@@ -68,7 +68,7 @@ class Observer:
         self._deflection = np.zeros(self._wheels)
         self._road = np.zeros(self._wheels)
         self._speed: float | None = None
-        self._forward_acc = 0.0
+        self._recent_speed = self._forward_acc = 0.0
 
     @property
     def claim(self) -> Claim:
@@ -139,7 +139,7 @@ class Observer:
     def _without_lost_readings(
         self, reading: np.ndarray, variance: np.ndarray, lost: tuple[bool, ...]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Readings with zero for lost travels, as a suspension stays between its stops, and their variances."""
+        """Readings with zero for lost travels, as suspensions stay between stops, and their variances."""
         w, g, mask = self._wheels, gyros(self._wheels), np.array(lost)
         read = np.zeros(len(reading), dtype=bool)
         read[:w] = mask[self._channels.rattle]
@@ -193,7 +193,8 @@ class Observer:
     def _vehicle_state(self) -> np.ndarray:
         x, layout, rows = np.empty(self._state.internal_states.stop), self._state, self._filter.rows
         s = self._filter.state
-        x[layout.body], x[layout.body_velocity] = self._body @ s[rows.body], self._body @ s[rows.body_velocity]
+        x[layout.body] = self._body @ s[rows.body]
+        x[layout.body_velocity] = self._body @ s[rows.body_velocity]
         x[layout.wheel], x[layout.wheel_velocity] = s[rows.wheel], s[rows.wheel_velocity]
         x[layout.damping], x[layout.force] = self._damping, self._force
         return x
@@ -206,8 +207,10 @@ class Observer:
         return speed_m_s / max(previous, LEAST_SPEED_M_S) - 1.0
 
     def _smooth_speed(self, measured: float) -> float:
-        """Low-pass filtered speed; its rate of change gives the forward acceleration."""
-        speed = measured if self._speed is None else self._speed
-        self._forward_acc = (measured - speed) / SPEED_FILTER_S
-        self._speed = speed + min(1.0, self._period_s / SPEED_FILTER_S) * (measured - speed)
+        """Low-pass filtered speed; the lag of a faster filter gives the forward acceleration."""
+        if self._speed is None:
+            self._speed = self._recent_speed = measured
+        self._forward_acc = (measured - self._recent_speed) / FORWARD_FILTER_S
+        self._recent_speed += min(1.0, self._period_s / FORWARD_FILTER_S) * (measured - self._recent_speed)
+        self._speed += min(1.0, self._period_s / SPEED_FILTER_S) * (measured - self._speed)
         return self._speed

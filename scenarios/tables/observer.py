@@ -71,7 +71,8 @@ def error_table(drives: Sequence[Claims]) -> list[str]:
 
 def innovation_table(drives: Sequence[Claims]) -> list[str]:
     """NIS and correlation of successive innovations of each sensor, over wheels."""
-    table = ["| sensor | NIS | drives within 95 % | correlation of successive innovations |", "|---" * 4 + "|"]
+    heads = "sensor | NIS | drives within 95 % | correlation of successive innovations"
+    table = [f"| {heads} |", "|---" * 4 + "|"]
     wheels = drives[0].car.wheels
     for name, rows in (("suspension travel", slice(0, wheels)), ("gyros", slice(wheels, None))):
         nis, inside, correlation = [], [], []

@@ -27,7 +27,7 @@ def test_the_corners_of_a_rigid_body_do_not_warp_under_offsets_that_say_so() -> 
 
 
 class DrawnCar:
-    """A car drawn from the filter's own model, and the filter with a plane that follows as a caller's does."""
+    """A car drawn from the filter's own model, and a filter whose plane follows the road."""
 
     def __init__(self, car: Car, rng: np.random.Generator) -> None:
         self.filtered, self._rng = KinematicFilter(car, SensorNoise(), PERIOD_S), rng
