@@ -39,7 +39,7 @@ class FilterModel(NamedTuple):
     s: see `controller.observer.filter_layout`. a: (2w,) accelerations of body corners, then wheels. d: (w,)
     errors of the tyre deflections. y = output·s: suspension travel (w), gyros, acceleration of the plane in
     body coordinates, warp of the body's corners and its rate. process: covariance of s⁺ per period, without
-    that of a. start: initial covariance. acceleration_variance (2w,) and reading_variance (y): of sound sensors.
+    that of a. start: initial covariance. acceleration_variance (2w,), reading_variance (y): of sound sensors.
     """
 
     transition: np.ndarray

@@ -148,9 +148,7 @@ class Observer:
         variance[w : w + g][mask[[PITCH_RATE, ROLL_RATE][:g]]] = UNKNOWN_RATE_SIGMA_RAD_S**2
         return reading, variance
 
-    def _follow_plane(
-        self, speed_m_s: float, faster: float, deflection_variance: np.ndarray
-    ) -> np.ndarray:
+    def _follow_plane(self, speed_m_s: float, faster: float, deflection_variance: np.ndarray) -> np.ndarray:
         """Change the frame's velocity to that of the road's plane; return the change (wheels,) at the wheels.
 
         The frame is inertial between updates, as the prediction of the controllers takes it to be.
