@@ -1,9 +1,12 @@
 """Composition of the road preview of each wheel from confirmed tracks."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from foreride.files.interpolation import interpolate
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.obstacle_templates import tyre_profile
@@ -62,7 +65,33 @@ def mixture(track: Track, y_m: float, x_m: np.ndarray, tyre: Tyre) -> tuple[np.n
     for share, candidate in track.probable:
         section = track.section(y_m, candidate)
         profile_x, profile = tyre_profile(candidate.kind, section.length_m, section.height_m, tyre)
-        height = np.interp(x_m - section.start_m, profile_x, profile)
-        mean += share * height
-        square += share * (1.0 + relative_height_sigma(candidate) ** 2) * height**2
-    return mean, np.sqrt(np.maximum(square - mean**2, 0.0))
+        shape_variance = share * (1.0 + relative_height_sigma(candidate) ** 2)
+        _add_shape(x_m, section.start_m, profile_x, profile, share, shape_variance, mean, square)
+    _spread(mean, square)
+    return mean, square
+
+
+@njit
+def _add_shape(
+    x_m: Any,
+    start_m: float,
+    profile_x: Any,
+    profile: Any,
+    share: float,
+    variance: float,
+    mean: Any,
+    square: Any,
+) -> None:
+    """Add a shape's height, times its share, to the mean, and the height's mean square to `square`."""
+    height = np.empty(len(x_m))
+    interpolate(x_m - start_m, profile_x, profile, height)
+    for i in range(len(x_m)):
+        mean[i] += share * height[i]
+        square[i] += variance * height[i] ** 2
+
+
+@njit
+def _spread(mean: Any, square: Any) -> None:
+    """Replace the mean squares by the standard deviations."""
+    for i in range(len(mean)):
+        square[i] = np.sqrt(max(square[i] - mean[i] ** 2, 0.0))

@@ -7,11 +7,13 @@ Bulletin 4(3), 1967).
 """
 
 from dataclasses import replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from foreride.controller.road_ahead.preview_alignment import PreviewMatch
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 
 WINDOW_M = 1.0
@@ -57,25 +59,85 @@ def credible(
     """
     if preview.is_exact:
         return preview.height_m[wheel], preview.existence[wheel]
-    correlation = np.exp(-np.abs(preview.distance_m) / MEMORY_M)
-    prior = _relative_sigmas(preview, wheel)
-    gain = 1.0 + correlation * (match.gain - 1.0)
-    sigma = np.sqrt(
-        (1.0 - correlation**2) * prior**2 + correlation**2 * np.minimum(match.gain_sigma, prior) ** 2
+    correlation = _correlation(preview.distance_m.tobytes())
+    ratio = np.exp(correlation * match.log_ratio) if match.log_ratio else np.ones_like(correlation)
+    height, existence = preview.height_m[wheel], preview.existence[wheel]
+    prior, heights, probable = np.empty((3, len(height)))
+    window = max(1, round(WINDOW_M / (preview.distance_m[1] - preview.distance_m[0])))
+    _relative_sigmas(height, preview.height_sigma_m[wheel], window, prior)
+    _credible(
+        height,
+        existence,
+        prior,
+        correlation,
+        ratio,
+        match.gain,
+        match.gain_sigma,
+        sigmas,
+        credibility,
+        heights,
+        probable,
     )
-    raised = preview.height_m[wheel] > 0.0
-    heights = np.maximum(gain - np.where(raised, sigmas * sigma, 0.0), 0.0) * preview.height_m[wheel]
-    existence = preview.existence[wheel]
-    probable = np.minimum(credibility * existence, MAX_EXISTENCE)
-    odds = probable / (1.0 - probable) * np.exp(correlation * match.log_ratio)
-    return heights, np.minimum(odds / (1.0 + odds), existence)
+    return heights, probable
 
 
-def _relative_sigmas(preview: RoadPreview, wheel: int) -> np.ndarray:
-    """Relative standard deviation (n,) of the heights around each point, at most 1."""
-    step_m = preview.distance_m[1] - preview.distance_m[0]
-    squares = np.stack([preview.height_m[wheel] ** 2, preview.height_sigma_m[wheel] ** 2])
-    height, sigma = np.maximum(
-        uniform_filter1d(squares, max(1, round(WINDOW_M / step_m)), mode="nearest"), 0.0
-    )
-    return np.sqrt(np.minimum(sigma / np.maximum(height, 1e-12), 1.0))
+@lru_cache(maxsize=8)
+def _correlation(distances_m: bytes) -> np.ndarray:
+    """Correlation (n,) of the errors at these distances, float64, with those at the wheel."""
+    correlation = np.exp(-np.abs(np.frombuffer(distances_m)) / MEMORY_M)
+    correlation.setflags(write=False)
+    return correlation
+
+
+@njit
+def _credible(
+    height: Any,
+    existence: Any,
+    prior: Any,
+    correlation: Any,
+    ratio: Any,
+    gain: float,
+    gain_sigma: float,
+    sigmas: float,
+    credibility: float,
+    heights: Any,
+    probable: Any,
+) -> None:
+    """Write the credible heights and their existence; prior: relative standard deviations of the heights.
+
+    ratio: of the likelihoods of the road measured at the wheel, as far as it is correlated with each point.
+    """
+    for i in range(len(height)):
+        share = correlation[i] ** 2
+        factor = 1.0 + correlation[i] * (gain - 1.0)
+        if height[i] > 0.0:
+            sigma = np.sqrt((1.0 - share) * prior[i] ** 2 + share * min(gain_sigma, prior[i]) ** 2)
+            factor -= sigmas * sigma
+        heights[i] = max(factor, 0.0) * height[i]
+        likely = min(credibility * existence[i], MAX_EXISTENCE)
+        odds = likely / (1.0 - likely) * ratio[i]
+        probable[i] = min(odds / (1.0 + odds), existence[i])
+
+
+@njit
+def _relative_sigmas(height: Any, sigma: Any, window: int, out: Any) -> None:
+    """Write the relative standard deviation of the heights around each point, at most 1."""
+    moving_mean(height**2, window, out)
+    squares = out.copy()
+    moving_mean(sigma**2, window, out)
+    for i in range(len(out)):
+        out[i] = np.sqrt(min(max(out[i], 0.0) / max(squares[i], 1e-12), 1.0))
+
+
+@njit
+def moving_mean(values: Any, window: int, out: Any) -> None:
+    """Write the mean over a window about each point, the ends held; as SciPy's `uniform_filter1d`."""
+    last, before = len(values) - 1, window // 2
+    total = 0.0
+    for k in range(window):
+        total += values[min(max(k - before, 0), last)]
+    for i in range(len(values)):
+        if i > 0:
+            entering = values[min(max(i + window - before - 1, 0), last)]
+            total += entering - values[min(max(i - before - 1, 0), last)]
+        out[i] = total / window

@@ -2,8 +2,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import uniform_filter1d
 
-from foreride.controller.road_ahead.credible_heights import Credibility, credible, exact
+from foreride.controller.road_ahead.credible_heights import Credibility, credible, exact, moving_mean
 from foreride.controller.road_ahead.preview_alignment import PreviewMatch
 from foreride.preview.road_preview import RoadPreview
 from tests.controller.cars import step_preview
@@ -79,3 +80,10 @@ def test_wheels_are_judged_each_for_itself() -> None:
     credibility.update(0, CONFIRMED)
     credibility.update(1, CONFIRMED)
     assert credibility.value == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize("window", [1, 2, 7, 40, 90])
+def test_moving_means_equal_those_of_scipy(window: int) -> None:
+    values, found = np.random.default_rng(3).normal(size=60), np.empty(60)
+    moving_mean(values, window, found)
+    assert np.array_equal(found, uniform_filter1d(values, window, mode="nearest"))
