@@ -5,7 +5,7 @@ adds (CS)ᵀCS to H and (CS)ᵀr to g. The model and its Jacobians run as code c
 `controller.mpc.casadi_llvm`, the Jacobians of several steps at once; Numba compiles the matrix algebra.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -57,7 +57,6 @@ class Condenser:
         self._linearise = model.linearise.bind(self._points, self._results, padded)
         self._entries = _entries(model)
         self._hessian = np.zeros((intervals * inputs, intervals * inputs))
-        self._diagonal = self._hessian.reshape(-1)[:: intervals * inputs + 1]
         self._gradient = np.zeros(intervals * inputs)
 
     @property
@@ -91,8 +90,7 @@ class Condenser:
             self._hessian,
             self._gradient,
         )
-        self._gradient += self._input_weights * (plan.ravel() - self._nominal)
-        self._diagonal += self._input_weights
+        _add_inputs(self._hessian, self._gradient, self._input_weights, plan.ravel(), self._nominal)
         return Condensed(self._hessian, self._gradient)
 
 
@@ -121,8 +119,21 @@ def _add_squares(
     hessian: np.ndarray,
     gradient: np.ndarray,
 ) -> None:
-    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are nonzero."""
-    for r in range(len(residuals)):
+    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are nonzero.
+
+    Four rows are added in one pass over the triangle, each sum in the order of the rows.
+    """
+    fours = len(residuals) // 4 * 4
+    for r in range(0, fours, 4):
+        for i in range(inputs):
+            first, second = weight * jacobian[r, i], weight * jacobian[r + 1, i]
+            third, fourth = weight * jacobian[r + 2, i], weight * jacobian[r + 3, i]
+            total = gradient[i] + first * residuals[r] + second * residuals[r + 1]
+            gradient[i] = total + third * residuals[r + 2] + fourth * residuals[r + 3]
+            row, a, b, c, d = hessian[i], jacobian[r], jacobian[r + 1], jacobian[r + 2], jacobian[r + 3]
+            for j in range(i + 1):
+                row[j] = row[j] + first * a[j] + second * b[j] + third * c[j] + fourth * d[j]
+    for r in range(fours, len(residuals)):
         for i in range(inputs):
             factor = weight * jacobian[r, i]
             gradient[i] += factor * residuals[r]
@@ -176,3 +187,11 @@ def _condense(
     for i in range(size):
         for j in range(i):
             hessian[j, i] = hessian[i, j]
+
+
+@njit
+def _add_inputs(hessian: Any, gradient: Any, weights: Any, plan: Any, nominal: Any) -> None:
+    """Add the weighted squares of the plan's entries less their nominal values."""
+    for i in range(len(gradient)):
+        gradient[i] += weights[i] * (plan[i] - nominal[i])
+        hessian[i, i] += weights[i]

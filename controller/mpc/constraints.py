@@ -1,5 +1,7 @@
 """Constraints of the predictive controller, and the names of the active ones."""
 
+from typing import Any
+
 import numpy as np
 
 from foreride.controller.command_limits import plan_limits
@@ -7,6 +9,7 @@ from foreride.controller.mpc.actuator_constraints import ForceLimits
 from foreride.controller.mpc.qp import ConstraintRows
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.settings import ForceSettings
+from foreride.files.jit import njit
 from foreride.vehicle.equations import input_size, motion, rattle, state_size
 from foreride.vehicle.load import Car
 
@@ -19,6 +22,7 @@ MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER = (
 )
 RATTLE_SPACE, WHEEL_LIFT = "rattle space", "wheel lift"
 NAMES = (MIN_DAMPING, MAX_DAMPING, FORCE, RATE, POWER, RATTLE_SPACE, WHEEL_LIFT)
+_ALWAYS = (MIN_DAMPING, MAX_DAMPING, RATTLE_SPACE, WHEEL_LIFT)
 _ACTIVE_TOLERANCE = 1e-5
 """Tolerance within which a constraint counts as active, kN·s/m and kN."""
 
@@ -38,12 +42,12 @@ class Constraints:
         active = input_size(vehicle) > vehicle.wheels
         self._forces = ForceLimits(vehicle, grid, settings) if active else None
 
-        def column(name: str) -> np.ndarray:
-            return np.array([[getattr(corner, name)] for corner in corners])
+        def values(name: str) -> np.ndarray:
+            return np.array([getattr(corner, name) for corner in corners])
 
         self._motion_rows = np.vstack([rattle(vehicle, np.eye(n))[0], motion(vehicle, np.eye(n)).wheel])
-        self._jounce, self._rebound = -column("stop_gap_m"), column("rebound_gap_m")
-        self._deflection = column("static_tyre_deflection_m")
+        self._jounce, self._rebound = -values("stop_gap_m"), values("rebound_gap_m")
+        self._deflection = values("static_tyre_deflection_m")
 
     def rows(self, plan: np.ndarray, states: np.ndarray) -> ConstraintRows | None:
         """Constraint rows on corrections of a plan that leads through `states` (n_x, steps + 1)."""
@@ -64,27 +68,47 @@ class Constraints:
         plan: (intervals, inputs) as corrected by `change`. states: (n_x, steps + 1) as predicted before that,
         on `road` heights (wheels, steps + 1), m.
         """
-        w = self._wheels
-        at_min, at_max = plan[0] <= self._at_min, plan[0] >= self._at_max
-        active = {MIN_DAMPING: at_min[:w], MAX_DAMPING: at_max[:w]} | self._vehicle_limits(
-            states[: self._n], road
-        )
+        w, first = self._wheels, plan[0]
+        positions = self._motion_rows @ states[: self._n]
+        limits = self._at_min, self._at_max, self._jounce, self._rebound, self._deflection
+        flags = dict(zip(_ALWAYS, _reached(first, positions, road, *limits), strict=True))
         if rows is not None and self._forces is not None:
             row_values = rows.matrix @ change.ravel()
             at_limit = (row_values <= rows.low + _ACTIVE_TOLERANCE) | (
                 row_values >= rows.high - _ACTIVE_TOLERANCE
             )
             rate_count = self._forces.rate_rows
-            active |= {
-                FORCE: at_min[w:] | at_max[w:],
-                RATE: at_limit[:rate_count][:w],
-                POWER: at_limit[rate_count:],
+            at_force = (first <= self._at_min) | (first >= self._at_max)
+            flags |= {
+                FORCE: bool(at_force[w:].any()),
+                RATE: bool(at_limit[:rate_count][:w].any()),
+                POWER: bool(at_limit[rate_count:].any()),
             }
-        return tuple(name for name in NAMES if name in active and np.count_nonzero(active[name]))
+        return tuple(name for name in NAMES if flags.get(name))
 
-    def _vehicle_limits(self, states: np.ndarray, road: np.ndarray) -> dict[str, np.ndarray]:
-        """Bump-stop contact, and wheel lift-off by the static tyre deflection."""
-        positions = self._motion_rows @ states
-        travel, wheel = positions[: self._wheels], positions[self._wheels :]
-        on_stop = (travel < self._jounce) | (travel > self._rebound)
-        return {RATTLE_SPACE: on_stop, WHEEL_LIFT: wheel - road >= self._deflection}
+
+@njit
+def _reached(
+    command: Any,
+    positions: Any,
+    road: Any,
+    at_min: Any,
+    at_max: Any,
+    jounce: Any,
+    rebound: Any,
+    deflection: Any,
+) -> tuple[bool, bool, bool, bool]:
+    """Whether the first command has the least or greatest damping, and any wheel meets a stop or lifts off.
+
+    positions: (2 · wheels, n) travel of the suspensions, then the wheels' heights.
+    """
+    low = high = stop = lift = False
+    wheels, n = road.shape
+    for w in range(wheels):
+        low |= command[w] <= at_min[w]
+        high |= command[w] >= at_max[w]
+        for i in range(n):
+            travel = positions[w, i]
+            stop |= travel < jounce[w] or travel > rebound[w]
+            lift |= positions[wheels + w, i] - road[w, i] >= deflection[w]
+    return low, high, stop, lift
