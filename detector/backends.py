@@ -1,6 +1,7 @@
 """Inference backends: onnxruntime on the CPU, and optional faster runtimes."""
 
 import importlib.util
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,8 +30,10 @@ class Backend:
     arithmetic: str = ""
 
 
+CPU = "cpu"
+"""Backend of the base installation, with which every published number was computed."""
 BACKENDS = {
-    "cpu": Backend("onnxruntime", "CPUExecutionProvider"),
+    CPU: Backend("onnxruntime", "CPUExecutionProvider"),
     "openvino": Backend("openvino", arithmetic="f32"),
     "openvino-bf16": Backend("openvino", arithmetic="bf16"),
     "cuda": Backend("onnxruntime-gpu", "CUDAExecutionProvider"),
@@ -46,6 +49,15 @@ def installed() -> list[str]:
         for name, backend in BACKENDS.items()
         if (backend.provider in providers if backend.provider else importlib.util.find_spec(backend.package))
     ]
+
+
+def computes_bf16() -> bool:
+    """Whether OpenVINO is installed and this processor has instructions for bfloat16."""
+    if not importlib.util.find_spec("openvino"):
+        return False
+    import openvino
+
+    return "BF16" in openvino.Core().get_property("CPU", "OPTIMIZATION_CAPABILITIES")
 
 
 def require(name: str) -> Backend:
@@ -129,13 +141,15 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
         raise InputError(
             f"{path}: not an ONNX model that OpenVINO can run ({type(error).__name__})"
         ) from None
+    one_at_a_time = threading.Lock()
 
     def run(image: NDArray[np.uint8]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        try:
-            outputs = request.infer({"image": image[None]})
-        except RuntimeError as error:
-            raise _failed(path, image, "OpenVINO", error) from None
-        return outputs["boxes"].copy(), outputs["scores"].copy()
+        with one_at_a_time:
+            try:
+                outputs = request.infer({"image": image[None]})
+            except RuntimeError as error:
+                raise _failed(path, image, "OpenVINO", error) from None
+            return outputs["boxes"].copy(), outputs["scores"].copy()
 
     return run
 

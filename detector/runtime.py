@@ -1,7 +1,8 @@
 """Inference runtime for an exported SBP-YOLO: onnxruntime, NumPy and OpenCV, no torch."""
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 
 import cv2
@@ -9,10 +10,11 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
-from foreride.detector.backends import Run, open_network, open_session, require
+from foreride.detector.backends import CPU, Run, open_network, open_session, require
 from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration, read_calibration
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.edge_refinement import refine
+from foreride.detector.fastest_backend import FASTEST, fastest_backend
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
 from foreride.files.own_code import say_once
@@ -45,7 +47,8 @@ class Detector:
     """SBP-YOLO detector for one image at a time: `Detector()(image) -> Detections`.
 
     weights: an ONNX file written by `detector export`; the shipped one by default
-    threads: threads of the runtime. backend: a name in `backends.BACKENDS`
+    threads: threads of the runtime. backend: a name in `backends.BACKENDS`, or `fastest` for the fastest one
+    on this machine (`detector.fastest_backend`), whose name is then in the attribute `backend`
     confidence, iou: least score kept, and overlap above which the lower-scoring box of a class is dropped
     Raises InputError if the file is absent, broken or of another kind, or the backend is not installed.
     """
@@ -56,7 +59,7 @@ class Detector:
         threads: int = 1,
         confidence: float = 0.2,
         iou: float = NMS_IOU,
-        backend: str = "cpu",
+        backend: str = CPU,
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
             if not 0 < value <= 1:
@@ -64,29 +67,54 @@ class Detector:
         if threads < 1:
             raise InputError(f"threads must be >= 1, got {threads}")
         self.path = Path(weights or WEIGHTS)
-        self.confidence, self.iou, self.threads, self.backend = confidence, iou, threads, backend
+        self.confidence, self.iou, self.threads = confidence, iou, threads
         self.metadata = read_metadata(self.path)
+        self.longest = int(self.metadata["width"])
+        self.backend = backend = self._resolved(backend)
         if not require(backend).provider and self.metadata.get("precision") == "int8":
             raise InputError(
                 f"{self.path}: 8-bit for onnxruntime; backend {backend} needs --precision int8-conv, or float"
             )
-        self.longest = int(self.metadata["width"])
         self._sessions: OrderedDict[tuple[int, int], Run] = OrderedDict()
 
-    def __call__(self, image: NDArray[np.uint8]) -> Detections:
+    def __call__(self, image: NDArray[np.uint8], first_row: int = 0) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
         An image whose sides are multiples of 32 and >= 64 is used as it is; any other is scaled so that its
         longer side has the training width, and padded. Top and bottom edges of wide bumps are refined in the
-        image. Raises InputError for another kind of array.
+        image. first_row: rows above are not read; rounded down by `band_row`. Raises InputError for another
+        kind of array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
-        transform = letterbox_for(image.shape[1], image.shape[0], self.longest)
-        boxes, scores = self.candidates(letterbox(image, transform))
+        height, width = image.shape[:2]
+        first_row = self.band_row(width, height, first_row)
+        transform = letterbox_for(width, height, self.longest)
+        transform = replace(transform, height=transform.height - round(first_row * transform.scale))
+        band = image[first_row:]
+        boxes, scores = self.candidates(letterbox(band, transform))
         detections = select(boxes / transform.scale, scores, self.confidence, self.iou)
-        detections.boxes.clip(0, np.tile(image.shape[1::-1], 2), out=detections.boxes)
-        return refine(image, detections)
+        detections.boxes.clip(0, (width, height - first_row) * 2, out=detections.boxes)
+        detections = refine(band, detections)
+        detections.boxes[:, 1::2] += first_row
+        return detections
+
+    def band_row(self, width: int, height: int, row: int) -> int:
+        """Last row <= `row` above which an image can be left out, the network's grid being kept.
+
+        For an image that is not scaled a multiple of 32; at least 64 rows of the network's input stay.
+        """
+        transform = letterbox_for(width, height, self.longest)
+        step = Fraction(1) if transform.scale == 1 else Fraction(max(width, height), self.longest)
+        rows = (STRIDE * step).numerator
+        most = int((transform.height - MIN_SIDE_PX) * step)
+        return max(0, min(row, most) // rows * rows)
+
+    def _resolved(self, backend: str) -> str:
+        if backend != FASTEST:
+            return backend
+        eight_bit = self.metadata.get("precision") == "int8"
+        return CPU if eight_bit else fastest_backend(self.path, self.threads, self.longest)
 
     @property
     def calibration(self) -> Calibration:

@@ -145,6 +145,11 @@ class EgoMotion:
             del self._times[:keep], self._states[:keep]
         return state
 
+    @property
+    def newest(self) -> EgoState | None:
+        """State after the last measurement; None before the first."""
+        return self._states[-1] if self._states else None
+
     def at(self, time_s: float) -> EgoState:
         """State at any recent moment, interpolated between measurements.
 

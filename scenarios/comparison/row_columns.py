@@ -38,6 +38,7 @@ _OWN: dict[str, Definition] = {
     "perception_stats.boxes": ("1", "boxes given to the preview estimator"),
     "perception_stats.confirmed_tracks": ("1", "obstacles that the estimator confirmed"),
     "perception_stats.failed_looks": ("1", "exposures whose detection failed"),
+    "perception_stats.backend": ("", "backend that ran the detector"),
     "damper_produced": ("J", "energy that the dampers supplied, an audit: 0 for a passive element"),
     "damping_outside": ("s", "time with a damper setting outside its range, an audit"),
     "actuator_energy": ("J", "energy that the actuators delivered"),

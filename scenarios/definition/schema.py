@@ -72,11 +72,18 @@ class CameraSetup(Checked):
 
 @dataclass(frozen=True)
 class Detection(Checked):
-    """Detector settings: its confidence threshold and, unless the shipped ones, its weights."""
+    """Detector settings: its confidence threshold and, unless the shipped ones, its weights.
+
+    backend: one of `detector.backends`, or `fastest` for the fastest one on this machine; results differ
+    between backends. threads: of the renderer, and of the detector. above_horizon_deg: rows farther above the
+    horizon are neither rendered nor looked at; 90 for the whole image.
+    """
 
     weights: str | None = None
     confidence: Annotated[float, Interval(ge=0.01, le=0.99), "1"] = 0.2
     threads: Annotated[int, Interval(ge=1, le=64), "threads"] = 2
+    backend: Literal["cpu", "openvino", "openvino-bf16", "cuda", "tensorrt", "fastest"] = "cpu"
+    above_horizon_deg: Annotated[float, Interval(ge=0.0, le=90.0), "degrees"] = 1.5
 
 
 @dataclass(frozen=True)

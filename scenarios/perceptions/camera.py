@@ -1,6 +1,5 @@
 """Camera perceptions of the closed loop: true boxes with errors, or rendered images through the detector."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 
 from foreride.detector.box_errors import degrade
 from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
-from foreride.detector.detections import exact
+from foreride.detector.detections import exact, no_detections
 from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
@@ -23,14 +22,14 @@ from foreride.road.render.scene import Scene
 from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.tyre import Tyre
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.perceptions.detector_perception import DetectorPerception
+from foreride.scenarios.perceptions.detector_perception import BoxSource, DetectionStage, DetectorPerception
 from foreride.scenarios.perceptions.ground_truth_substitution import track_corrector
+from foreride.scenarios.perceptions.image_band import image_band
 from foreride.scenarios.perceptions.interface import Drive, Exposure, ReferencedFile
 from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
-BoxSource = Callable[[int, VehicleState], Exposure]
 MIN_HEIGHT_M = 0.05
 """Height of the lowest camera that calibration errors make of a low one."""
 _SECOND_CAMERA_OFFSET = 1 << 40  # offset of the tick that seeds the second camera's image noise
@@ -46,18 +45,23 @@ def build_camera(drive: Drive) -> DetectorPerception:
     """Build the perception `camera` of a drive."""
     scenario, mount = drive.scenario, true_mount(drive.scenario, drive.random_stream("mounting"))
     detector = load_detector(scenario)
-    eye = rendered_box_source(scenario, mount, detector, drive.random_stream("image"))
-    return _with_estimator(drive, eye, detector.calibration)
+    camera = RenderedCamera(scenario, mount, drive.random_stream("image"), drive.keep_images)
+    detection = DetectionStage(detector, image_band(scenario, nominal_mount(scenario), detector))
+    return _with_estimator(drive, camera.expose, detection)
 
 
 def _with_estimator(
-    drive: Drive, eye: BoxSource, calibration: Calibration = DEFAULT_CALIBRATION
+    drive: Drive, eye: BoxSource, detection: DetectionStage | None = None
 ) -> DetectorPerception:
-    """Perception from the boxes of `eye` by the scenario's estimator."""
+    """Perception from the exposures of `eye` by the scenario's estimator."""
     scenario, setup = drive.scenario, drive.scenario.camera
-    estimator = build_estimator(scenario, calibration)
+    estimator = build_estimator(
+        scenario, detection.detector.calibration if detection else DEFAULT_CALIBRATION
+    )
     correct = track_corrector(scenario.road.features, scenario.told)
-    return DetectorPerception(eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct)
+    return DetectorPerception(
+        eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct, detection
+    )
 
 
 def build_estimator(scenario: Scenario, calibration: Calibration = DEFAULT_CALIBRATION) -> Estimator:
@@ -110,13 +114,13 @@ def load_detector(scenario: Scenario) -> Detector:
     wanted = scenario.detection
     weights = WEIGHTS if wanted.weights is None else Path(wanted.weights)
     written_ns = weights.stat().st_mtime_ns if weights.exists() else 0
-    return _session(weights, wanted.threads, wanted.confidence, written_ns)
+    return _session(weights, wanted.threads, wanted.confidence, wanted.backend, written_ns)
 
 
 @lru_cache(maxsize=4)
-def _session(weights: Path, threads: int, confidence: float, written_ns: int) -> Detector:
+def _session(weights: Path, threads: int, confidence: float, backend: str, written_ns: int) -> Detector:
     """Return one detector shared by all runs of a process; `written_ns` detects a changed file."""
-    return Detector(weights, threads=threads, confidence=confidence)
+    return Detector(weights, threads, confidence, backend=backend)
 
 
 def _memory(scenario: Scenario) -> Memory | None:
@@ -141,31 +145,38 @@ def true_box_source(scenario: Scenario, mount: CameraMount, rng: np.random.Gener
     camera, errors = scenario.camera.intrinsics, scenario.boxes
     size_px = camera.width_px, camera.height_px
 
-    def look(tick: int, state: VehicleState) -> Exposure:
+    def look(tick: int, state: VehicleState, first_row: int) -> Exposure:
         outlines = outline_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
         return Exposure(tick, degrade(exact(*outlines), size_px, errors, rng))
 
     return look
 
 
-def rendered_box_source(
-    scenario: Scenario, mount: CameraMount, detector: Detector, rng: np.random.Generator
-) -> BoxSource:
-    """Box source: render the image, or the stereo pair, and run the detector on the first image."""
-    setup = scenario.camera
-    seed = int(rng.integers(2**31))
-    scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)
-    yaw = np.deg2rad(setup.stereo_yaw_sigma_deg) * float(rng.standard_normal())
+class RenderedCamera:
+    """Rendered camera, or stereo pair, of a scenario.
 
-    def look(tick: int, state: VehicleState) -> Exposure:
+    whole: whether rows that are not looked at are rendered too, which changes no other row.
+    """
+
+    def __init__(
+        self, scenario: Scenario, mount: CameraMount, rng: np.random.Generator, whole: bool = False
+    ) -> None:
+        self._setup, self._mount, self._whole = scenario.camera, mount, whole
+        seed = int(rng.integers(2**31))
+        self._scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)
+        self._yaw = np.deg2rad(self._setup.stereo_yaw_sigma_deg) * float(rng.standard_normal())
+
+    def expose(self, tick: int, state: VehicleState, first_row: int) -> Exposure:
+        """Exposure without detections, of rows from `first_row` on."""
         started = perf_counter()
-        first = pose(mount, state)
-        image = scene.render(setup.intrinsics, first, tick).image
+        left = pose(self._mount, state)
+        image = self._render(left, tick, 0 if self._whole else first_row)
         second = None
-        if setup.stereo_base_m > 0.0:
-            right = second_pose(first, setup.stereo_base_m)
-            right = replace(right, yaw=right.yaw + yaw)
-            second = scene.render(setup.intrinsics, right, tick + _SECOND_CAMERA_OFFSET).image
-        return Exposure(tick, detector(image), image, second, perf_counter() - started)
+        if self._setup.stereo_base_m > 0.0:
+            right = second_pose(left, self._setup.stereo_base_m)
+            right = replace(right, yaw=right.yaw + self._yaw)
+            second = self._render(right, tick + _SECOND_CAMERA_OFFSET, first_row)
+        return Exposure(tick, no_detections(), image, second, perf_counter() - started, first_row)
 
-    return look
+    def _render(self, camera_pose: CameraPose, index: int, first_row: int) -> np.ndarray:
+        return self._scene.render(self._setup.intrinsics, camera_pose, index, first_row=first_row).image

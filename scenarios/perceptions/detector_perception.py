@@ -3,13 +3,14 @@
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from foreride.detector.runtime import Detector
 from foreride.files.errors import InputError
 from foreride.files.own_code import error_text, location, say_once
 from foreride.preview.estimator import Estimator
@@ -17,35 +18,56 @@ from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.road_preview import RoadPreview
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.perceptions.ground_truth_substitution import TrackCorrection
+from foreride.scenarios.perceptions.image_band import ImageBand, looked_at
 from foreride.scenarios.perceptions.interface import Event, Exposure, Perception
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
+
+BoxSource = Callable[[int, VehicleState, int], Exposure]
+"""Tick, state of the car at exposure, and first row that is looked at → exposure."""
+
+
+@dataclass(frozen=True)
+class DetectionStage:
+    """Second stage of an exposure: the detector, and the band of the images that it looks at."""
+
+    detector: Detector
+    band: ImageBand
+
+    def detected(self, exposure: Exposure) -> Exposure:
+        """Exposure with the detections in its image."""
+        started = perf_counter()
+        assert exposure.image is not None
+        found = self.detector(exposure.image, exposure.first_row)
+        return replace(exposure, detections=found, duration_s=exposure.duration_s + perf_counter() - started)
 
 
 class DetectorPerception(Perception):
     """Detector-based perception (`boxes`, `camera`): exposures at `rate_hz`, with boxes `latency_s` later.
 
-    `eye` maps the car's state at exposure to its `Exposure`. It runs in a thread of its own while simulated
-    time goes on; its result is awaited at the tick where it is due, so real time never changes a result.
-    `looks` holds the first camera's images only with `keep_images`. `correct`: see
+    `eye` gives the exposure; with `detection`, the detections are found in its image. Both stages run in
+    threads of their own while simulated time goes on, one exposure being rendered while the one before is
+    searched; a result is awaited at the tick where it is due, so real time never changes it. `looks` holds
+    the first camera's images only with `keep_images`. `correct`: see
     `scenarios.perceptions.ground_truth_substitution`.
     """
 
     def __init__(
         self,
-        eye: Callable[[int, VehicleState], Exposure],
+        eye: BoxSource,
         estimator: Estimator,
         rate_hz: int,
         latency_s: float,
         keep_images: bool = False,
         correct: TrackCorrection | None = None,
+        detection: DetectionStage | None = None,
     ) -> None:
         super().__init__()
         self._eye, self._estimator, self._rate_hz = eye, estimator, rate_hz
-        self._keep_images, self._correct = keep_images, correct
+        self._keep_images, self._correct, self._detection = keep_images, correct, detection
         self._latency = ticks(latency_s)
         self._failed = 0
-        self._pool = ThreadPoolExecutor(max_workers=1)
+        self._exposing, self._detecting = ThreadPoolExecutor(1), ThreadPoolExecutor(1)
         self._pending: deque[tuple[int, Future[Exposure]]] = deque()
         self.estimator_s: list[float] = []
 
@@ -59,7 +81,12 @@ class DetectorPerception(Perception):
     def expose(self, tick: int, state: VehicleState) -> None:
         """Start an exposure if one is due."""
         if due(tick, self._rate_hz):
-            self._pending.append((tick, self._pool.submit(self._eye, tick, state)))
+            detection = self._detection
+            first_row = 0 if detection is None else detection.band.at(self._estimator.motion.newest)
+            look = self._exposing.submit(self._eye, tick, state, first_row)
+            if detection is not None:
+                look = self._detecting.submit(_then, look, detection.detected)
+            self._pending.append((tick, look))
 
     def receive(self, tick: int) -> list[Event]:
         """Pass the boxes that have become available to the estimator; return them as events."""
@@ -83,7 +110,10 @@ class DetectorPerception(Perception):
         """Pass one exposure to the estimator; return its log entry."""
         self.looks.append(replace(look, second=None, image=look.image if self._keep_images else None))
         start = perf_counter()
-        self._estimator.update_boxes(exposure_s, look.detections, look.image, look.second)
+        image, second = (
+            None if i is None else looked_at(i, look.first_row) for i in (look.image, look.second)
+        )
+        self._estimator.update_boxes(exposure_s, look.detections, image, second)
         self.estimator_s.append(perf_counter() - start)
         return {
             "boxes": look.detections.boxes,
@@ -91,7 +121,7 @@ class DetectorPerception(Perception):
             "classes": look.detections.classes,
             "odometer_m": self._estimator.motion.x_m,
             "tracks": self._estimator.stats(),
-        }
+        } | ({"first_row": look.first_row} if look.first_row else {})
 
     def _blame(self, error: BaseException) -> str:
         """Count and report a failed exposure; return the cause without exposure-dependent details."""
@@ -119,11 +149,16 @@ class DetectorPerception(Perception):
         """Return counts of frames, boxes and confirmed tracks."""
         confirmed = [event for event in self._estimator.events if event["event"] == "confirmed"]
         failed = {"failed_looks": self._failed} if self._failed else {}
-        return failed | {
-            "frames": len(self.looks),
-            "boxes": sum(len(look.detections) for look in self.looks),
-            "confirmed_tracks": len(confirmed),
-        }
+        searched = {} if self._detection is None else {"backend": self._detection.detector.backend}
+        return (
+            failed
+            | searched
+            | {
+                "frames": len(self.looks),
+                "boxes": sum(len(look.detections) for look in self.looks),
+                "confirmed_tracks": len(confirmed),
+            }
+        )
 
     def memory(self) -> Memory | None:
         """Return the estimator's memory of camera mounting and road."""
@@ -139,5 +174,11 @@ class DetectorPerception(Perception):
         }
 
     def close(self) -> None:
-        """Stop the worker thread."""
-        self._pool.shutdown(cancel_futures=True)
+        """Stop the worker threads."""
+        self._exposing.shutdown(cancel_futures=True)
+        self._detecting.shutdown(cancel_futures=True)
+
+
+def _then(look: Future[Exposure], stage: Callable[[Exposure], Exposure]) -> Exposure:
+    """Result of a stage on that of the stage before it."""
+    return stage(look.result())

@@ -53,7 +53,8 @@ class ReferencedFile:
 class Exposure:
     """Camera exposure: its tick, detections and, from a camera, the image (H, W, 3).
 
-    second: image of the right camera of a stereo pair.
+    second: image of the right camera of a stereo pair. first_row: rows of the images above were not looked
+    at.
     """
 
     tick: int
@@ -61,6 +62,7 @@ class Exposure:
     image: np.ndarray | None = None
     second: np.ndarray | None = None
     duration_s: float = 0.0
+    first_row: int = 0
 
 
 class Perception:

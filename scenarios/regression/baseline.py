@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
+from foreride.detector.fastest_backend import FASTEST
 from foreride.files.errors import InputError, shortened, shown
 from foreride.files.reading import strict
 from foreride.files.reading.numbers import is_integer
@@ -37,9 +38,17 @@ class BaselineEntry:
     metrics: dict[str, float]
 
     def case(self, folder: Path) -> Case:
-        """Return the case to simulate; `folder` is the baseline's."""
+        """Return the case to simulate; `folder` is the baseline's.
+
+        InputError where the detector's backend depends on the machine.
+        """
         local_file = folder / self.scenario
         scenario = load(str(local_file) if os.path.isfile(local_file) else self.scenario, self.overrides)
+        if scenario.detection.backend == FASTEST:
+            raise InputError(
+                f"{self.scenario}: detection.backend must be named in a baseline, got {FASTEST}, which is "
+                "another one on another machine"
+            )
         controller = self.controller
         if ":" in controller and os.path.isfile(folder / controller.rpartition(":")[0]):
             controller = str(folder / controller)

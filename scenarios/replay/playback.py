@@ -1,5 +1,6 @@
 """Replay of a recording through detector and estimator, without a simulator."""
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,6 +13,7 @@ from foreride.files.errors import InputError
 from foreride.files.reading.images import decode
 from foreride.preview.estimator import Estimator
 from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.perceptions.image_band import ImageBand, looked_at
 from foreride.scenarios.replay.recording import RecordedImage, Signals
 from foreride.scenarios.simulation import preview_log
 from foreride.scenarios.simulation.preview_log import PreviewLog
@@ -48,10 +50,12 @@ def replay(
     images: Iterable[RecordedImage],
     scenario: Scenario,
     estimator: Estimator,
-    detect: Callable[[np.ndarray], Detections],
+    detect: Callable[[np.ndarray, int], Detections],
+    band: ImageBand,
 ) -> Replay:
     """Pass signals and images to the estimator as a car would have: images `camera.latency_s` late.
 
+    detect: detections in the rows of an image from a first one on, which `band` gives.
     Raises InputError for an image that is damaged or not of the camera's size.
     """
     result, records = Replay(), []
@@ -60,14 +64,15 @@ def replay(
     waiting = _Waiting(images, signals.start_s, scenario.camera.latency_s)
     for index, measurement in enumerate(_measurements(signals, scenario.vehicle.parameters.wheels)):
         time_s = measurement.time_s
+        waiting.expose(time_s, band.at(estimator.motion.newest))
         estimator.update_motion(time_s, measurement)
-        for exposure_s, image in waiting.arrived(time_s):
+        for exposure_s, image, first_row in waiting.arrived(time_s):
             if exposure_s < 0.0:
                 result.left_out += 1
                 continue
             pixels = _pixels(image, scenario)
-            result.looks.append(Look(exposure_s, detect(pixels)))
-            estimator.update_boxes(exposure_s, result.looks[-1].detections, pixels)
+            result.looks.append(Look(exposure_s, detect(pixels, first_row)))
+            estimator.update_boxes(exposure_s, result.looks[-1].detections, looked_at(pixels, first_row))
         if index % stride == 0:
             records.append(preview_log.decimated(estimator.preview(time_s), wheel))
             result.tracks |= {row["track"]: row for row in estimator.stats() if row["confirmed"]}
@@ -82,19 +87,22 @@ class _Waiting:
     def __init__(self, images: Iterable[RecordedImage], start_s: float, latency_s: float) -> None:
         self._images, self._start_s, self._latency_s = iter(images), start_s, latency_s
         self._next = next(self._images, None)
+        self._exposed: deque[tuple[float, RecordedImage, int]] = deque()
 
-    def arrived(self, time_s: float) -> Iterator[tuple[float, RecordedImage]]:
-        """Exposure and image of those that have arrived by `time_s`."""
-        while (image := self._next) is not None:
-            exposure_s = image.time_s - self._start_s
-            if exposure_s + self._latency_s > time_s + LATE_S:
-                return
+    def expose(self, time_s: float, first_row: int) -> None:
+        """Take the images exposed by `time_s`, of which rows from `first_row` on are looked at."""
+        while self._next is not None and self._next.time_s - self._start_s <= time_s + LATE_S:
+            self._exposed.append((self._next.time_s - self._start_s, self._next, first_row))
             self._next = next(self._images, None)
-            yield exposure_s, image
+
+    def arrived(self, time_s: float) -> Iterator[tuple[float, RecordedImage, int]]:
+        """Exposure, image and first row of those that have arrived by `time_s`."""
+        while self._exposed and self._exposed[0][0] + self._latency_s <= time_s + LATE_S:
+            yield self._exposed.popleft()
 
     def remaining(self) -> int:
         """Number of images that have not arrived."""
-        return (self._next is not None) + sum(1 for _ in self._images)
+        return len(self._exposed) + (self._next is not None) + sum(1 for _ in self._images)
 
 
 def _measurements(signals: Signals, wheels: int) -> Iterator[Measurement]:

@@ -125,7 +125,8 @@ def _look(event: Event, files: _Files) -> Exposure:
     stored = files.content.get(name)
     image = None if stored is None else decode(stored, files.folder / name, cv2.IMREAD_COLOR)
     rgb = None if image is None else cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-    return Exposure(tick, Detections(boxes, event["scores"], event["classes"]), rgb)
+    found = Detections(boxes, event["scores"], event["classes"])
+    return Exposure(tick, found, rgb, first_row=event.get("first_row", 0))
 
 
 def _previews(table: pa.Table) -> PreviewLog:

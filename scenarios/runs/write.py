@@ -41,6 +41,7 @@ _VERSIONED = (
     "numba",
     "numpy",
     "onnxruntime",
+    "openvino",
     "opencv-python-headless",
 )
 

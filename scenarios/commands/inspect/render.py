@@ -19,7 +19,8 @@ from foreride.scenarios.commands.options import add_field_options, add_output_op
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.perceptions.camera import load_detector
+from foreride.scenarios.perceptions.camera import load_detector, nominal_mount
+from foreride.scenarios.perceptions.image_band import image_band
 from foreride.scenarios.report.film.boxes import mark
 from foreride.scenarios.runs.write import to_json
 
@@ -86,5 +87,6 @@ def render_frame(
     pose = pose_of(scenario.camera.mount(max(axles)), x_m, 0.0, 0.0)
     frame: Frame = scene.render(scenario.camera.intrinsics, pose, index)
     if detector is not None:
-        return frame.image, detector(frame.image)
+        band = image_band(scenario, nominal_mount(scenario), detector)
+        return frame.image, detector(frame.image, band.first_row)
     return frame.image, Detections(frame.boxes, np.ones(len(frame.boxes), np.float32), frame.classes)

@@ -14,6 +14,7 @@ from foreride.files.writing.folder import check_folder
 from foreride.scenarios.commands.console import console, tracked
 from foreride.scenarios.commands.options import add_json_option, overrides_of
 from foreride.scenarios.perceptions.camera import build_estimator, load_detector
+from foreride.scenarios.perceptions.image_band import image_band
 from foreride.scenarios.replay.channels import needed_signals, parse_choices
 from foreride.scenarios.replay.csv_reading import CsvLog
 from foreride.scenarios.replay.image_folder import image_times, read_images
@@ -65,7 +66,10 @@ def execute(arguments: argparse.Namespace) -> int:
     signals = read_signals(log, choices, scenario.control.rate_hz)
     detector = load_detector(scenario)
     images = _images(log, arguments.images)
-    result = replay(signals, images, scenario, build_estimator(scenario, detector.calibration), detector)
+    estimator = build_estimator(scenario, detector.calibration)
+    result = replay(
+        signals, images, scenario, estimator, detector, image_band(scenario, estimator.mount, detector)
+    )
     if not result.looks:
         raise InputError(
             f"{arguments.images or arguments.log}: must hold images exposed during the signals, "

@@ -11,6 +11,7 @@ from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
+from foreride.scenarios.perceptions.detector_perception import BoxSource
 from foreride.scenarios.perceptions.interface import Exposure
 from foreride.scenarios.simulation.simulate import Run, simulate
 from foreride.vehicle.state import VehicleState
@@ -38,13 +39,13 @@ def spoil(monkeypatch: pytest.MonkeyPatch, fail: Callable[[], None], first: int)
     """Make every box source fail from its exposure number `first` on, for four exposures."""
     true_eye = eyes.true_box_source
 
-    def spoilt(*given: object) -> eyes.BoxSource:
+    def spoilt(*given: object) -> BoxSource:
         inner, asked = true_eye(*given), iter(range(10**6))  # type: ignore[arg-type]
 
-        def look(tick: int, state: VehicleState) -> Exposure:
+        def look(tick: int, state: VehicleState, first_row: int) -> Exposure:
             if first <= next(asked) < first + 4:
                 fail()
-            return inner(tick, state)
+            return inner(tick, state, first_row)
 
         return look
 

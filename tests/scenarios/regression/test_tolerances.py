@@ -165,6 +165,16 @@ def test_a_metric_that_is_no_number_is_a_failure_and_told_first(before: float, a
     assert len(change_lines(found)) == 2
 
 
+def test_a_backend_that_depends_on_the_machine_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = folder / "ride.json"
+    words = [str(folder / "short.yaml"), "--accept", "--set", "detection.backend=fastest"]
+    assert main(["regress", *words, "--baseline", str(path)]) == 2
+    assert not path.exists()
+    assert "detection.backend must be named in a baseline, got fastest" in capsys.readouterr().err
+
+
 def test_a_missing_baseline_is_refused(tmp_path: Path) -> None:
     assert main(["regress", "--baseline", str(tmp_path / "none.json")]) == 2
 

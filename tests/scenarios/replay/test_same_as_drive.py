@@ -9,6 +9,7 @@ import numpy as np
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perceptions.camera import build_estimator, load_detector
+from foreride.scenarios.perceptions.image_band import image_band
 from foreride.scenarios.replay.playback import replay
 from foreride.scenarios.replay.recording import RecordedImage, Signals
 from foreride.scenarios.simulation.simulate import Run, simulate
@@ -35,12 +36,11 @@ def test_the_preview_is_that_of_the_drive() -> None:
     step = 1000 // scenario.control.rate_hz
     sampled = {name: values[::step] for name, values in run.signals.items()}
     detector = load_detector(scenario)
+    estimator = build_estimator(scenario, detector.calibration)
+    band = image_band(scenario, estimator.mount, detector)
+    assert band.first_row == 128
     result = replay(
-        Signals(sampled["time_s"], sampled, 0.0),
-        losslessly(run),
-        scenario,
-        build_estimator(scenario, detector.calibration),
-        detector,
+        Signals(sampled["time_s"], sampled, 0.0), losslessly(run), scenario, estimator, detector, band
     )
     assert len(result.looks) == len(run.looks)
     count = len(run.previews)
