@@ -25,6 +25,7 @@ class Estimate:
     road_velocity: (wheels,) its rate of change as the wheel moves along, m/s.
     speed_m_s: forward speed.
     faults: names of the present faults (sensors, timing); empty if there are none.
+    forward_acc: commanded forward acceleration, m/s²; 0 where the controllers do not know it.
     contact: (wheels,) False while a wheel is off the ground; its `road_height` is then an upper bound.
     """
 
@@ -35,6 +36,7 @@ class Estimate:
     speed_m_s: float
     contact: np.ndarray
     faults: tuple[str, ...] = ()
+    forward_acc: float = 0.0
 
     def is_finite(self) -> bool:
         """Whether all numbers of the estimate are finite."""

@@ -14,6 +14,9 @@ from foreride.files.jit import njit
 
 _DOUBLE = np.dtype(float)
 
+PREVIEW_M = 10.0
+"""Length of the road ahead that controllers of dampers are given."""
+
 
 class Profile(Protocol):
     """Effective road height (m) as a function of position x (m), for example a `WheelProfile`."""
@@ -142,8 +145,23 @@ def _in_range(distance: Any, height: Any, position_sigma: Any, height_sigma: Any
     return True
 
 
+def within(preview: RoadPreview, ahead_m: float) -> RoadPreview:
+    """The part of a preview up to a distance ahead."""
+    count = int(np.searchsorted(preview.distance_m, ahead_m + 1e-9))
+    if count >= len(preview.distance_m):
+        return preview
+    return replace(
+        preview,
+        distance_m=preview.distance_m[:count],
+        height_m=preview.height_m[:, :count].copy(),
+        position_sigma_m=preview.position_sigma_m[:, :count].copy(),
+        height_sigma_m=preview.height_sigma_m[:, :count].copy(),
+        existence=preview.existence[:, :count].copy(),
+    )
+
+
 @lru_cache(maxsize=8)
-def distance_grid(behind_m: float = 0.5, ahead_m: float = 10.0, step_m: float = 0.025) -> np.ndarray:
+def distance_grid(behind_m: float = 0.5, ahead_m: float = PREVIEW_M, step_m: float = 0.025) -> np.ndarray:
     """Distances of a preview grid, from `-behind_m` to `ahead_m`, both included; read-only."""
     grid = np.arange(-round(behind_m / step_m), round(ahead_m / step_m) + 1) * step_m
     grid.setflags(write=False)

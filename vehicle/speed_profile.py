@@ -18,6 +18,8 @@ from foreride.vehicle.clock import STEP_S
 
 Array = NDArray[np.float64]
 MAX_SPEED_M_S = 100.0
+LEAST_SPEED_M_S = 0.5
+"""Least speed of a planned drive, so that it ends."""
 Speed = Annotated[float, Interval(ge=0.0, le=MAX_SPEED_M_S), "m/s"]
 
 
@@ -47,13 +49,14 @@ class ConstantSpeed(Checked):
 class SpeedProfile(Checked):
     """Piecewise constant acceleration between points, constant speed after the last one.
 
-    times_s: (n,) ascending, from 0. speeds_m_s: (n,). start_m: position at time 0. Positions are functions of
-    the tick, not sums over ticks, so they do not drift.
+    times_s: (n,) ascending, from 0. speeds_m_s: (n,). start_m: position at time 0, which is at `start_tick`.
+    Positions are functions of the tick, not sums over ticks, so they do not drift.
     """
 
     times_s: tuple[float, ...]
     speeds_m_s: tuple[Speed, ...]
     start_m: float = 0.0
+    start_tick: int = 0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -91,9 +94,20 @@ class SpeedProfile(Checked):
 
     def ahead(self, x_m: float, tick: int, ticks: int) -> MotionSamples:
         """Return the motion over the next `ticks` from `tick` on."""
-        edges = np.arange(tick, tick + ticks + 1, dtype=np.float64)
+        first = tick - self.start_tick
+        edges = np.arange(first, first + ticks + 1, dtype=np.float64)
         position, speed, acceleration = self.at(edges * STEP_S)
         return MotionSamples(position, self.at((edges[:-1] + 0.5) * STEP_S)[0], speed, acceleration)
+
+
+def jerk_profile(
+    speed_m_s: float, acceleration_m_s2: Array, interval_s: float, start_m: float, start_tick: int
+) -> SpeedProfile:
+    """Profile from a speed through accelerations (n + 1,) at the ends of equal intervals, linear between."""
+    change = 0.5 * (acceleration_m_s2[1:] + acceleration_m_s2[:-1]) * interval_s
+    speeds = np.maximum(speed_m_s + np.concatenate([[0.0], np.cumsum(change)]), LEAST_SPEED_M_S)
+    times = interval_s * np.arange(len(speeds))
+    return SpeedProfile(tuple(times.tolist()), tuple(speeds.tolist()), start_m, start_tick)
 
 
 Motion = ConstantSpeed | SpeedProfile

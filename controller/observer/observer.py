@@ -81,10 +81,15 @@ class Observer:
         """The frame of the estimates."""
         return self._plane
 
-    def update(self, checked: ValidatedReading, command: np.ndarray) -> Estimate:
-        """Process a reading and the command that acted until then; return the present estimate."""
+    def update(
+        self, checked: ValidatedReading, command: np.ndarray, forward_acc: float | None = None
+    ) -> Estimate:
+        """Process a reading and the command that acted until then; return the present estimate.
+
+        forward_acc: commanded longitudinal acceleration, m/s²; None where it is not known.
+        """
         w, measurement = self._wheels, checked.measurement
-        previous_speed, speed_m_s = self._speed, self._smooth_speed(float(measurement.speed_m_s))
+        previous_speed, speed_m_s = self._speed, self._smooth_speed(float(measurement.speed_m_s), forward_acc)
         faster = self._relative_change(previous_speed, speed_m_s)
         acceleration, deflection_variance = self._follow_motion(checked, speed_m_s)
         self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
@@ -104,6 +109,7 @@ class Observer:
             speed_m_s=speed_m_s,
             contact=contact,
             faults=checked.faults,
+            forward_acc=forward_acc or 0.0,
         )
 
     def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
@@ -204,11 +210,14 @@ class Observer:
             return -1.0
         return speed_m_s / max(previous, LEAST_SPEED_M_S) - 1.0
 
-    def _smooth_speed(self, measured: float) -> float:
+    def _smooth_speed(self, measured: float, forward_acc: float | None) -> float:
         """Low-pass filtered speed; the lag of a faster filter gives the forward acceleration."""
         if self._speed is None:
             self._speed = self._recent_speed = measured
         self._forward_acc = (measured - self._recent_speed) / FORWARD_FILTER_S
+        if forward_acc is not None:
+            self._forward_acc = forward_acc
+            self._speed += forward_acc * self._period_s
         self._recent_speed += min(1.0, self._period_s / FORWARD_FILTER_S) * (measured - self._recent_speed)
         self._speed += min(1.0, self._period_s / SPEED_FILTER_S) * (measured - self._speed)
         return self._speed

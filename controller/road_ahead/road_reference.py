@@ -65,7 +65,7 @@ class RoadReference:
         self._alignments = {leader: PreviewAlignment(leader) for leader in self._leaders}
         self._credibility = Credibility(self._settings.credibility)
         self._previous: Estimate | None = None
-        self._speed = 0.0
+        self._speed = self._forward_acc = 0.0
         self._has_preview = False
         self._times_s, self._slope_travel = np.zeros(0), np.zeros(0)
         self._set_preview(None)
@@ -79,6 +79,7 @@ class RoadReference:
         with the preview.
         """
         self._speed = estimate.speed_m_s if estimate.speed_m_s > _STANDSTILL_M_S else 0.0
+        self._forward_acc = estimate.forward_acc if self._speed else 0.0
         for alignment in self._alignments.values():
             alignment.record_road(estimate)
         previous = self._previous
@@ -129,6 +130,7 @@ class RoadReference:
         out = np.empty((self._hypotheses, self._wheels, len(times_s)))
         _ahead(
             self._speed,
+            self._forward_acc,
             times_s,
             self._slope_travel,
             self._grid,
@@ -239,6 +241,7 @@ def _anchor(
 @njit
 def _ahead(
     speed: float,
+    forward_acc: float,
     times_s: Any,
     slope_travel: Any,
     grid: Any,
@@ -248,7 +251,7 @@ def _ahead(
     out: Any,
 ) -> None:
     """Write the heights (roads, wheels, n) at times after the last update."""
-    distances = speed * times_s
+    distances = (speed + 0.5 * forward_acc * times_s) * times_s
     for k in range(len(previewed)):
         interpolate_rows(distances, grid, previewed[k], out[k])
         for wheel in range(previewed.shape[1]):

@@ -55,6 +55,7 @@ def bound(scenario: Scenario) -> Optimum:
 
 def drive_inputs(scenario: Scenario) -> DriveInputs:
     """External inputs of the scenario's drive, for `controller.clairvoyant.single_shooting`."""
+    scenario.require_given_speed("the bound")
     car, control, count = scenario.true_car, scenario.control, scenario.ticks
     profiles = wheel_profiles(scenario)
     plant = Plant(car)

@@ -8,11 +8,13 @@ from annotated_types import Interval
 
 from foreride.controller.interface import Timing
 from foreride.controller.settings import ControllerSettings
+from foreride.controller.speed.settings import PreviewPlanner, SpeedPlanner
 from foreride.detector.box_errors import BoxErrors
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Seed
 from foreride.files.writing.names import check_name
+from foreride.preview.road_preview import PREVIEW_M
 from foreride.preview.settings import Settings as EstimatorSettings
 from foreride.road.camera.pinhole import Camera, CameraMount
 from foreride.road.render.appearance import Appearance
@@ -132,7 +134,8 @@ class Scenario(Checked):
     """Scenario of one drive: road, car, speed, sensors, camera and control; distances in m, speed in km/h.
 
     The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
-    between them. Its centre of gravity starts at `start_m`; the run ends when the front axle reaches the
+    between them; with a `speed_planner` it cruises at `speed_kmh` and slows down for the road. Its centre of
+    gravity starts at `start_m`; the run ends when the front axle reaches the
     road's end. Controllers know the car as `vehicle`; the simulated one differs from it by `plant`.
     `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the quantities of
     detected objects that are replaced by the truth, to measure the cost of errors. `memory` is the
@@ -147,6 +150,7 @@ class Scenario(Checked):
     vehicle: Vehicle
     start_m: Annotated[float, Interval(ge=0.0, le=100_000.0), "m"] = 2.0
     speed: tuple[SpeedPoint, ...] = ()
+    speed_planner: SpeedPlanner | None = None
     plant: PlantDifference = field(default_factory=PlantDifference)
     enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
@@ -168,6 +172,8 @@ class Scenario(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_name("name", self.name)
+        if self.speed and self.speed_planner:
+            raise InputError("speed_planner must be left out where speed gives the speed over the drive")
         try:
             assert self.true_car
         except InputError as error:
@@ -205,10 +211,26 @@ class Scenario(Checked):
         """Forward motion over the drive: a constant speed, m/s, or a speed profile."""
         return profile(self.speed_kmh, self.start_m, self.speed) if self.speed else self.speed_m_s
 
+    def require_given_speed(self, what: str) -> None:
+        """Raise InputError if the speed is planned during the drive, for a use that must know it before."""
+        if self.speed_planner:
+            raise InputError(f"speed_planner must be left out for {what}, which needs the speed beforehand")
+
+    @property
+    def end_m(self) -> float:
+        """Position of the centre of gravity at which the front axle reaches the road's end."""
+        return self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+
+    @property
+    def preview_m(self) -> float:
+        """Length of the road ahead that perceptions preview."""
+        planner = self.speed_planner
+        return max(PREVIEW_M, planner.sight_m) if isinstance(planner, PreviewPlanner) else PREVIEW_M
+
     @property
     def ticks(self) -> int:
-        """Length of the run in plant ticks."""
-        end = self.road.length_m - max(self.vehicle.parameters.axle_x_m)
+        """Length of the run in plant ticks; with a speed planner, of one at the cruising speed."""
+        end = self.end_m
         if isinstance(self.motion, SpeedProfile):
             return int(self.motion.time_at(end) * TICKS_PER_SECOND)
         distance = end - self.start_m

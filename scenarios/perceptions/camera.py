@@ -15,6 +15,7 @@ from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.memory_file import read as read_memory
+from foreride.preview.road_preview import distance_grid
 from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
 from foreride.road.render.outline_boxes import outline_boxes
@@ -74,6 +75,7 @@ def build_estimator(scenario: Scenario, calibration: Calibration = DEFAULT_CALIB
         car.wheel_y_m,
         scenario.estimator,
         x_m=scenario.start_m,
+        distance_m=distance_grid(ahead_m=scenario.preview_m),
         memory=_memory(scenario),
         stereo_base_m=setup.stereo_base_m,
         calibration=calibration,

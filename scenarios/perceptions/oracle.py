@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from foreride.preview.road_preview import RoadPreview, oracle_preview
+from foreride.preview.road_preview import PREVIEW_M, RoadPreview, distance_grid, oracle_preview
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
@@ -21,11 +21,18 @@ from foreride.vehicle.state import VehicleState
 class OraclePerception(Perception):
     """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
 
-    def __init__(self, believed: Sequence[WheelProfile], car: Car, errors: OracleErrors):
+    def __init__(
+        self,
+        believed: Sequence[WheelProfile],
+        car: Car,
+        errors: OracleErrors,
+        ahead_m: float = PREVIEW_M,
+    ):
         super().__init__()
         self._believed, self._errors = believed, errors
         self._exact = errors == OracleErrors()
         self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
+        self._grid = distance_grid(ahead_m=ahead_m)
         self._speed_m_s = 0.0
         self._travelled_m = 0.0
         self._views: deque[tuple[float, float, float]] = deque()
@@ -40,7 +47,7 @@ class OraclePerception(Perception):
         errors = self._errors
         if errors.latency_s > 0.0:
             x_m = self._carried_forward(time_s, x_m)
-        believed = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s)
+        believed = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s, self._grid)
         seen = self._frame.relative(believed, state)
         if self._exact:
             return seen
@@ -70,10 +77,10 @@ def build_oracle(drive: Drive) -> OraclePerception:
     scenario, car = drive.scenario, drive.scenario.vehicle.parameters
     errors = scenario.oracle
     if errors.miss_probability == errors.false_per_100m == 0.0:
-        return OraclePerception(drive.profiles, car, errors)
+        return OraclePerception(drive.profiles, car, errors, scenario.preview_m)
     believed = believed_road(scenario.road, car.track_m, errors, drive.random_stream("oracle"))
     tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m}
-    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors)
+    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors, scenario.preview_m)
 
 
 def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.random.Generator) -> Road:

@@ -12,7 +12,8 @@ from foreride.controller.observer.exact_observer import ExactObserver
 from foreride.controller.observer.observer import Observer
 from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.controller.registry import build
-from foreride.preview.road_preview import RoadPreview
+from foreride.controller.speed.control import SpeedControl
+from foreride.preview.road_preview import PREVIEW_M, RoadPreview, within
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.perceptions.interface import Event, Perception
@@ -79,7 +80,12 @@ class MultirateLoop:
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
         self._open_loop = False
-        if isinstance(self._controller, Constant) and not perception_entry(case.perception).has_estimator:
+        self._speed: SpeedControl | None = None
+        if scenario.speed_planner:
+            costs = scenario.speed_planner, known, scenario.speed_m_s, scenario.tyre_load_weight
+            self._speed, self._end_m = SpeedControl(*costs, timing.period_s), scenario.end_m
+        has_estimator = perception_entry(case.perception).has_estimator
+        if isinstance(self._controller, Constant) and not (has_estimator or self._speed):
             self._open_loop = True
             self._waiting.append((self._delay, self._controller.command))
         self.estimates: list[Estimate] = []
@@ -143,11 +149,13 @@ class MultirateLoop:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
         checked = self._watch.check(self._faults.reading(self.sensors.measure(state)))
         self._perception.sense(checked.measurement)
+        forward_acc = self._speed.forward_acc if self._speed else None
         if self.observer is None:
-            return self._exact.update(replace(state, x=state.x[: self._states]))
+            estimate = self._exact.update(replace(state, x=state.x[: self._states]))
+            return replace(estimate, forward_acc=forward_acc or 0.0)
         known, period_s = self._known_valves, 1.0 / self._rate_hz
         acting = self._command if known.ideal else known.advance(self._command, period_s)
-        estimate = self.observer.update(checked, acting)
+        estimate = self.observer.update(checked, acting, forward_acc)
         self.estimates.append(estimate)
         return estimate
 
@@ -156,9 +164,21 @@ class MultirateLoop:
         preview = self._faults.preview(self._perception.preview(time_s, state), time_s)
         if preview is not None and due(tick, preview_log.RATE_HZ):
             self.seen.append(preview_log.decimated(preview, self._wheel))
+        if self._speed:
+            estimate = self._plan_speed(tick, estimate, preview)
+            preview = None if preview is None else within(preview, PREVIEW_M)
         if self._faults.late(time_s):
             estimate = replace(estimate, faults=(*estimate.faults, LATE_ANSWER))
         return Decision(time_s, estimate, preview)
+
+    def _plan_speed(self, tick: int, estimate: Estimate, preview: RoadPreview | None) -> Estimate:
+        """Have the car follow the planned speed; return the estimate with the acceleration that begins."""
+        assert self._speed
+        profile = self._speed.step(estimate, preview, tick, self._plant.state)
+        if profile is not None:
+            self._plant.follow(profile)
+            self._total = tick + int(profile.time_at(self._end_m) * TICKS_PER_SECOND)
+        return replace(estimate, forward_acc=self._speed.forward_acc)
 
     def _command_of_controller(self, decision: Decision) -> np.ndarray:
         command = self._controller.step(decision.estimate, decision.preview)

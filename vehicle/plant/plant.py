@@ -89,6 +89,11 @@ class Plant:
         self._finish_segment()
         self._prepare(value, self._x_m)
 
+    def follow(self, profile: SpeedProfile) -> None:
+        """Drive by this profile from the present tick on, at which it starts at the present place."""
+        self._finish_segment()
+        self._prepare(profile, self._x_m)
+
     @property
     def _x_m(self) -> float:
         return float(self._stretch.edges_m[self._driven_ticks])

@@ -1,0 +1,1 @@
+"""Speed planning: the speed of the car over the road ahead, for ride comfort against trip time."""

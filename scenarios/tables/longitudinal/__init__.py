@@ -1,0 +1,1 @@
+"""Studies of braking: speed planned for comfort, and stopping on rough roads."""

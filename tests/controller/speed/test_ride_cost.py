@@ -1,0 +1,58 @@
+"""Ride cost of road pieces: their sum is the cost of the whole drive, however the road is cut."""
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from foreride.controller.speed.ride_cost import PIECE_M, RideCost, _system, expected_heights
+from foreride.preview.road_preview import RoadPreview, distance_grid
+from tests.vehicle.plant.short_drives import HALF
+
+SPEEDS = np.array([4.0, 9.0])
+
+
+def bump(ahead_m: float = 12.0) -> np.ndarray:
+    at_m = PIECE_M * np.arange(round(ahead_m / PIECE_M) + 1)
+    front = 0.06 * np.sin(np.pi * np.clip((at_m - 3.0) / 1.2, 0.0, 1.0))
+    return np.array([front, np.interp(at_m - 2.7, at_m, front)])
+
+
+def test_pieces_sum_to_the_integrated_cost_of_the_drive() -> None:
+    """The vibration after the road's end included."""
+    heights = bump()
+    cost = RideCost(HALF, SPEEDS, 3.0)(heights)
+    a, c = _system(HALF, 3.0)
+    w, at_m = 2, PIECE_M * np.arange(heights.shape[1])
+    for speed, found in zip(SPEEDS, cost.sum(axis=0), strict=True):
+
+        def rates(t: float, y: np.ndarray, speed: float = speed) -> np.ndarray:
+            piece = min(int(speed * t / PIECE_M + 1e-9), heights.shape[1] - 2)
+            slope = speed * (heights[:, piece + 1] - heights[:, piece]) / PIECE_M
+            moving = speed * t < at_m[-1]
+            height = [np.interp(speed * t, at_m, row) for row in heights]
+            z = np.concatenate([y[: len(a) - 2 * w], height, slope * moving])
+            return np.append((a @ z)[: len(a) - 2 * w], np.sum((c @ z) ** 2))
+
+        end_s = at_m[-1] / speed + 6.0
+        solved = solve_ivp(
+            rates, (0.0, end_s), np.zeros(len(a) - 2 * w + 1), max_step=0.5 * PIECE_M / speed, rtol=1e-6
+        )
+        np.testing.assert_allclose(found, solved.y[-1, -1], rtol=0.01)
+
+
+def test_cost_is_charged_where_the_road_excites_the_car() -> None:
+    cost = RideCost(HALF, SPEEDS, 3.0)(bump())
+    at_m = PIECE_M * (np.arange(len(cost)) + 0.5)
+    on_bump = ((at_m > 2.9) & (at_m < 4.3)) | ((at_m > 5.6) & (at_m < 7.0))
+    np.testing.assert_allclose(cost[~on_bump], 0.0, atol=1e-9)
+    assert (cost.sum(axis=0) > 0.0).all()
+
+
+def test_a_flat_or_level_road_costs_nothing() -> None:
+    np.testing.assert_allclose(RideCost(HALF, SPEEDS, 3.0)(np.full((2, 50), 0.3)), 0.0, atol=1e-12)
+
+
+def test_expected_heights_have_the_expected_square() -> None:
+    grid = distance_grid(ahead_m=12.0)
+    one = np.ones((2, len(grid)))
+    preview = RoadPreview(0.0, grid, -0.08 * one, 0.0 * one, 0.06 * one, 0.25 * one)
+    np.testing.assert_allclose(expected_heights(preview, 10.0), -0.05)
