@@ -14,6 +14,8 @@ from foreride.files.errors import InputError
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked, Seed
 from foreride.files.writing.names import check_name
+from foreride.preview.elevation.range_sensor import LidarSolidState, Sensor
+from foreride.preview.elevation.settings import ElevationSettings
 from foreride.preview.road_preview import PREVIEW_M
 from foreride.preview.settings import Settings as EstimatorSettings
 from foreride.road.camera.pinhole import Camera, CameraMount
@@ -102,6 +104,17 @@ class MapSetup(Checked):
 
 
 @dataclass(frozen=True)
+class ElevationSetup(Checked):
+    """Range sensor and map of the perception `elevation`.
+
+    sensor: one of the presets by its `kind`, any parameter of which can be set. map: of the elevation map.
+    """
+
+    sensor: Sensor = field(default_factory=LidarSolidState)
+    map: ElevationSettings = field(default_factory=ElevationSettings)
+
+
+@dataclass(frozen=True)
 class Control(Checked):
     """Sampling rate and delay of the controller, speed of the valves, and the controllers' settings.
 
@@ -164,6 +177,7 @@ class Scenario(Checked):
     told: tuple[Literal["distance", "shape"], ...] = ()
     memory: str | None = None
     map: MapSetup | None = None
+    elevation: ElevationSetup = field(default_factory=ElevationSetup)
     appearance: Appearance = field(default_factory=Appearance)
     control: Control = field(default_factory=Control)
     tyre_load_weight: Annotated[float, Interval(ge=0.0, le=1000.0), "(m/s²)²"] = 3.0

@@ -8,7 +8,9 @@ from typing import Any
 from foreride.files.errors import InputError, shown
 from foreride.files.own_code import error_text, waiting_for
 from foreride.files.plugins import Registry
+from foreride.preview.elevation.range_sensor import PRESETS
 from foreride.scenarios.perceptions.camera import MEMORY_FILE, WEIGHTS_FILE, build_boxes, build_camera
+from foreride.scenarios.perceptions.elevation import build_elevation, preset_builder
 from foreride.scenarios.perceptions.interface import Drive, Perception, ReferencedFile
 from foreride.scenarios.perceptions.oracle import build_oracle
 from foreride.scenarios.perceptions.road_map import MAP, build_map
@@ -34,6 +36,11 @@ _OWN = {
     "none": PerceptionEntry(lambda drive: Perception(), "no preview", looks_ahead=False),
     "oracle": PerceptionEntry(build_oracle, "true road"),
     "map": PerceptionEntry(build_map, "map of the road", files=(MAP,)),
+    "elevation": PerceptionEntry(build_elevation, "elevation map", has_estimator=True),
+    **{
+        preset.kind: PerceptionEntry(preset_builder(preset), preset.__doc__.split("\n")[0], has_estimator=True)
+        for preset in PRESETS
+    },
     "boxes": PerceptionEntry(build_boxes, "true boxes with errors", files=(MEMORY_FILE,), has_estimator=True),
     "camera": PerceptionEntry(
         build_camera, "camera and detector", files=(WEIGHTS_FILE, MEMORY_FILE), has_estimator=True

@@ -1,0 +1,1 @@
+"""Simulated range measurements: rays cast on the true road."""
