@@ -12,8 +12,6 @@ from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import pose_of
 
 Array = np.ndarray
-_ON_PLANE_M = 0.01
-"""Height under a wheel from which on it is not on the road's plane."""
 
 
 class ElevationEstimator:
@@ -40,10 +38,10 @@ class ElevationEstimator:
 
     def update_motion(self, time_s: float, measurement: Measurement) -> None:
         """Process one set of sensor readings; call at the controller's rate, in order of time."""
-        under_m = self.fusion.under_wheels(self.motion.x_m)
-        state = self.motion.update(time_s, measurement, bool(np.abs(under_m).max() < _ON_PLANE_M))
+        state = self.motion.update(time_s, measurement)
         if self.motion.turn is not None:
-            self.fusion.tilt(self.motion.turn.heave_m, -self.motion.turn.pitch_rad, state.x_m)
+            heave_m, pitch = self.motion.turn
+            self.fusion.turn(heave_m - pitch * self._mount.x_m, -pitch)
 
     def update_points(self, exposure_s: float, points: Array) -> None:
         """Process the points (n, 3), in axes of the sensor (forward, left, up), measured at `exposure_s`."""

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from foreride.preview.elevation.height_map import HeightMap
+from foreride.preview.elevation.height_map import HeightMap, ScanCells
 from foreride.preview.elevation.range_sensor import RangeSensor
 from foreride.preview.elevation.scan_registration import ScanRegistration
 from foreride.preview.elevation.settings import ElevationSettings
-from foreride.preview.elevation.track_profile import smoothed
+from foreride.preview.elevation.track_profile import fitted_line, smoothed
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.road.tyre.tyre import Tyre
 
@@ -56,30 +56,23 @@ class ElevationFusion:
         self._profiles = None
         if len(cells.rows) < _MIN_CELLS:
             return
-        rows = np.stack(
-            [
-                np.ones(len(cells.rows)),
-                self.map.x_m[cells.rows] - position[0],
-                self.map.y_m[cells.columns] - position[1],
-            ],
-            axis=1,
-        )
-        registration = self.registration
-        registration.update(rows, cells.height_m, cells.variance_m2, *self.map.known(cells))
-        left_m2 = np.einsum("ki,ij,kj->k", rows, registration.covariance, rows)
+        middles = self.map.x_m[cells.rows] - position[0], self.map.y_m[cells.columns] - position[1]
+        self._insert(cells, np.stack([np.ones(len(cells.rows)), *middles], axis=1))
+
+    def _insert(self, cells: ScanCells, rows: Array) -> None:
+        """Register a scan to the map, and update its cells; rows: (n, 3) heights per unit of error."""
+        map_m, map_m2 = self.map.known(cells)
+        known, registration = np.isfinite(map_m2), self.registration
+        if known.any():
+            departure, spread = cells.height_m - map_m, cells.variance_m2 + map_m2
+            registration.update(rows[known], departure[known], spread[known])
         height_m = cells.height_m - rows @ registration.error
+        left_m2 = np.einsum("ki,ij,kj->k", rows, registration.covariance, rows)
         self.map.update(cells._replace(height_m=height_m, variance_m2=cells.variance_m2 + left_m2))
 
-    def tilt(self, heave_m: float, slope: float, x_m: float) -> None:
-        """Change of the plane to which heights refer: by `heave_m` at `x_m` and `slope` along the road."""
-        self.map.tilt(heave_m, slope, x_m)
-        self._profiles = None
-
-    def under_wheels(self, x_m: float) -> Array:
-        """(wheels,) effective heights under the wheels at this reading of the odometer."""
-        stations, heights, _ = self._tracks()
-        wheels = zip(x_m + self.axle_x_m, heights, strict=True)
-        return np.array([np.interp(x, stations, row) for x, row in wheels])
+    def turn(self, heave_m: float, slope: float) -> None:
+        """Change of the plane of the assumed poses: heights at the sensor, and their slope along the road."""
+        self.registration.shift(np.array([heave_m, slope, 0.0]))
 
     def preview(self, time_s: float, x_m: float) -> RoadPreview:
         """Preview of each wheel at this reading of the odometer."""
@@ -102,8 +95,11 @@ class ElevationFusion:
         return self._profiles
 
     def _track(self, y_m: float) -> tuple[Array, Array]:
-        height, variance = smoothed(*self.map.strip(y_m, self._settings.tyre_width_m), self._settings)
-        return self._tyre.effective_height(height, self._settings.cell_m), np.sqrt(variance)
+        settings = self._settings
+        measured, variance = self.map.strip(y_m, settings.tyre_width_m)
+        line = fitted_line(measured, variance, settings)
+        height, variance = smoothed(measured - line, variance, settings)
+        return line + self._tyre.effective_height(height, settings.cell_m), np.sqrt(variance)
 
     def _variance_m2(self, points: Array, offset: Array) -> Array:
         """Variance (n,) of the heights of points with these offsets from the sensor, in axes of the road."""

@@ -57,10 +57,6 @@ class HeightMap:
             values[len(values) - steps :] = empty
         self._first = int(np.floor(start_m / self.cell_m))
 
-    def tilt(self, heave_m: float, slope: float, x_m: float) -> None:
-        """Change of the plane to which heights refer: by `heave_m` at `x_m` and `slope` along the road."""
-        self.height_m += (heave_m + slope * (self.x_m - x_m))[:, None]
-
     def cells_of(self, points: Array, variance_m2: Array, cell_variance_m2: float) -> ScanCells:
         """Cells of the points (n, 3) of a scan, with their variances (n,) and that of a cell."""
         weight, total = _binned(

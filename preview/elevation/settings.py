@@ -18,8 +18,8 @@ class ElevationSettings(Checked):
     cell_m: length of a cell along the road. column_m: width of a cell. reach_m: length of the map ahead of the
     front axle. road_sigma_m, road_length_m: standard deviation and correlation length of the road over its
     plane, where nothing was measured. cell_sigma_m: noise of a cell's height in one scan beyond that of its
-    points. heave_sigma_m, tilt_sigma_deg: error of the ego motion's heave, pitch and roll in one scan.
-    mounting_sigma_deg: of the mounting's pitch and roll. tyre_width_m: width of the road under a tyre.
+    points. heave_sigma_m, tilt_sigma_deg: change of the ego motion's errors of heave, pitch and roll from scan to
+    scan. tyre_width_m: width of the road under a tyre.
     odometry_sigma: relative error of travelled distance.
     """
 
@@ -29,8 +29,7 @@ class ElevationSettings(Checked):
     road_sigma_m: HeightSigma = 0.02
     road_length_m: Annotated[float, Interval(ge=0.05, le=100.0), "m"] = 2.0
     cell_sigma_m: HeightSigma = 0.001
-    heave_sigma_m: HeightSigma = 0.003
-    tilt_sigma_deg: AngleSigma = 0.05
-    mounting_sigma_deg: AngleSigma = 0.3
+    heave_sigma_m: HeightSigma = 0.005
+    tilt_sigma_deg: AngleSigma = 0.1
     tyre_width_m: Annotated[float, Interval(ge=0.02, le=1.0), "m"] = 0.2
     odometry_sigma: Annotated[float, Interval(ge=1e-6, le=0.5), "1"] = 0.005

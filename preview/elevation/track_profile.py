@@ -27,6 +27,17 @@ def smoothed(height_m: Array, variance_m2: Array, settings: ElevationSettings) -
     return profile
 
 
+def fitted_line(height_m: Array, variance_m2: Array, settings: ElevationSettings) -> Array:
+    """Straight line (n,) through the measured cells of a profile; zero if there are fewer than two."""
+    known = np.isfinite(variance_m2)
+    if known.sum() < 2:
+        return np.zeros(len(height_m))
+    station = np.linspace(-1.0, 1.0, len(height_m))
+    weight = (variance_m2[known] + settings.road_sigma_m**2) ** -0.5
+    slope, level = np.polyfit(station[known], height_m[known], 1, w=weight)
+    return np.asarray(level + slope * station)
+
+
 @njit(nogil=True)
 def _smooth(measured, variance, factor, stationary, least):  # type: ignore[no-untyped-def]
     n = len(measured)

@@ -1,6 +1,7 @@
 """Elevation perceptions: a simulated LiDAR or stereo camera, and the elevation map that its points give."""
 
 from collections import deque
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -17,9 +18,10 @@ from foreride.road.road import Road
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, next_due, ticks
 from foreride.scenarios.perceptions.camera import pose, vehicle_facts
 from foreride.scenarios.perceptions.interface import Drive, Event, Perception
+from foreride.scenarios.perceptions.plane_frame import PlaneFrame
+from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
-from dataclasses import replace
 
 _BESIDE_M, _BEYOND_M = 1.0, 2.0
 """Road beside the wheels, and beyond the reach of the map, that rays may meet."""
@@ -59,8 +61,10 @@ class RangeScanner:
 class ElevationPerception(Perception):
     """Elevation-map perception: scans at the sensor's rate, whose points arrive `latency_s` later."""
 
-    def __init__(self, scanner: RangeScanner, sensor: RangeSensor, estimator: ElevationEstimator) -> None:
+    def __init__(self, scanner: RangeScanner, sensor: RangeSensor, estimator: ElevationEstimator, car: Car) -> None:
         super().__init__()
+        self._frame, self._body = PlaneFrame(car), np.zeros(len(car.corners[0].kinematic_row))
+        self._speed_m_s = 0.0
         self._scanner, self._estimator = scanner, estimator
         self._rate_hz, self._latency = sensor.rate_hz, ticks(sensor.latency_s)
         self._pending: deque[tuple[int, np.ndarray]] = deque()
@@ -92,11 +96,12 @@ class ElevationPerception(Perception):
 
     def sense(self, measurement: Measurement) -> None:
         """Update the ego motion."""
+        self._speed_m_s = measurement.speed_m_s
         self._estimator.update_motion(measurement.time_s, measurement)
 
     def preview(self, time_s: float, state: VehicleState) -> RoadPreview | None:
-        """Return the map's preview."""
-        return self._estimator.preview(time_s)
+        """Return the map's preview, over the plane that the car runs on."""
+        return self._frame.of_car(self._estimator.preview(time_s), self._speed_m_s, self._body)
 
     def stats(self) -> dict[str, Any]:
         """Return counts of scans and points."""
@@ -127,7 +132,7 @@ def build_elevation(drive: Drive, preset: type[RangeSensor] | None = None) -> El
         vehicle_facts(car, scenario.enveloping),
     )
     scanner = RangeScanner(scenario.road, sensor, drive, setup.map.reach_m)
-    return ElevationPerception(scanner, sensor, estimator)
+    return ElevationPerception(scanner, sensor, estimator, car)
 
 
 def preset_builder(preset: type[RangeSensor]) -> Any:

@@ -20,10 +20,14 @@ class PlaneFrame:
 
     def relative(self, preview: RoadPreview, state: VehicleState) -> RoadPreview:
         """Return the preview over the plane of the previewed road under the wheels so far."""
-        plane, rows, speed_m_s = self._plane, self._plane.kinematic_rows, float(state.speed_m_s)
+        return self.of_car(preview, float(state.speed_m_s), np.array(state.x[self._body_velocity], float))
+
+    def of_car(self, preview: RoadPreview, speed_m_s: float, body_velocity: np.ndarray) -> RoadPreview:
+        """As `relative`, of a car with this speed that began with these velocities (body,)."""
+        plane, rows = self._plane, self._plane.kinematic_rows
         road_m = preview.height_here_m
         if self._time_s is None:
-            plane.start(road_m, np.array(state.x[self._body_velocity], float), speed_m_s)
+            plane.start(road_m, body_velocity, speed_m_s)
         else:
             plane.advance(preview.time_s - self._time_s)
             plane.correct(road_m - rows @ plane.level, speed_m_s)
