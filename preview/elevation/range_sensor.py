@@ -156,6 +156,7 @@ class Lidar64(Lidar):
     """Spinning LiDAR with 64 beams on the roof (Velodyne HDL-64E S3)."""
 
     kind: ClassVar[str] = "lidar_64"
+    label: ClassVar[str] = "LiDAR with 64 beams"
     height_m: Annotated[float, Interval(ge=0.2, le=4.0), "m"] = 1.73
     azimuth_step_deg: AngleStep = 0.1728
     elevation_min_deg: Angle = -24.9
@@ -172,6 +173,7 @@ class LidarSolidState(Lidar):
     """Forward LiDAR behind the windscreen (Livox HAP)."""
 
     kind: ClassVar[str] = "lidar_solid_state"
+    label: ClassVar[str] = "solid-state LiDAR"
     height_m: Annotated[float, Interval(ge=0.2, le=4.0), "m"] = 1.4
     pitch_deg: Annotated[float, Interval(ge=-10.0, le=45.0), "degrees"] = 10.0
     azimuth_step_deg: AngleStep = 0.2
@@ -192,6 +194,7 @@ class Stereo30cm(RangeSensor):
     """
 
     kind: ClassVar[str] = "stereo_30cm"
+    label: ClassVar[str] = "stereo camera, base 30 cm"
     pitch_deg: Annotated[float, Interval(ge=-10.0, le=45.0), "degrees"] = 6.0
     rate_hz: Annotated[int, Interval(ge=1, le=100), "Hz"] = 20
     min_range_m: Distance = 2.0
@@ -236,4 +239,4 @@ def _offsets(pixels: int, window: int) -> Array:
 
 
 Sensor = Lidar64 | LidarSolidState | Stereo30cm
-PRESETS = (Lidar64, LidarSolidState, Stereo30cm)
+PRESETS: tuple[type[Sensor], ...] = (Lidar64, LidarSolidState, Stereo30cm)

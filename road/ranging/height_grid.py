@@ -34,7 +34,9 @@ class HeightGrid:
         """Heights from before `start_m` to beyond `end_m`."""
         block_m = _BLOCK_ROWS * STEP_M
         first, last = int(np.floor(start_m / block_m)), int(np.ceil(end_m / block_m))
-        self._blocks = {k: self._blocks[k] if k in self._blocks else self._block(k) for k in range(first, last)}
+        self._blocks = {
+            k: self._blocks[k] if k in self._blocks else self._block(k) for k in range(first, last)
+        }
         height = np.concatenate(list(self._blocks.values()))
         tops = height.reshape(len(height) // SLAB_ROWS, -1).max(axis=1)
         tops[:-1] = np.maximum(tops[:-1], tops[1:])  # interpolation reaches into the next slab

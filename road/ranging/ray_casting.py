@@ -16,7 +16,9 @@ _SAMPLES = 3
 _SLAB_M = SLAB_ROWS * STEP_M
 
 
-def cast(window: HeightWindow, position: Array, rotation: Array, directions: Array, footprint_rad: float) -> Array:
+def cast(
+    window: HeightWindow, position: Array, rotation: Array, directions: Array, footprint_rad: float
+) -> Array:
     """Ranges (n,), m, along `directions` (n, 3) of a sensor at this position and attitude; nan without a hit.
 
     footprint_rad: vertical angle over which a measurement averages.

@@ -1,6 +1,7 @@
 """Elevation perceptions: a simulated LiDAR or stereo camera, and the elevation map that its points give."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
@@ -11,7 +12,6 @@ import numpy as np
 from foreride.preview.elevation.estimator import ElevationEstimator
 from foreride.preview.elevation.range_sensor import RangeSensor
 from foreride.preview.road_preview import RoadPreview
-from foreride.road.camera.pinhole import CameraMount
 from foreride.road.ranging.height_grid import HeightGrid
 from foreride.road.ranging.ray_casting import cast
 from foreride.road.road import Road
@@ -61,7 +61,9 @@ class RangeScanner:
 class ElevationPerception(Perception):
     """Elevation-map perception: scans at the sensor's rate, whose points arrive `latency_s` later."""
 
-    def __init__(self, scanner: RangeScanner, sensor: RangeSensor, estimator: ElevationEstimator, car: Car) -> None:
+    def __init__(
+        self, scanner: RangeScanner, sensor: RangeSensor, estimator: ElevationEstimator, car: Car
+    ) -> None:
         super().__init__()
         self._frame, self._body = PlaneFrame(car), np.zeros(len(car.corners[0].kinematic_row))
         self._speed_m_s = 0.0
@@ -135,6 +137,6 @@ def build_elevation(drive: Drive, preset: type[RangeSensor] | None = None) -> El
     return ElevationPerception(scanner, sensor, estimator, car)
 
 
-def preset_builder(preset: type[RangeSensor]) -> Any:
+def preset_builder(preset: type[RangeSensor]) -> Callable[[Drive], ElevationPerception]:
     """Builder of the perception with a preset of its sensor."""
     return partial(build_elevation, preset=preset)

@@ -38,7 +38,7 @@ _OWN = {
     "map": PerceptionEntry(build_map, "map of the road", files=(MAP,)),
     "elevation": PerceptionEntry(build_elevation, "elevation map", has_estimator=True),
     **{
-        preset.kind: PerceptionEntry(preset_builder(preset), preset.__doc__.split("\n")[0], has_estimator=True)
+        preset.kind: PerceptionEntry(preset_builder(preset), preset.label, has_estimator=True)
         for preset in PRESETS
     },
     "boxes": PerceptionEntry(build_boxes, "true boxes with errors", files=(MEMORY_FILE,), has_estimator=True),
