@@ -26,7 +26,8 @@ MAY_IMPORT: dict[str, set[str]] = {
 TORCH_ROOMS = {"detector.network", "detector.training", "detector.export"}
 """Rooms in which PyTorch may be imported; a drive and an evaluation need none of them."""
 TRUE_ROAD = {
-    "road.road", "road.features", "road.roughness", "road.ranging", "road.render", "road.summary", "road.dataset",
+    "road.road", "road.features", "road.roughness", "road.ranging", "road.render", "road.summary",
+    "road.dataset",
 }  # fmt: skip
 """What the estimator may not see: the road as it is."""
 MAX_FILES = 15

@@ -38,7 +38,7 @@ class ElevationEstimator:
 
     def update_motion(self, time_s: float, measurement: Measurement) -> None:
         """Process one set of sensor readings; call at the controller's rate, in order of time."""
-        state = self.motion.update(time_s, measurement)
+        self.motion.update(time_s, measurement)
         if self.motion.turn is not None:
             heave_m, pitch = self.motion.turn
             self.fusion.turn(heave_m - pitch * self._mount.x_m, -pitch)

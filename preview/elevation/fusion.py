@@ -1,4 +1,4 @@
-"""Elevation fusion: points of a range sensor with its assumed poses, to a map and the preview of each wheel."""
+"""Elevation fusion: points of a range sensor, with its assumed poses, to a map and previews."""
 
 import numpy as np
 
@@ -87,7 +87,7 @@ class ElevationFusion:
         return RoadPreview(time_s, distance, height, np.tile(position, (len(x), 1)), sigma, existence, age)
 
     def _tracks(self) -> tuple[Array, Array, Array]:
-        """Stations (n,), effective heights and standard deviations (wheels, n) of the tracks of all wheels."""
+        """Stations (n,), effective heights and standard deviations (wheels, n) of all tracks."""
         if self._profiles is None:
             by_y = {y: self._track(y) for y in dict.fromkeys(self.wheel_y_m.tolist())}
             heights, sigmas = (np.stack([by_y[y][k] for y in self.wheel_y_m.tolist()]) for k in (0, 1))

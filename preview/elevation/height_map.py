@@ -24,7 +24,7 @@ class ScanCells(NamedTuple):
 
 
 class HeightMap:
-    """Map of `length_m`, between lateral positions `right_m` and `left_m`, from odometer reading `start_m`."""
+    """Map of `length_m` from odometer reading `start_m`, between lateral positions `right_m` and `left_m`."""
 
     def __init__(
         self, start_m: float, length_m: float, right_m: float, left_m: float, settings: ElevationSettings

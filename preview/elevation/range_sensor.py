@@ -6,10 +6,10 @@ Sources of the presets:
   -24.9°, 0.17° of azimuth at 10 Hz, < 2 cm (one sigma), 2 mrad; angular error after calibration: Glennie &
   Lichti, Remote Sensing 2(6), 2010. On the roof at 1.73 m, as in Geiger et al., Int. J. Robotics Research
   32(11), 2013.
-* lidar_solid_state: forward LiDAR behind the windscreen; Livox HAP (TX), user manual 2022: 120° x 25°, 452 000
-  points/s, 10 Hz, < 2 cm at 20 m and < 0.1° (one sigma), beam 0.03° x 0.28°.
-* stereo_30cm: pair of 1280 x 960 px over 50° (of automotive stereo video cameras), 30 cm apart; disparity error
-  of semi-global matching, 0.2 px of each window: Hirschmüller & Gehrig, IEEE CVPR 2009.
+* lidar_solid_state: forward LiDAR behind the windscreen; Livox HAP (TX), user manual 2022: 120° x 25°, 452
+  000 points/s, 10 Hz, < 2 cm at 20 m and < 0.1° (one sigma), beam 0.03° x 0.28°.
+* stereo_30cm: pair of 1280 x 960 px over 50° (of automotive stereo video cameras), 30 cm apart; disparity
+  error of semi-global matching, 0.2 px of each window: Hirschmüller & Gehrig, IEEE CVPR 2009.
 """
 
 from dataclasses import dataclass
@@ -161,7 +161,7 @@ class Lidar64(Lidar):
     azimuth_step_deg: AngleStep = 0.1728
     elevation_min_deg: Angle = -24.9
     elevation_max_deg: Angle = 2.0
-    elevation_step_deg: AngleStep = 0.427
+    elevation_step_deg: AngleStep = 0.4269
     angle_sigma_deg: AngleSigma = 0.02
     beam_deg: Annotated[float, Interval(ge=0.0, le=2.0), "degrees"] = 0.115
     min_range_m: Distance = 0.9

@@ -1,8 +1,9 @@
 """Registration of a scan to the map: heave, pitch and roll errors of the sensor's assumed pose.
 
-A pitch error of 0.1° lifts the road 10 m ahead by 17 mm. The plane between a scan and the map, where both know
-the road, measures the errors of mounting and ego motion together; a Kalman filter follows them. The first scan
-thus fixes the frame of the map, which neither the errors of the ego motion nor its changes of plane move.
+A pitch error of 0.1° lifts the road 10 m ahead by 17 mm. The plane between a scan and the map, where both
+know the road, measures the errors of mounting and ego motion together; a Kalman filter follows them. The
+first scan thus fixes the frame of the map, which neither the errors of the ego motion nor its changes of
+plane move.
 """
 
 import numpy as np

@@ -15,12 +15,12 @@ AngleSigma = Annotated[float, Interval(ge=1e-4, le=5.0), "degrees"]
 class ElevationSettings(Checked):
     """Settings of the elevation map.
 
-    cell_m: length of a cell along the road. column_m: width of a cell. reach_m: length of the map ahead of the
-    front axle. road_sigma_m, road_length_m: standard deviation and correlation length of the road over its
-    plane, where nothing was measured. cell_sigma_m: noise of a cell's height in one scan beyond that of its
-    points. heave_sigma_m, tilt_sigma_deg: change of the ego motion's errors of heave, pitch and roll from scan to
-    scan. tyre_width_m: width of the road under a tyre.
-    odometry_sigma: relative error of travelled distance.
+    cell_m: length of a cell along the road. column_m: width of a cell. reach_m: length of the map ahead of
+    the front axle. road_sigma_m, road_length_m: standard deviation and correlation length of the road over
+    its plane, where nothing was measured. cell_sigma_m: noise of a cell's height in one scan beyond that of
+    its points. heave_sigma_m, tilt_sigma_deg: change of the ego motion's errors of heave, pitch and roll from
+    scan to scan. tyre_width_m: width of the road under a tyre. odometry_sigma: relative error of travelled
+    distance.
     """
 
     cell_m: Annotated[float, Interval(ge=0.01, le=0.5), "m"] = 0.05

@@ -1,9 +1,9 @@
 """Road profile along one wheel track: a smoother of the cells, which also fills those never seen.
 
-The road over its plane is an Ornstein-Uhlenbeck process, which is a random walk as ISO 8608's spectrum at short
-wavelengths. Its steps have a wide distribution (roughness and the edges of obstacles): their variances are
-estimated with them, by iteratively reweighted smoothing (Rauch-Tung-Striebel), so that noise is averaged on a
-plain road and edges stay sharp.
+The road over its plane is an Ornstein-Uhlenbeck process, which is a random walk as ISO 8608's spectrum at
+short wavelengths. Its steps have a wide distribution (roughness and the edges of obstacles): their variances
+are estimated with them, by iteratively reweighted smoothing (Rauch-Tung-Striebel), so that noise is averaged
+on a plain road and edges stay sharp.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ _LEAST_STEP_M2_M = 2e-5
 
 
 def smoothed(height_m: Array, variance_m2: Array, settings: ElevationSettings) -> tuple[Array, Array]:
-    """Heights and variances (n,) of a profile of cells, of those measured; infinite variance: not measured."""
+    """Heights and variances (n,) of a profile, of those of its cells; an infinite one: not measured."""
     factor = float(np.exp(-settings.cell_m / settings.road_length_m))
     stationary = settings.road_sigma_m**2
     profile: tuple[Array, Array] = _smooth(

@@ -14,6 +14,7 @@ TABLES = {
     "random_roads": "controllers on random roads that nothing was tuned on",
     "robustness": "controllers on cars, valves and sensors that differ from what they know",
     "speed": "speed planned with the damper on random roads: comfort against time lost",
+    "sensors": "what each sensor of the road ahead is worth on random roads",
     "wrong_previews": "random drives with wrong previews, against the supervisor's gate",
 }
 _ROOMS = {"speed": "longitudinal."}

@@ -11,6 +11,7 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.comparison.parallel import each_result
 from foreride.scenarios.definition.overrides import Override
 from foreride.scenarios.random_roads.events import event_scenario
+from foreride.scenarios.random_roads.survey_map import surveyed
 from foreride.scenarios.runs.write import scenario_hash
 
 Row = Mapping[str, Any]
@@ -61,7 +62,8 @@ def simulated(
 
 def _row(drive: Drive, overrides: Mapping[str, Sequence[Override]]) -> dict[str, Any]:
     scenario = event_scenario(drive.event, overrides[drive.line.condition])
-    run = simulate_case(Case(scenario, drive.line.controller, drive.line.perception, drive.seed))
+    with surveyed(scenario, drive.line.perception, drive.event) as mapped:
+        run = simulate_case(Case(mapped, drive.line.controller, drive.line.perception, drive.seed))
     return {
         "event": drive.event, "seed": drive.seed, **drive.line._asdict(),
         "scenario_hash": scenario_hash(scenario), "metrics": run.metrics,

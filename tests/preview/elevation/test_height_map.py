@@ -1,0 +1,72 @@
+"""Tests of the elevation map: Kalman filters of cells that move with the car."""
+
+import numpy as np
+import pytest
+
+from foreride.preview.elevation.height_map import HeightMap
+from foreride.preview.elevation.settings import ElevationSettings
+
+SETTINGS = ElevationSettings()
+
+
+def new_map(start_m: float = 0.0) -> HeightMap:
+    return HeightMap(start_m, 10.0, -1.0, 1.0, SETTINGS)
+
+
+def at(
+    point: tuple[float, float, float], sigma_m: float = 0.01, count: int = 1
+) -> tuple[np.ndarray, np.ndarray]:
+    return np.tile(point, (count, 1)).astype(float), np.full(count, sigma_m**2)
+
+
+def insert(heights: HeightMap, *points: tuple[np.ndarray, np.ndarray]) -> None:
+    for place, variance in points:
+        heights.update(heights.cells_of(place, variance, 0.0))
+
+
+def test_a_cell_is_the_mean_of_its_points_by_information() -> None:
+    heights = new_map()
+    insert(heights, at((3.01, 0.52, 0.10), 0.01), at((3.04, 0.58, 0.20), 0.02))
+    seen = np.isfinite(heights.variance_m2)
+    assert seen.sum() == 1
+    assert heights.height_m[seen] == pytest.approx((4 * 0.10 + 0.20) / 5)
+    assert heights.variance_m2[seen] == pytest.approx(0.01**2 * 4 / 5)
+
+
+def test_scans_one_by_one_and_all_at_once_give_the_same() -> None:
+    one, all_at_once = new_map(), new_map()
+    insert(one, *[at((3.01, 0.52, z)) for z in (0.01, 0.03, 0.08)])
+    points = np.array([[3.01, 0.52, z] for z in (0.01, 0.03, 0.08)])
+    insert(all_at_once, (points, np.full(3, 1e-4)))
+    seen = np.isfinite(one.variance_m2)
+    assert one.height_m[seen] == pytest.approx(all_at_once.height_m[seen])
+    assert one.variance_m2[seen] == pytest.approx(all_at_once.variance_m2[seen])
+
+
+def test_points_beside_the_map_are_left_out() -> None:
+    heights = new_map()
+    insert(heights, at((3.0, 1.5, 0.1)), at((-0.1, 0.0, 0.1)), at((10.2, 0.0, 0.1)))
+    assert not np.isfinite(heights.variance_m2).any()
+
+
+def test_the_map_moves_with_the_car_and_forgets_what_is_behind() -> None:
+    heights = new_map()
+    insert(heights, at((3.01, 0.0, 0.1)), at((0.5, 0.0, 0.3)))
+    heights.move(2.0)
+    height, variance = heights.strip(0.0, 0.2)
+    (row,) = np.flatnonzero(np.isfinite(variance))
+    assert heights.x_m[row] == pytest.approx(3.01, abs=SETTINGS.cell_m)
+    assert height[row] == pytest.approx(0.1)
+    heights.move(1.0)  # never backwards
+    assert heights.x_m[0] == pytest.approx(2.0, abs=SETTINGS.cell_m)
+    heights.move(500.0)
+    assert not np.isfinite(heights.variance_m2).any()
+
+
+def test_a_strip_weighs_its_columns_by_information() -> None:
+    heights = new_map()
+    insert(heights, at((3.0, 0.05, 0.0), 0.01), at((3.0, -0.05, 0.1), 0.03), at((3.0, 0.8, 9.0)))
+    height, variance = heights.strip(0.0, 0.2)
+    (row,) = np.flatnonzero(np.isfinite(variance))
+    assert height[row] == pytest.approx(0.01)
+    assert variance[row] == pytest.approx(1.0 / (1e4 + 1e4 / 9))
