@@ -12,6 +12,8 @@ from foreride.files.jit import njit
 from foreride.preview.elevation.settings import ElevationSettings
 
 Array = np.ndarray
+_CONTRADICTION = 3.0
+"""Innovation, in standard deviations, from which on a scan contradicts a cell."""
 
 
 class ScanCells(NamedTuple):
@@ -72,12 +74,18 @@ class HeightMap:
         return self.height_m[cells.rows, cells.columns], self.variance_m2[cells.rows, cells.columns]
 
     def update(self, cells: ScanCells) -> None:
-        """Kalman update of the cells that the scan has met."""
+        """Kalman update of the cells that the scan has met.
+
+        A scan that contradicts a cell has seen it from nearer, where less is hidden and less is mixed in one
+        footprint: the cell's variance then grows by the contradiction.
+        """
         height, variance = self.known(cells)
-        seen = np.isfinite(variance)
+        seen, innovation = np.isfinite(variance), cells.height_m - height
+        contradicted = seen & (innovation**2 > _CONTRADICTION**2 * (variance + cells.variance_m2))
+        variance = np.where(contradicted, variance + innovation**2, variance)
         gain = np.ones(len(height))
         gain[seen] = variance[seen] / (variance[seen] + cells.variance_m2[seen])
-        self.height_m[cells.rows, cells.columns] = height + gain * (cells.height_m - height)
+        self.height_m[cells.rows, cells.columns] = height + gain * innovation
         self.variance_m2[cells.rows, cells.columns] = gain * cells.variance_m2
 
     def strip(self, y_m: float, width_m: float) -> tuple[Array, Array]:

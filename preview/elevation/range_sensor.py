@@ -81,6 +81,11 @@ class RangeSensor(Checked):
         raise NotImplementedError
 
     @property
+    def separation(self) -> tuple[float, float]:
+        """Distance a + b r² (m, 1/m) between two surfaces from which on only the nearer is measured."""
+        raise NotImplementedError
+
+    @property
     def direction_sigma_rad(self) -> float:
         """Standard deviation of the elevation of a measurement."""
         raise NotImplementedError
@@ -114,7 +119,7 @@ class Lidar(RangeSensor):
 
     azimuth_deg: half width of the sector ahead that is used. elevation_min_deg, elevation_max_deg: vertical
     field. azimuth_step_deg, elevation_step_deg: resolution. beam_deg: vertical divergence of a beam.
-    angle_sigma_deg: of its elevation.
+    angle_sigma_deg: of its elevation. pulse_m: length of a pulse in the road, within which echoes merge.
     """
 
     azimuth_deg: Annotated[float, Interval(ge=1.0, le=60.0), "degrees"] = 25.0
@@ -125,6 +130,7 @@ class Lidar(RangeSensor):
     range_noise_m: LengthSigma = 0.02
     angle_sigma_deg: AngleSigma = 0.05
     beam_deg: Annotated[float, Interval(ge=0.0, le=2.0), "degrees"] = 0.1
+    pulse_m: Annotated[float, Interval(ge=0.0, le=10.0), "m"] = 0.5
 
     @property
     def azimuths_rad(self) -> Array:
@@ -140,6 +146,11 @@ class Lidar(RangeSensor):
     def footprint_rad(self) -> float:
         """Divergence of a beam."""
         return float(np.deg2rad(self.beam_deg))
+
+    @property
+    def separation(self) -> tuple[float, float]:
+        """Length of a pulse."""
+        return self.pulse_m, 0.0
 
     @property
     def direction_sigma_rad(self) -> float:
@@ -221,6 +232,11 @@ class Stereo30cm(RangeSensor):
     def footprint_rad(self) -> float:
         """Vertical angle of a window."""
         return self.window_rows_px / self.focal_px
+
+    @property
+    def separation(self) -> tuple[float, float]:
+        """Depth of one pixel of disparity: matching keeps jumps of depth apart."""
+        return 0.0, 1.0 / (self.focal_px * self.base_m)
 
     @property
     def direction_sigma_rad(self) -> float:

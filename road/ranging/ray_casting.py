@@ -17,31 +17,37 @@ _SLAB_M = SLAB_ROWS * STEP_M
 
 
 def cast(
-    window: HeightWindow, position: Array, rotation: Array, directions: Array, footprint_rad: float
+    window: HeightWindow,
+    position: Array,
+    rotation: Array,
+    directions: Array,
+    footprint_rad: float,
+    separation: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """Ranges (n,), m, along `directions` (n, 3) of a sensor at this position and attitude; nan without a hit.
 
-    footprint_rad: vertical angle over which a measurement averages.
+    footprint_rad: vertical angle over which a measurement averages. separation: distance behind a surface in
+    the footprint, at range r, from which on another one is told apart from it: a + b r² (m, 1/m).
     """
     offsets = footprint_rad * ((np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5)
-    ranges: Array = _cast(*window, position, rotation, directions, offsets)
+    ranges: Array = _cast(*window, position, rotation, directions, offsets, *separation)
     return ranges
 
 
 @njit(nogil=True)
-def _cast(height, tops, x0, y0, position, rotation, directions, offsets):  # type: ignore[no-untyped-def]
+def _cast(height, tops, x0, y0, position, rotation, directions, offsets, apart, growth):  # type: ignore[no-untyped-def]
     ranges, highest = np.full(len(directions), np.nan), tops.max()
     for k in range(len(directions)):
         d = directions[k]
         total, count = 0.0, 0
-        for offset in offsets:
+        for offset in offsets:  # upwards, so that what is nearest comes first
             r = rotation
             up = d[2] + offset
             dx = r[0, 0] * d[0] + r[0, 1] * d[1] + r[0, 2] * up
             dy = r[1, 0] * d[0] + r[1, 1] * d[1] + r[1, 2] * up
             dz = r[2, 0] * d[0] + r[2, 1] * d[1] + r[2, 2] * up
             distance = _first_hit(height, tops, highest, x0, y0, position, dx, dy, dz)
-            if distance > 0.0:
+            if distance > 0.0 and (count == 0 or distance < total / count + apart + growth * distance**2):
                 total += distance
                 count += 1
         if count > 0:

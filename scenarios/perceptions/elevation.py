@@ -51,7 +51,7 @@ class RangeScanner:
         place = pose(self._mount, state)
         place = replace(place, roll=place.roll + self._roll_rad)
         window = self._grid.window(place.x, float(state.x_m) + self._ahead_m)
-        ranges = cast(window, place.position, place.rotation, true, sensor.footprint_rad)
+        ranges = cast(window, place.position, place.rotation, true, sensor.footprint_rad, sensor.separation)
         ranges[missing | (ranges < sensor.min_range_m) | (ranges > sensor.max_range_m)] = np.nan
         ranges += self._bias_m + sensor.range_sigma_m(ranges) * noise[:, 1]
         seen = np.isfinite(ranges)

@@ -26,21 +26,29 @@ def insert(heights: HeightMap, *points: tuple[np.ndarray, np.ndarray]) -> None:
 
 def test_a_cell_is_the_mean_of_its_points_by_information() -> None:
     heights = new_map()
-    insert(heights, at((3.01, 0.52, 0.10), 0.01), at((3.04, 0.58, 0.20), 0.02))
+    insert(heights, at((3.01, 0.52, 0.10), 0.01), at((3.04, 0.58, 0.15), 0.02))
     seen = np.isfinite(heights.variance_m2)
     assert seen.sum() == 1
-    assert heights.height_m[seen] == pytest.approx((4 * 0.10 + 0.20) / 5)
+    assert heights.height_m[seen] == pytest.approx((4 * 0.10 + 0.15) / 5)
     assert heights.variance_m2[seen] == pytest.approx(0.01**2 * 4 / 5)
 
 
 def test_scans_one_by_one_and_all_at_once_give_the_same() -> None:
     one, all_at_once = new_map(), new_map()
-    insert(one, *[at((3.01, 0.52, z)) for z in (0.01, 0.03, 0.08)])
-    points = np.array([[3.01, 0.52, z] for z in (0.01, 0.03, 0.08)])
+    insert(one, *[at((3.01, 0.52, z)) for z in (0.01, 0.02, 0.03)])
+    points = np.array([[3.01, 0.52, z] for z in (0.01, 0.02, 0.03)])
     insert(all_at_once, (points, np.full(3, 1e-4)))
     seen = np.isfinite(one.variance_m2)
     assert one.height_m[seen] == pytest.approx(all_at_once.height_m[seen])
     assert one.variance_m2[seen] == pytest.approx(all_at_once.variance_m2[seen])
+
+
+def test_a_contradiction_replaces_what_was_seen_from_afar() -> None:
+    heights = new_map()
+    insert(heights, at((3.01, 0.52, 0.08), 0.004), at((3.01, 0.52, 0.0), 0.002))
+    seen = np.isfinite(heights.variance_m2)
+    assert heights.height_m[seen] == pytest.approx(0.0, abs=1e-4)
+    assert heights.variance_m2[seen] == pytest.approx(0.002**2, rel=0.01)
 
 
 def test_points_beside_the_map_are_left_out() -> None:

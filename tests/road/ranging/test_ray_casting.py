@@ -13,14 +13,22 @@ UPRIGHT = np.eye(3)
 
 
 def hits(
-    road: Road, elevations_deg: np.ndarray, height_m: float = 1.4, footprint_rad: float = 0.0
+    road: Road,
+    elevations_deg: np.ndarray,
+    height_m: float = 1.4,
+    footprint_rad: float = 0.0,
+    separation_m: float = 0.0,
 ) -> np.ndarray:
     """Points (n, 3) met by rays straight ahead from x = 2 m; nan without a hit."""
     elevation = np.deg2rad(elevations_deg)
     directions = np.stack([np.cos(elevation), np.zeros_like(elevation), np.sin(elevation)], axis=1)
     position = np.array([2.0, 0.0, height_m])
     window = HeightGrid(road, -1.0, 1.0).window(2.0, 22.0)
-    return position + cast(window, position, UPRIGHT, directions, footprint_rad)[:, None] * directions
+    return (
+        position
+        + cast(window, position, UPRIGHT, directions, footprint_rad, (separation_m, 0.0))[:, None]
+        * directions
+    )
 
 
 def test_ranges_on_a_flat_road_are_those_of_the_triangle() -> None:
@@ -55,8 +63,10 @@ def test_the_near_side_of_a_deep_pothole_is_hidden() -> None:
     assert inside[:, 0].max() == pytest.approx(hole.max(), abs=0.05)
 
 
-def test_a_wide_footprint_averages_over_the_edge() -> None:
+def test_a_wide_footprint_averages_over_the_edge_unless_surfaces_are_told_apart() -> None:
     road = Road(100.0, (HalfSineBump(8.0, 0.1, 0.2),))
-    sharp, wide = (hits(road, np.linspace(-14.0, -11.0, 300), footprint_rad=f) for f in (0.0, 0.02))
-    assert sharp[:, 2].max() > 0.09
-    assert wide[:, 2].max() < 0.9 * sharp[:, 2].max()
+    elevations = np.linspace(-14.0, -11.0, 300)
+    merged, apart = (hits(road, elevations, footprint_rad=0.01, separation_m=far) for far in (3.0, 0.3))
+    flying = [np.abs(p[:, 2] - road.height(p[:, 0], 0.0)) > 0.02 for p in (merged, apart)]
+    assert flying[0].sum() > 20
+    assert flying[1].sum() < 0.2 * flying[0].sum()
