@@ -19,6 +19,7 @@ class ElevationEstimator:
 
     sensor: as its data sheet and mounting say. axle_x_m, wheel_y_m: as in `preview.estimator`. settings: of
     the map; motion: of the ego motion. The odometer starts at `x_m`.
+    distance_m: grid of the previews.
     """
 
     def __init__(
@@ -30,10 +31,11 @@ class ElevationEstimator:
         motion: Settings | None = None,
         x_m: float = 0.0,
         facts: VehicleFacts | None = None,
+        distance_m: Array | None = None,
     ) -> None:
         facts = VehicleFacts.typical(len(axle_x_m)) if facts is None else facts
         self.motion = EgoMotion(axle_x_m, motion or Settings(), x_m, wheel_y_m, facts)
-        self.fusion = ElevationFusion(sensor, axle_x_m, wheel_y_m, settings, x_m, facts.tyre)
+        self.fusion = ElevationFusion(sensor, axle_x_m, wheel_y_m, settings, x_m, facts.tyre, distance_m)
         self._mount = sensor.mount(max(axle_x_m))
 
     def update_motion(self, time_s: float, measurement: Measurement) -> None:

@@ -20,6 +20,7 @@ class ElevationFusion:
     """Map around the car, and the effective heights of its wheels' tracks.
 
     axle_x_m, wheel_y_m: of the wheels, from the centre of gravity, whose odometer starts at `x_m`.
+    distance_m: grid of the previews.
     """
 
     def __init__(
@@ -30,9 +31,11 @@ class ElevationFusion:
         settings: ElevationSettings,
         x_m: float,
         tyre: Tyre,
+        distance_m: Array | None = None,
     ) -> None:
         self._sensor, self._settings, self._tyre = sensor, settings, tyre
         self.axle_x_m, self.wheel_y_m = np.asarray(axle_x_m, float), np.asarray(wheel_y_m, float)
+        self._distance_m = distance_grid() if distance_m is None else distance_m
         self._behind_m = _BEHIND_M - min(axle_x_m)
         length_m = self._behind_m + max(axle_x_m) + settings.reach_m
         sides = min(0.0, *wheel_y_m) - _BESIDE_M, max(0.0, *wheel_y_m) + _BESIDE_M
@@ -77,7 +80,7 @@ class ElevationFusion:
     def preview(self, time_s: float, x_m: float) -> RoadPreview:
         """Preview of each wheel at this reading of the odometer."""
         stations, heights, sigmas = self._tracks()
-        distance = distance_grid()
+        distance = self._distance_m
         x = x_m + self.axle_x_m[:, None] + distance
         height = np.stack([np.interp(at, stations, row) for at, row in zip(x, heights, strict=True)])
         sigma = np.stack([np.interp(at, stations, row) for at, row in zip(x, sigmas, strict=True)])

@@ -11,7 +11,7 @@ import numpy as np
 
 from foreride.preview.elevation.estimator import ElevationEstimator
 from foreride.preview.elevation.range_sensor import RangeSensor
-from foreride.preview.road_preview import RoadPreview
+from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.road.ranging.height_grid import HeightGrid
 from foreride.road.ranging.ray_casting import cast
 from foreride.road.road import Road
@@ -132,6 +132,7 @@ def build_elevation(drive: Drive, preset: type[RangeSensor] | None = None) -> El
         scenario.estimator,
         scenario.start_m,
         vehicle_facts(car, scenario.enveloping),
+        distance_grid(ahead_m=scenario.preview_m),
     )
     scanner = RangeScanner(scenario.road, sensor, drive, setup.map.reach_m)
     return ElevationPerception(scanner, sensor, estimator, car)
