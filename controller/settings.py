@@ -150,6 +150,19 @@ class ForceSettings(Checked):
 
 
 @dataclass(frozen=True)
+class LimitSettings(Checked):
+    """Soft limits of the predictive controllers, beside the weights of their cost; None for no limit.
+
+    unloading: part of its static load that a tyre may lose. travel: part of the way to its stops that a
+    suspension may use. penalty: cost of a violation by the whole load or way, in periods of the cost.
+    """
+
+    unloading: Annotated[float, Interval(ge=0.01, le=1.0), "1"] | None = None
+    travel: Annotated[float, Interval(ge=0.01, le=1.0), "1"] | None = None
+    penalty: Annotated[float, Interval(ge=0.01, le=1e6), "(m/s²)²"] = 1000.0
+
+
+@dataclass(frozen=True)
 class MpcSettings(Checked):
     """Horizon and cost of the model predictive controllers.
 
@@ -160,7 +173,7 @@ class MpcSettings(Checked):
     rho: weight of the relative tyre load, as in the objective J, (m/s²)².
     input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
     move_weight: weight of the square of the change of c from one period to the next, c in kN·s/m.
-    force: use of the actuators, if the car has any.
+    force: use of the actuators, if the car has any. limits: of tyre load and travel.
     road: fusion of preview and measurement.
     """
 
@@ -171,6 +184,7 @@ class MpcSettings(Checked):
     input_weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/(kN·s/m)²"] = 1e-3
     move_weight: Annotated[float, Interval(ge=0.0, le=1e6), "(m/s²)²/(kN·s/m)²"] = 0.0
     force: ForceSettings = field(default_factory=ForceSettings)
+    limits: LimitSettings = field(default_factory=LimitSettings)
     road: RoadSettings = field(default_factory=RoadSettings)
 
 

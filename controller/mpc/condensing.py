@@ -64,6 +64,13 @@ class Condenser:
         """Predicted states along the last plan including the initial one, (n_x, steps + 1)."""
         return self._points[: self._model.n_x, : self._steps + 1]
 
+    def sensitivities(self, steps: int) -> np.ndarray:
+        """Sensitivities (steps, n_x, size) of the states after the first steps to the plan's entries."""
+        out = np.zeros((steps, self._model.n_x, len(self._gradient)))
+        inputs = len(self._gradient) // (int(self._interval[-1]) + 1)
+        _sensitivities(self._results, self._entries, self._interval, inputs, out)
+        return out
+
     def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
         """Condense about `plan` (intervals, inputs), kN·s/m and kN, from `state` (n_x,).
 
@@ -187,6 +194,22 @@ def _condense(
     for i in range(size):
         for j in range(i):
             hessian[j, i] = hessian[i, j]
+
+
+@njit
+def _sensitivities(results: Any, entries: Any, interval: Any, inputs: int, out: Any) -> None:
+    """Write the sensitivities of the states, step by step; `out` is zero before."""
+    first = results.shape[0] - len(entries)
+    for step in range(out.shape[0]):
+        start = interval[step] * inputs
+        for e in range(len(entries)):
+            matrix, row, column = entries[e]
+            value = results[first + e, step]
+            if matrix == 0 and step > 0:
+                for i in range(start + inputs):
+                    out[step, row, i] += value * out[step - 1, column, i]
+            elif matrix == 1:
+                out[step, row, start + column] += value
 
 
 @njit

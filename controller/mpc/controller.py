@@ -118,6 +118,7 @@ class PredictiveController(BaseController):
             self._plan_min - self._plan,
             self._plan_max - self._plan,
             program.moves.limited(rows, *follows),
+            roads[road.most_likely],
         )
         if solution.problem is not None:
             self.active = ()

@@ -9,6 +9,7 @@ from foreride.controller.mpc.constraints import Constraints
 from foreride.controller.mpc.move_blocking import MoveBlocks
 from foreride.controller.mpc.prediction_model import PredictionModel
 from foreride.controller.mpc.qp import ConstraintRows, Solution, solve_box
+from foreride.controller.mpc.soft_limits import soft_limits
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid, graded_grid
 from foreride.controller.settings import MpcSettings
@@ -37,6 +38,7 @@ class Program:
         self.condense = Condenser(model, terminal, self.grid, timing.period_s, weights)
         self.moves = CommandMoves(vehicle, self.grid, timing, settings.move_weight)
         self.constraints = Constraints(vehicle, self.grid, settings.force)
+        self._soft = soft_limits(vehicle, self.grid, settings.limits)
         self.shift = self.grid.shift(timing.period_s)
         self.node_times_s = timing.delay_s + self.grid.nodes_s
         # The program of one wheel is small enough as it is.
@@ -62,9 +64,20 @@ class Program:
         return Condensed(hessian + weight * problem.hessian, gradient + weight * problem.gradient)
 
     def solve(
-        self, cost: Condensed, low: np.ndarray, high: np.ndarray, rows: ConstraintRows | None
+        self,
+        cost: Condensed,
+        low: np.ndarray,
+        high: np.ndarray,
+        rows: ConstraintRows | None,
+        road: np.ndarray,
     ) -> Solution:
-        """The best correction within bounds (intervals, inputs) and rows."""
+        """The best correction within bounds (intervals, inputs) and rows.
+
+        road: (wheels, nodes) on which the program was condensed last, for the soft limits.
+        """
+        soft = self._soft.rows(self.condense, road) if self._soft else None
+        if self._soft and soft:
+            return self._soft.solve(cost, low.ravel(), high.ravel(), rows, soft)
         program = cost.hessian, cost.gradient, low.ravel(), high.ravel()
         if rows is None or self._blocks is None:
             return solve_box(*program, rows)

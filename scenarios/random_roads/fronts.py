@@ -31,14 +31,33 @@ _TRADES: dict[str, tuple[str, tuple[float, ...]]] = {
 }
 """Setting of each controller that trades comfort for load, and its values; others have a single point."""
 
+_LIMITS = "control.settings.mpc.limits"
+_LIMITED = tuple(
+    f"{_LIMITS}={{unloading: {unloading:g}, travel: {travel:g}}}"
+    for unloading, travel in ((0.8, 0.9), (0.5, 0.8), (0.3, 0.7), (0.15, 0.6))
+)
+"""Soft limits of tyre load and travel in place of another weight, from wide to narrow."""
 
-def front_lines(controllers: Sequence[str], perceptions: Sequence[str]) -> list[Line]:
-    """A line for each controller and value of its setting; the condition is the override."""
+
+def front_lines(controllers: Sequence[str], perceptions: Sequence[str], limits: bool = False) -> list[Line]:
+    """A line for each controller and value of its setting; the condition is the override.
+
+    limits: with lines of soft limits for the predictive controllers.
+    """
     return [
         line._replace(condition=condition)
         for line in lines(controllers, perceptions)
-        for condition in _overrides(line.controller)
+        for condition in [*_overrides(line.controller), *(_LIMITED if limits and _is_mpc(line) else ())]
     ]
+
+
+def _is_mpc(line: Line) -> bool:
+    return _TRADES.get(line.controller) == _RHO
+
+
+def _front_of(line: Line) -> str:
+    """Name of the front that a line is a point of."""
+    return f"{line.name} (limits)" if line.condition.startswith(_LIMITS) else line.name
 
 
 def _overrides(controller: str) -> list[str]:
@@ -53,7 +72,7 @@ def points(results: Results) -> dict[str, tuple[list[str], Array]]:
     passive = results.of_line[Line("passive", "none")]
     found: dict[str, tuple[list[str], list[list[float]]]] = {}
     for line, metrics in results.of_line.items():
-        conditions, rows = found.setdefault(line.name, ([], []))
+        conditions, rows = found.setdefault(_front_of(line), ([], []))
         conditions.append(line.condition)
         rows.append([float(np.mean(metrics[name] / passive[name])) for name in METRICS])
     return {name: (conditions, np.array(rows)) for name, (conditions, rows) in found.items()}

@@ -18,6 +18,7 @@ def configure(command: argparse.ArgumentParser) -> None:
     """Add the options, and the function to execute."""
     add_random_options(command, events=20, seeds="0", controllers=_DEFAULT)
     command.add_argument("--perceptions", default="oracle", help="of mpc_preview (default oracle)")
+    command.add_argument("--limits", action="store_true", help="MPCs with soft limits of load and travel too")
     command.add_argument("--plot", type=Path, metavar="FILE", help="draw the fronts as PNG")
     command.set_defaults(execute=execute)
 
@@ -25,7 +26,7 @@ def configure(command: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Simulate, print the table of fronts, and draw the figure if requested."""
     perceptions = parse_words("--perceptions", arguments.perceptions, PERCEPTIONS.names())
-    wanted = front_lines(controllers_of(arguments), perceptions)
+    wanted = front_lines(controllers_of(arguments), perceptions, arguments.limits)
     overrides = {line.condition: [*arguments.overrides, line.condition] for line in wanted if line.condition}
     found = points(driven(arguments, wanted, {"": arguments.overrides} | overrides))
     print("\n".join(front_table(found)))

@@ -33,10 +33,19 @@ def test_the_hypervolume_is_that_of_the_union_of_boxes() -> None:
 
 
 def test_every_setting_of_a_front_is_a_valid_override() -> None:
-    lines = front_lines(["passive", "skyhook", "hybrid", "lqr_clipped", "mpc_preview"], ["oracle"])
+    controllers = ["passive", "skyhook", "hybrid", "lqr_clipped", "mpc_preview"]
+    lines = front_lines(controllers, ["oracle"], limits=True)
     assert lines[0] == Line("passive", "none")
     settings = [event_scenario(0, [line.condition]).control.settings for line in lines[1:]]
     assert len(set(map(repr, settings))) >= len(lines) - 4  # each controller has its tuned one at most once
+
+
+def test_soft_limits_are_a_front_of_their_own() -> None:
+    lines = front_lines(["passive", "skyhook", "mpc_reactive"], ["oracle"], limits=True)
+    of_line = {line: {name: np.ones((1, 1)) for name in METRICS} for line in lines}
+    fronts = points(Results((0,), of_line))
+    assert [*fronts] == ["passive", "skyhook", "mpc_reactive", "mpc_reactive (limits)"]
+    assert len(fronts["mpc_reactive (limits)"][0]) == 4
 
 
 def test_points_are_relative_to_the_passive_car_without_settings() -> None:
