@@ -4,6 +4,8 @@ import argparse
 import importlib
 
 TABLES = {
+    "actuators": "semi-active, slow-active and fully active suspensions on random roads, and their energy",
+    "braking": "stopping distances on random rough roads",
     "budget": "cost of each source of error, as a share of the gain of perfect preview",
     "degraded": "cost of errors of the preview, with an erroneous oracle",
     "faults": "cost of failing sensors, previews and solvers under the supervisor",
@@ -17,7 +19,7 @@ TABLES = {
     "sensors": "what each sensor of the road ahead is worth on random roads",
     "wrong_previews": "random drives with wrong previews, against the supervisor's gate",
 }
-_ROOMS = {"speed": "longitudinal."}
+_ROOMS = dict.fromkeys(("actuators", "braking", "speed"), "chassis.")
 """Rooms of `scenarios.tables` of the tables that do not lie in it."""
 
 

@@ -25,7 +25,7 @@ from foreride.scenarios.perceptions.registry import PERCEPTIONS
 from foreride.scenarios.random_roads.results import Array, interval, mean
 from foreride.scenarios.report.figures.files import save
 from foreride.scenarios.report.figures.speed import speed_figure
-from foreride.scenarios.tables.longitudinal.speed_drives import CRUISE, POLICIES, Group, driven_group, key_of
+from foreride.scenarios.tables.chassis.speed_drives import CRUISE, POLICIES, Group, driven_group, key_of
 from foreride.scenarios.tables.options import parse_words, table_parser, whole_numbers
 from foreride.scenarios.tables.random_roads import add_random_options, events_of
 from foreride.scenarios.tables.runs import shown

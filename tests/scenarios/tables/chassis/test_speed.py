@@ -6,8 +6,8 @@ import numpy as np
 
 from foreride.scenarios.report.figures.files import encoded
 from foreride.scenarios.report.figures.speed import speed_figure
-from foreride.scenarios.tables.longitudinal.speed import front, policy_table, ratio, times
-from foreride.scenarios.tables.longitudinal.speed_drives import (
+from foreride.scenarios.tables.chassis.speed import front, policy_table, ratio, times
+from foreride.scenarios.tables.chassis.speed_drives import (
     CRUISE,
     POLICIES,
     Group,

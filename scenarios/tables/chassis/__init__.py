@@ -1,0 +1,1 @@
+"""Studies of the chassis: speed planned for comfort, stopping on rough roads, actuators."""

@@ -1,1 +1,0 @@
-"""Studies of braking: speed planned for comfort, and stopping on rough roads."""
