@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
 
 from foreride.comfort.weighting import weight
 from foreride.files.errors import InputError
@@ -51,6 +50,8 @@ def running_rms(
         raise InputError(f"averaging must be linear or exponential, got {averaging!r}")
     power = weight(acc, rate, weighting) ** 2
     if averaging == "exponential":
+        from scipy.signal import lfilter  # slow to import
+
         memory = np.exp(-1.0 / (window_s * rate))
         return np.sqrt(lfilter([1.0 - memory], [1.0, -memory], power, axis=-1))
     energy = np.cumsum(power, axis=-1)

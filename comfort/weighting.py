@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
 
 from foreride.files.errors import InputError
 
@@ -73,6 +72,8 @@ def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     Raises InputError for a rate below five times the upper band limit (500 Hz, for Wf 3.15 Hz),
     acceleration that is not finite, or an unknown name.
     """
+    from scipy.signal import lfilter  # slow to import
+
     samples = _samples(acc)
     check_rate(rate, weighting)
     if weighting is None:
@@ -95,6 +96,8 @@ class StreamedWeighting:
 
     def __call__(self, acc: ArrayLike) -> Array:
         """Weighted acceleration of the next samples, m/s^2, in the same shape."""
+        from scipy.signal import lfilter  # slow to import
+
         samples = _samples(acc)
         filters = [self._correction, *self._sections]
         if not self._kept:

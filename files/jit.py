@@ -4,7 +4,6 @@ import os
 from typing import Any
 
 import numba
-from numba import float64, int64, void  # noqa: F401
 
 from foreride.files.compiled import CACHE
 

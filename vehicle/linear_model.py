@@ -5,23 +5,28 @@ M q̈ + C q̇ + K q = Kₜ h + Cₜ ḣ, assembled from mass, stiffness and damp
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import control
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from foreride.vehicle.load import Car
 
+if TYPE_CHECKING:
+    import control
+
 Array = NDArray[np.float64]
 
 
-def linear_twin(parameters: Car, damping_ns_m: Sequence[float] | None = None) -> control.StateSpace:
+def linear_twin(parameters: Car, damping_ns_m: Sequence[float] | None = None) -> "control.StateSpace":
     """State-space model of the car at constant damping (one value per wheel; passive by default).
 
     States: those of `vehicle.equations` without the damping. Inputs: road_height_i (m), then road_velocity_i
     (m/s). Outputs per wheel i: body_acc_i (m/s²), then rattle_i (m), then dynamic tyre force tyre_i (N).
     """
+    import control  # slow to import
+
     if damping_ns_m is None:
         damping_ns_m = [corner.damping_passive_ns_m for corner in parameters.corners]
     wheels = parameters.wheels

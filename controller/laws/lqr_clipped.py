@@ -6,7 +6,8 @@ the second-order Wk of `comfort.weighting` at the seats; forces that the damper 
 (Margolis, Tylee & Hrovat, J. Dyn. Syst. Meas. Control 97, 1975).
 """
 
-import control
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.linalg import block_diag
 
@@ -21,6 +22,9 @@ from foreride.vehicle.equations import rest_per_road_height
 from foreride.vehicle.linear_model import linear_twin
 from foreride.vehicle.load import Car
 from foreride.vehicle.state_layout import state_layout
+
+if TYPE_CHECKING:
+    import control
 
 _FORCE_SCALE_N = 1e3
 """Forces in the cost are in kN, so that their weight is of the order of the other terms."""
@@ -71,6 +75,8 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     augmented_input = np.vstack([force_input, np.kron(direct, b[:, None])])
     output = _cost_output(vehicle, twin, np.kron(np.eye(filters), c), settings.rho)
     weight = settings.force_weight / _FORCE_SCALE_N**2 * np.eye(vehicle.wheels)
+    import control  # slow to import, needed for this law only
+
     gain, _, _ = control.lqr(augmented, augmented_input, output.T @ output, weight)
     return gain
 
@@ -86,7 +92,7 @@ def _force_input(vehicle: Car) -> np.ndarray:
     return force_input
 
 
-def _cost_output(vehicle: Car, twin: control.StateSpace, weighted: np.ndarray, rho: float) -> np.ndarray:
+def _cost_output(vehicle: Car, twin: "control.StateSpace", weighted: np.ndarray, rho: float) -> np.ndarray:
     """Output matrix of the weighted seat accelerations and relative tyre loads; its squares sum to J."""
     static = np.array([corner.static_tyre_n for corner in vehicle.corners])
     load = twin.C[-vehicle.wheels :] / static[:, None] * np.sqrt(rho / vehicle.wheels)

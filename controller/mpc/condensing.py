@@ -12,7 +12,7 @@ import numpy as np
 from foreride.controller.mpc.prediction_model import PredictionModel
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
-from foreride.files.jit import float64, int64, njit, void
+from foreride.files.jit import njit
 from foreride.vehicle.equations import input_size
 
 
@@ -113,11 +113,7 @@ def _entries(model: PredictionModel) -> np.ndarray:
     return np.array(listed, dtype=np.int64)
 
 
-_MATRIX = float64[:, ::1]
-_VECTOR = float64[::1]
-
-
-@njit(void(_MATRIX, _VECTOR, float64, int64, _MATRIX, _VECTOR))
+@njit
 def _add_squares(
     jacobian: np.ndarray,
     residuals: np.ndarray,
@@ -148,9 +144,7 @@ def _add_squares(
                 hessian[i, j] += factor * jacobian[r, j]
 
 
-@njit(
-    void(_MATRIX, int64[:, ::1], int64[::1], _VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR),
-)
+@njit
 def _condense(
     results: np.ndarray,
     entries: np.ndarray,

@@ -1,7 +1,7 @@
 """Comfort filter states: online Wk filtering (ISO 2631-1) of the estimated seat accelerations."""
 
 import numpy as np
-from scipy.signal import cont2discrete
+from scipy.linalg import expm
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.vehicle.equations import state_size
@@ -16,9 +16,11 @@ class ComfortFilter:
     """
 
     def __init__(self, vehicle: Car, period_s: float):
-        a, b, c = wk_second_order().state_space()
-        d = np.zeros((1, 1))
-        self._a, self._b, *_ = cont2discrete((a, b[:, None], c[None], d), period_s, method="zoh")
+        a, b, _ = wk_second_order().state_space()
+        held = np.zeros((3, 3))  # the acceleration as a state that holds its value (Van Loan)
+        held[:2, :2], held[:2, 2] = a, b
+        transition = expm(held * period_s)
+        self._a, self._b = transition[:2, :2], transition[:2, 2:]
         self._seats = len(vehicle.seat_kinematic_rows)
         self._velocities = np.zeros((self._seats, state_size(vehicle)))  # seats by state
         self._velocities[:, state_layout(vehicle).body_velocity] = vehicle.seat_kinematic_rows

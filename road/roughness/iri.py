@@ -7,7 +7,6 @@ Research Record 1501, 1995; World Bank Technical Paper 46, 1986; ASTM E1926.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import expm
-from scipy.signal import lfilter
 
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_number
@@ -100,6 +99,8 @@ def _discretise(
 
 def _stroke_slope(slope: NDArray[np.float64], initial: float, step_m: float) -> NDArray[np.float64]:
     """Body slope minus wheel slope after each interval, in modal form to avoid a loop over stations."""
+    from scipy.signal import lfilter  # slow to import
+
     phi, gamma = transition(step_m)
     eigenvalues, vectors = np.linalg.eig(phi)
     inputs = np.linalg.solve(vectors, gamma.astype(complex))

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import welch
 from scipy.special import digamma, polygamma
 
 from foreride.files.errors import InputError
@@ -55,6 +54,8 @@ def spectrum(heights: ArrayLike, step_m: float, band: tuple[float, float] = BAND
 
     Raises InputError for less than MIN_LENGTH_M of road, too short for a fit.
     """
+    from scipy.signal import welch  # slow to import
+
     z = np.asarray(heights, float)
     check_number("step_m", step_m, 0.0, 1.0, open_low=True)
     length = len(z) * step_m

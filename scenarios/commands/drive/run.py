@@ -13,8 +13,6 @@ from foreride.scenarios.commands.options import (
 )
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
-from foreride.scenarios.report.figures.drive import drive_figure
-from foreride.scenarios.report.figures.files import save
 from foreride.scenarios.runs.write import folder_name, row, write
 
 
@@ -38,6 +36,9 @@ def execute(arguments: argparse.Namespace) -> int:
         write(run, out / folder_name(run.case))
         runs.append(run)
     publish(arguments, selected, [row(run) for run in runs])
+    from foreride.scenarios.report.figures.drive import drive_figure  # slow to import, needed at the end
+    from foreride.scenarios.report.figures.files import save
+
     save(drive_figure(runs), out / component(f"{runs[0].case.scenario.name}.png"))
     console.print(f"run folders and figure: {out}/")
     suggest("foreride", "report", out)
