@@ -9,6 +9,7 @@ from annotated_types import Interval
 
 from foreride.files.reading.ranges import Checked
 from foreride.preview.road_preview import RoadPreview
+from foreride.vehicle.plant.sensors import Measurement
 
 ALL_SILENT = "all sensors silent"
 """Name of the fault in which no sensor gives a reading."""
@@ -78,6 +79,9 @@ class MonitoredController(Controller, Protocol):
     def stats(self) -> dict[str, Any]:
         """Counts and run times, as in `FallbackSupervisor.stats`; empty where none are kept."""
 
+    def sensed(self, measurement: Measurement) -> None:
+        """Receive the sensors' readings as they arrive, before the decision of the same time."""
+
     def acted(self, command: np.ndarray) -> None:
         """Receive the command issued, which need not be its own."""
 
@@ -95,6 +99,9 @@ class BaseController:
     def stats(self) -> dict[str, Any]:
         """Return no statistics."""
         return {}
+
+    def sensed(self, measurement: Measurement) -> None:
+        """Do nothing with the readings: the estimate is enough."""
 
     def acted(self, command: np.ndarray) -> None:
         """Do nothing with the command issued."""

@@ -113,7 +113,7 @@ UNSUPERVISED = ("passive", "fixed", "fixed_best")
 def build(
     name: str, vehicle: Car, settings: ControllerSettings | None = None, timing: Timing | None = None
 ) -> MonitoredController:
-    """Build the controller called `name`, or a user-defined one named as `path/to/file.py:name`.
+    """Build the controller called `name`, or one from a file, `path/to/file.py:name` or `file.fmu`.
 
     Without settings it is tuned as shipped for the vehicle's kind. It is given the vehicle's control model
     (`control_model`), without the internal states of its dampers.
@@ -165,5 +165,5 @@ def _entry(name: str) -> ControllerEntry:
     entry = CONTROLLERS.find(name)
     if entry is None:
         known = ", ".join([*CONTROLLERS.names(), CLAIRVOYANT])
-        raise InputError(f"controller must be one of {known} or FILE.py:NAME, got {name!r}")
+        raise InputError(f"controller must be one of {known} or FILE.py:NAME or FILE.fmu, got {name!r}")
     return entry

@@ -9,11 +9,13 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from foreride.controller.command_limits import command_limits
+from foreride.controller.fmu_controller import is_fmu_controller, load_fmu_controller
 from foreride.controller.interface import BaseController, Controller, Estimate, Timing
 from foreride.files.errors import InputError, printable, shortened, shown
 from foreride.files.own_code import error_text, load, location, say_once, waiting_for
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import Measurement
 
 Factory = Callable[..., Controller]
 """(vehicle, timing, **settings) → controller."""
@@ -21,7 +23,15 @@ Factory = Callable[..., Controller]
 
 def is_user_controller(name: str) -> bool:
     """Whether a controller name refers to a file."""
-    return ":" in name
+    return ":" in name or is_fmu_controller(name)
+
+
+def check_user_controller(target: str, vehicle: Car, timing: Timing) -> None:
+    """Load the file that a name refers to, without a drive. Raises InputError if it does not load or fit."""
+    if is_fmu_controller(target):
+        load_fmu_controller(target, vehicle, timing)
+    else:
+        load_user_controller(target)
 
 
 def load_user_controller(target: str) -> Factory:
@@ -42,10 +52,13 @@ def load_user_controller(target: str) -> Factory:
 def build_user_controller(
     target: str | Controller | Factory, vehicle: Car, settings: dict[str, float], timing: Timing
 ) -> "UserController":
-    """Build the controller that `path/to/file.py:name` names, or that a class, function or object gives.
+    """Build the controller that `path/to/file.py:name` or an FMU names, or a class, function or object gives.
 
     Raises InputError if that fails.
     """
+    if isinstance(target, str) and is_fmu_controller(target):
+        file = target.partition(":")[0]
+        return UserController(load_fmu_controller(target, vehicle, timing), Path(file), "FMU", vehicle)
     source = target if isinstance(target, str) else f"{_file_of(target)}:{controller_label(target)}"
     path, name = _parts(source)
     given = load_user_controller(target) if isinstance(target, str) else target
@@ -119,15 +132,25 @@ class UserController(BaseController):
         self.problem, self._acted_problem = self.problem or self._acted_problem, None
         return self._zeros if answer is None else answer
 
+    def sensed(self, measurement: Measurement) -> None:
+        """Pass the sensors' readings to a controller that has `sensed`; a failure invalidates its answer."""
+        self.problem = None
+        self._guarded(lambda: self._call_sensed(measurement))
+        self._acted_problem = self._acted_problem or self.problem
+
     def acted(self, command: np.ndarray) -> None:
         """Pass the issued command to a controller that has `acted`; a failure invalidates its next answer."""
         self.problem = None
         self._guarded(lambda: self._call_acted(command.copy()))
-        self._acted_problem = self.problem
+        self._acted_problem = self._acted_problem or self.problem
 
     def _call_acted(self, command: np.ndarray) -> None:
         if (listen := getattr(self._controller, "acted", None)) is not None:
             listen(command)
+
+    def _call_sensed(self, measurement: Measurement) -> None:
+        if (listen := getattr(self._controller, "sensed", None)) is not None:
+            listen(deepcopy(measurement))
 
     def _call_step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray | None:
         returned = self._controller.step(estimate, preview)

@@ -15,6 +15,8 @@ from foreride.files.errors import InputError, printable, shortened
 
 PATIENCE_S = 10.0
 """Loading time after which a notice is printed, s."""
+FMUS_ALLOWED = "FORERIDE_ALLOW_FMU"
+"""Environment variable that, set to anything, allows that the FMUs which scenarios name are run."""
 _LONGEST = 200
 _warnings_issued: set[str] = set()
 
@@ -40,6 +42,12 @@ def load(path: Path, subject: str) -> ModuleType:
     except BaseException as error:
         raise InputError(f"{subject}: {path} does not load ({error_text(error, path)})") from error
     return module
+
+
+def require_fmus_allowed(subject: str) -> None:
+    """Raise InputError unless the user allows the machine code of FMUs that a scenario names."""
+    if not os.environ.get(FMUS_ALLOWED):
+        raise InputError(f"{subject} is machine code, which runs only with --allow-fmu or {FMUS_ALLOWED}=1")
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from foreride.files.errors import InputError
 from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
+from foreride.vehicle.plant.sensors import Measurement
 
 MAX_LEVEL_M = 1.0
 """Largest difference of previewed and estimated height under a wheel, which have no common level, m."""
@@ -90,6 +91,10 @@ class FallbackSupervisor:
         active = self._controller.active if problem is None else ()
         self._statistics.finish(problem or unseen, active)
         return command
+
+    def sensed(self, measurement: Measurement) -> None:
+        """Pass the sensors' readings on."""
+        self._controller.sensed(measurement)
 
     def acted(self, command: np.ndarray) -> None:
         """Do nothing: the command issued is its own."""

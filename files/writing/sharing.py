@@ -17,7 +17,10 @@ def shared_name(path: str | Path) -> str:
 
 
 def shared_target(target: str) -> str:
-    """Name of a controller whose file is given as by `shared_name`: `path/to/file.py:name`."""
+    """Name of a controller whose file is given as by `shared_name`: `file.py:name`, `file.fmu:map.yaml`."""
+    path, separator, name = target.partition(":")
+    if path.endswith(".fmu"):
+        return shared_name(path) + (separator and separator + shared_name(name))
     path, separator, name = target.rpartition(":")
     return shared_name(path) + separator + name if path.endswith(".py") else target
 

@@ -34,6 +34,8 @@ def bound(scenario: Scenario) -> Optimum:
     It knows the simulated car (`plant` included), with valves that follow their command at once. A cached
     plan is accepted only if it still yields the J stored with it.
     """
+    if scenario.vehicle.fmu:
+        raise InputError(f"{scenario.name}: the bound needs the car's equations, which vehicle.fmu does not give")
     car, drive = scenario.true_car, drive_inputs(scenario)
     objective = WholeDriveObjective(car, drive)
     path = cached(f"bounds/{_key(scenario, drive)}.npz")

@@ -9,7 +9,7 @@ from foreride.controller.registry import CONTROLLERS
 from foreride.controller.settings import ControllerSettings
 from foreride.files.command_line import STDOUT, output_path
 from foreride.files.errors import InputError, shown
-from foreride.files.own_code import say_once
+from foreride.files.own_code import FMUS_ALLOWED, say_once
 from foreride.files.reading import strict, yaml12
 from foreride.files.reading.numbers import parse_whole_numbers, within
 from foreride.files.reading.ranges import MAX_SEED
@@ -75,6 +75,9 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
         "--settings", type=Path, metavar="FILE", help="controller settings, as written by `foreride tune`"
     )
     command.add_argument(
+        "--allow-fmu", action="store_true", help="run the machine code of the FMU that a scenario names"
+    )
+    command.add_argument(
         "--set",
         action="append",
         default=[],
@@ -98,7 +101,9 @@ def add_output_options(command: argparse.ArgumentParser) -> None:
 
 
 def overrides_of(arguments: argparse.Namespace) -> list[Override]:
-    """Overrides of `--set`, `--vehicle`, `--observer` and `--settings`."""
+    """Overrides of `--set`, `--vehicle`, `--observer` and `--settings`; `--allow-fmu` takes effect here."""
+    if arguments.allow_fmu:
+        os.environ[FMUS_ALLOWED] = "1"  # worker processes inherit it
     overrides = [] if arguments.settings is None else settings_overrides(arguments.settings)
     overrides += [parse_override(text) for text in arguments.overrides]
     if arguments.vehicle:

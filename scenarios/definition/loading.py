@@ -6,6 +6,7 @@ from typing import Any
 
 from foreride.controller.tuned_settings import tuned_mapping
 from foreride.files.errors import InputError, nearest, printable, shown
+from foreride.files.own_code import require_fmus_allowed
 from foreride.files.reading import strict
 from foreride.files.reading.regular_file import read_text, reading
 from foreride.files.reading.yaml12 import parse
@@ -45,6 +46,7 @@ def structure(mapping: Any, path: Path, overrides: Overrides = (), place: str = 
         override.apply(mapping)
     mapping.setdefault("name", path.stem)
     mapping["vehicle"] = _vehicle(mapping.get("vehicle"), path)
+    _find_fmu(mapping, path)
     _fill_in_road(mapping, path)
     _find_map(mapping, path)
     _fill_in_tuned(mapping)
@@ -90,6 +92,16 @@ def _vehicle(choice: Any, scenario: Path) -> Any:
     replaced = choice.get("parameters", {})
     merged = parameters | replaced if isinstance(replaced, dict) else replaced
     return choice | {"model": model, "parameters": merged}
+
+
+def _find_fmu(mapping: dict[str, Any], scenario: Path) -> None:
+    """Resolve the file of a car from another tool, beside the scenario's if it is there."""
+    named = mapping["vehicle"].get("fmu")
+    if not isinstance(named, str):
+        return
+    require_fmus_allowed(f"{scenario}: vehicle.fmu: {printable(named)}")
+    local_file = scenario.parent / named
+    mapping["vehicle"]["fmu"] = str(local_file) if os.path.isfile(local_file) else named
 
 
 def _fill_in_road(mapping: dict[str, Any], scenario: Path) -> None:

@@ -40,10 +40,16 @@ LONGEST_S = 7200
 
 @dataclass(frozen=True)
 class Vehicle:
-    """Car of a scenario: `model` names the origin of its parameters, `parameters` holds all of them."""
+    """Car of a scenario: `model` names the origin of its parameters, `parameters` holds all of them.
+
+    fmu: file of a car from another tool (FMI co-simulation) that is driven in place of the plant; controllers
+    know it by `parameters`. map: its variable for each quantity of the loop that it calls by another name.
+    """
 
     model: str
     parameters: Car
+    fmu: str | None = None
+    map: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -192,6 +198,8 @@ class Scenario(Checked):
             assert self.true_car
         except InputError as error:
             raise InputError(f"plant must leave the car plausible: {error}") from None
+        if self.vehicle.fmu and self.true_car != self.vehicle.parameters:
+            raise InputError("plant must leave the car as it is, as vehicle.fmu is the car")
         require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
         front_axle_m = max(self.vehicle.parameters.axle_x_m)
         start_limit_m = self.road.length_m - front_axle_m - 1.0

@@ -7,25 +7,10 @@ from typing import Any, Literal, Protocol
 from foreride.files.errors import InputError
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 
-BASE_UNITS: dict[str, dict[str, int]] = {
-    "1": {},
-    "s": {"s": 1},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s²": {"m": 1, "s": -2},
-    "rad": {"rad": 1},
-    "rad/s": {"rad": 1, "s": -1},
-    "rad/s²": {"rad": 1, "s": -2},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N·s/m": {"kg": 1, "s": -1},
-    "m²/s⁴": {"m": 2, "s": -4},
-}
-"""Exponents of the SI base units (and of rad) of each unit that a port may have."""
-
 
 @dataclass(frozen=True)
 class Port:
-    """Port: name, direction, unit (a key of `BASE_UNITS`), description and, for an input, its start value."""
+    """Port: name, direction, unit (a key of `files.fmi.units.BASE_UNITS`), description and, for an input, its start value."""
 
     name: str
     causality: Literal["input", "output"]

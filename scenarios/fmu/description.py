@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from foreride.scenarios.fmu.block import BASE_UNITS, Port
+from foreride.files.fmi.units import BASE_UNITS
+from foreride.scenarios.fmu.block import Port
 
 _AHEAD_OF_UNITS = ("ModelExchange", "CoSimulation", "ScheduledExecution")
 

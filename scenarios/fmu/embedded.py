@@ -33,6 +33,8 @@ def embed(folder: Path, part: Part, case: Case, preview: dict[str, float]) -> li
             f"{scenario.name}: an FMU carries no map and no memory; leave `map` and `memory` out"
         )
     scenario.require_given_speed("an FMU")
+    if scenario.vehicle.fmu:
+        raise InputError(f"{scenario.name}: an FMU carries no other one; leave vehicle.fmu out")
     if is_user_controller(case.controller):
         raise InputError(f"controller {case.controller}: an FMU carries no code; name one of foreride's own")
     mapping: dict[str, Any] = json.loads(to_json(scenario.mapping))

@@ -75,7 +75,7 @@ def definition(scenario: Scenario) -> dict[str, Any]:
 
 def _with_files(scenario: Scenario, named: Callable[[str], str]) -> dict[str, Any]:
     told = dict(scenario.mapping)
-    for block, field in (("road", "file"), ("map", "file"), ("detection", "weights")):
+    for block, field in (("road", "file"), ("vehicle", "fmu"), ("map", "file"), ("detection", "weights")):
         if told[block] and told[block][field]:
             told[block] = told[block] | {field: named(told[block][field])}
     if told["memory"]:
@@ -111,6 +111,7 @@ def manifest(run: Run) -> dict[str, Any]:
         "track_y_m": run.track_y_m,
         **RunRecord.of(run).mapping(),
         "notes": [*doubts_of_scenario(run.case.scenario), *doubts_of_metrics(run.metrics)],
+        **({} if run.failed is None else {"failed": run.failed}),
         "car_notes": list(car_notes([run.case])),
         **environment(),
     }

@@ -147,7 +147,9 @@ class MultirateLoop:
 
     def _sense(self, state: VehicleState) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
-        checked = self._watch.check(self._faults.reading(self.sensors.measure(state)))
+        reading = self._faults.reading(self.sensors.measure(state))
+        self._controller.sensed(reading)
+        checked = self._watch.check(reading)
         self._perception.sense(checked.measurement)
         forward_acc = self._speed.forward_acc if self._speed else None
         if self.observer is None:

@@ -4,14 +4,19 @@ import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 
-from foreride.controller.user_controller import is_user_controller, load_user_controller
+from foreride.controller.user_controller import check_user_controller, is_user_controller
 from foreride.scenarios.cases import Case
 from foreride.scenarios.perceptions.registry import PERCEPTIONS, PerceptionEntry, perception_entry
+from foreride.scenarios.simulation.plants import build_plant
+from foreride.vehicle.load import control_model
+
+
+FMU_HASH = "vehicle_fmu_sha256"
 
 
 def hash_names() -> tuple[str, ...]:
-    """Names in the manifest of all files that any perception reads."""
-    return _hash_names(PERCEPTIONS.parts().values())
+    """Names in the manifest of all files that any perception reads, and of the car's FMU."""
+    return (*_hash_names(PERCEPTIONS.parts().values()), FMU_HASH)
 
 
 def _hash_names(entries: Iterable[PerceptionEntry]) -> tuple[str, ...]:
@@ -23,14 +28,18 @@ def check_case_files(case: Case) -> None:
     for file in perception_entry(case.perception).files:
         file.check(case.scenario)
     if is_user_controller(case.controller):
-        load_user_controller(case.controller)
+        vehicle = control_model(case.scenario.vehicle.parameters)
+        check_user_controller(case.controller, vehicle, case.scenario.control.timing)
+    if case.scenario.vehicle.fmu:
+        build_plant(case.scenario)
 
 
 def hashes(case: Case) -> dict[str, str | None]:
-    """SHA-256 of every file that the perceptions read; None for what the case does not use."""
+    """SHA-256 of the car's FMU and of every file that perceptions read; None for what the case does not use."""
     entry = perception_entry(case.perception)
-    paths = {file.hash_name: file.path(case.scenario) for file in entry.files}
-    names = _hash_names([*PERCEPTIONS.own.values(), entry])
+    paths: dict[str, Path | str | None] = {file.hash_name: file.path(case.scenario) for file in entry.files}
+    paths[FMU_HASH] = case.scenario.vehicle.fmu
+    names = [*_hash_names([*PERCEPTIONS.own.values(), entry]), FMU_HASH]
     return {name: _sha256(path) if (path := paths.get(name)) else None for name in names}
 
 

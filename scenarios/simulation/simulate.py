@@ -11,6 +11,7 @@ from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.registry import added_metrics
 from foreride.controller.interface import MonitoredController
 from foreride.files.errors import InputError
+from foreride.files.fmi.foreign import FmuFailed
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
@@ -21,6 +22,7 @@ from foreride.scenarios.simulation.fault_injection import Faults
 from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 from foreride.scenarios.simulation.observer_errors import observer_errors
 from foreride.scenarios.simulation.preview_log import PreviewLog, collect
+from foreride.scenarios.simulation.plants import build_plant
 from foreride.scenarios.simulation.referenced_files import hashes
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.energy_audit import energy_audit
@@ -44,7 +46,7 @@ class Run:
     `scenarios.simulation.referenced_files`). track_y_m: lateral position of the right wheels. looks:
     exposures, with images if requested. previews: record of the previews given to the controller.
     memory: the estimator's map for the next drive, if any. bound: passive and clairvoyant objective (see
-        `scenarios.bound.headroom`), if requested.
+        `scenarios.bound.headroom`), if requested. failed: why the drive ended early, if it did.
     """
 
     case: Case
@@ -61,6 +63,13 @@ class Run:
     previews: PreviewLog
     memory: Memory | None = None
     bound: dict[str, float] | None = None
+    failed: str | None = None
+
+
+class DriveFailed(InputError):
+    """Failure of a drive on its way; `run` holds what was driven, with the reason in `run.failed`."""
+
+    run: Run
 
 
 def simulate(
@@ -73,23 +82,29 @@ def simulate(
 
     Without `controller`, the one that the case names is built.
 
+    Raises DriveFailed if a step of the car's FMU fails; its run has the metrics of the part driven, if it is
+    long enough for them.
+
     The same case on the same platform gives the same signals and metrics, bit for bit; only `timing` differs.
     """
     started = perf_counter()
     car = case.scenario.vehicle.parameters
     loop, plant, perception = assembled(case, keep_images, controller)
     files_sha256 = hashes(case)
+    failed = None
     try:
         loop.drive(advance)
+    except FmuFailed as error:
+        failed = f"{error} at {plant.state.time_s:.3f} s"
     finally:
         perception.close()
     record = plant.signals
     wall_s = perf_counter() - started
     timing = {"wall_s": wall_s, "real_time_factor": case.scenario.ticks / TICKS_PER_SECOND / wall_s}
-    return Run(
+    run = Run(
         case=case,
         signals=flat_signals(record),
-        metrics=metrics_of(record, case),
+        metrics=metrics_of(record, case) if failed is None else _metrics_of_part(record, case),
         events=loop.events,
         solver=loop.solver,
         observer=observer_errors(control_model(car), loop.estimates, record),
@@ -99,8 +114,14 @@ def simulate(
         track_y_m=min(car.wheel_y_m),
         looks=perception.looks,
         previews=collect(loop.seen),
-        memory=perception.memory(),
+        memory=perception.memory() if failed is None else None,
+        failed=failed,
     )
+    if failed is not None:
+        error_of_drive = DriveFailed(f"{case.scenario.name} {case.controller}: {failed}")
+        error_of_drive.run = run
+        raise error_of_drive
+    return run
 
 
 def assembled(
@@ -109,7 +130,7 @@ def assembled(
     """Loop of a case before its first tick, with its plant and its perception, which must be closed."""
     scenario, car = case.scenario, case.scenario.vehicle.parameters
     profiles = wheel_profiles(scenario)
-    plant = Plant(scenario.true_car)
+    plant = build_plant(scenario)
     grade = scenario.road.grade(scenario.start_m)
     plant.reset(profiles, scenario.start_m, scenario.motion, grade)
     sensors = Sensors(car.wheels, random_stream(case.seed, "sensors"), scenario.sensors)
@@ -140,6 +161,14 @@ def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
     if taken := own.keys() & added.keys():
         raise InputError(f"metric {min(taken)}: the name is taken by foreride")
     return own | added
+
+
+def _metrics_of_part(record: VehicleState, case: Case) -> dict[str, float]:
+    """Ride metrics of a drive that ended early; none if it is too short for them."""
+    try:
+        return metrics_of(record, case)
+    except ValueError:  # filters and windows need some length
+        return {}
 
 
 def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:

@@ -12,7 +12,7 @@ from foreride.vehicle.clock import RATE_HZ, STEP_S
 from foreride.vehicle.equations import input_size, rest_state
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.mujoco_engine import build_engine, build_model
-from foreride.vehicle.speed_profile import ConstantSpeed, Motion, SpeedProfile
+from foreride.vehicle.speed_profile import ConstantSpeed, Motion, MotionSamples, SpeedProfile
 from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
 from foreride.vehicle.state_layout import state_layout
 
@@ -67,14 +67,9 @@ class Plant:
         self._profiles = tuple(profiles)
         self._tick = 0
         self._prepare(replace(speed, start_m=x_m) if isinstance(speed, SpeedProfile) else speed, float(x_m))
-        height, _ = road_under(self.parameters, self._profiles, float(x_m), 0.0)
-        self._row = np.zeros(self._engine.size)
-        start = standstill_state(self.parameters, height)
-        layout = state_layout(self.parameters)
-        start[layout.body_velocity.start] = start[layout.wheel_velocity] = grade * self.speed_m_s
-        self._row[self._order] = start
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
+        self._row = self._standing(float(x_m), passive, grade * self.speed_m_s)
         self._segments, self._recorded_rows = [self._segment_between(slice(0, 1))], [self._row[None]]
         self._commands, self._hold_ticks = [passive], [1]
         self._observed: VehicleState | None = None  # cache of the last observed state
@@ -172,6 +167,16 @@ class Plant:
             forward,
         )
 
+    def _standing(self, x_m: float, passive: Array, climb_m_s: float) -> Array:
+        """Row of the engine at the beginning of the drive, with passive commands."""
+        height, _ = road_under(self.parameters, self._profiles, x_m, 0.0)
+        start = standstill_state(self.parameters, height)
+        layout = state_layout(self.parameters)
+        start[layout.body_velocity.start] = start[layout.wheel_velocity] = climb_m_s
+        row = np.zeros(self._engine.size)
+        row[self._order] = start
+        return row
+
     def _segment_between(self, edges: slice) -> _Segment:
         """Longitudinal motion at these tick boundaries of the current stretch."""
         x_m, _, speed_m_s, acc = self._stretch
@@ -201,13 +206,18 @@ class Plant:
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
         self._prepared, self._driven_ticks = max(ticks, _CHUNK), 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
-        self._control: Array = np.zeros((self._prepared, self._columns))
+        self._control = self._controls(stretch)
+        self._rows: Array = np.empty((self._prepared, self._engine.size))
+
+    def _controls(self, stretch: MotionSamples) -> Array:
+        """Controls of the engine in each tick of a stretch, without the commands."""
+        control = np.zeros((len(stretch.middles_m), self._columns))
         roads = road_forces(self.parameters, self._profiles, stretch)
-        self._control[:, self._wheels : 2 * self._wheels] = np.transpose(roads)
+        control[:, self._wheels : 2 * self._wheels] = np.transpose(roads)
         if stretch.forward_acc is not None and len(self.parameters.inertial_lever_arm_m) > 1:
             arm = self.parameters.generalised_mass[0] * self.parameters.inertial_lever_arm_m[1]
-            self._control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
-        self._rows: Array = np.empty((self._prepared, self._engine.size))
+            control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
+        return control
 
 
 def _first_of_last(lengths: Sequence[int], ticks: int) -> int:

@@ -2,6 +2,7 @@
 
 import argparse
 
+from foreride.files.errors import InputError
 from foreride.files.writing.names import component
 from foreride.scenarios.commands.console import console, suggest
 from foreride.scenarios.commands.options import (
@@ -14,6 +15,7 @@ from foreride.scenarios.commands.options import (
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, baseline_of, publish
 from foreride.scenarios.runs.write import folder_name, row, write
+from foreride.scenarios.simulation.simulate import DriveFailed
 
 
 def configure(command: argparse.ArgumentParser) -> None:
@@ -32,9 +34,13 @@ def execute(arguments: argparse.Namespace) -> int:
     jobs = jobs_of(arguments)
     out = runs_folder(arguments.out, selected)
     runs = []
-    for run in simulated(selected, arguments.frames, jobs):
-        write(run, out / folder_name(run.case))
-        runs.append(run)
+    try:
+        for run in simulated(selected, arguments.frames, jobs):
+            write(run, out / folder_name(run.case))
+            runs.append(run)
+    except DriveFailed as failure:
+        write(failure.run, folder := out / folder_name(failure.run.case))
+        raise InputError(f"{failure}; what was driven until then is in {folder}") from None
     publish(arguments, selected, [row(run) for run in runs])
     from foreride.scenarios.report.figures.drive import drive_figure  # slow to import, needed at the end
     from foreride.scenarios.report.figures.files import save

@@ -5,9 +5,10 @@ import pytest
 
 import foreride
 from foreride.files.errors import InputError
+from foreride.files.fmi.units import BASE_UNITS
 from foreride.road.tyre.wheel_profile import WheelProfile
 from foreride.scenarios.cases import Case
-from foreride.scenarios.fmu.block import BASE_UNITS, Block, whole_ticks
+from foreride.scenarios.fmu.block import Block, whole_ticks
 from foreride.scenarios.fmu.controller_block import ControllerBlock
 from foreride.scenarios.fmu.loop_block import LoopBlock
 from foreride.scenarios.fmu.vehicle_block import VehicleBlock
