@@ -1,7 +1,7 @@
 """Vehicle signals: motion, accelerations and forces of a car at one instant or over a run."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Protocol, get_origin, get_type_hints
 
@@ -126,13 +126,16 @@ def observe(
     command: Array,
     road: tuple[list, list],
     forward_acc: Any = None,
+    xp: equations.Arithmetic | None = None,
 ) -> VehicleState:
     """Compute all signals: at one instant from floats and a list x, at n from (n,), (states, n), (w, n).
 
     `road` holds height and rate of change under each wheel, as returned by `road_under`; `forward_acc` is the
-    longitudinal acceleration or None.
+    longitudinal acceleration or None. With the module casadi as `xp`, all are expressions, rows are lists and
+    the command is a column.
     """
-    xp = equations.FLOATS if isinstance(x, list) else np
+    xp = xp or (equations.FLOATS if isinstance(x, list) else np)
+    array: Callable[[Any], Any] = np.array if xp in (np, equations.FLOATS) else list
     height, velocity = road
     state = equations.motion(parameters, x)
     travel, rate, wheel_forces = equations.evaluate_forces(parameters, state, height, velocity, xp)
@@ -145,35 +148,35 @@ def observe(
         x_m=x_m,
         speed_m_s=speed_m_s,
         forward_acc=zero if forward_acc is None else forward_acc,
-        x=np.array(x),
+        x=array(x),
         heave_m=state.body[0],
         heave_velocity=state.body_velocity[0],
         pitch_rad=pitch[0],
         pitch_rate=pitch[1],
         roll_rad=roll[0],
         roll_rate=roll[1],
-        wheel_z=np.array(state.wheel),
-        wheel_v=np.array(state.wheel_velocity),
-        damping=np.array(state.damping),
+        wheel_z=array(state.wheel),
+        wheel_v=array(state.wheel_velocity),
+        damping=array(state.damping),
         command=command[:wheels],
-        force_command=command[wheels:] if len(command) > wheels else np.zeros(command.shape),
-        rattle_m=np.array(travel),
-        rattle_velocity=np.array(rate),
-        body_acc=np.array(
+        force_command=command[wheels:] if command.shape[0] > wheels else np.zeros(command.shape),
+        rattle_m=array(travel),
+        rattle_velocity=array(rate),
+        body_acc=array(
             [equations.point_motion(corner.kinematic_row, body) for corner in parameters.corners]
         ),
-        seat_acc=np.array(
+        seat_acc=array(
             [equations.point_motion(kinematic_row, body) for kinematic_row in parameters.seat_kinematic_rows]
         ),
         cg_acc=body[0],
         pitch_acc=pitch[2],
         roll_acc=roll[2],
-        wheel_acc=np.array(wheel),
-        damper_force=np.array(wheel_forces.damper),
-        actuator_force=np.array(wheel_forces.actuator),
-        stop_force=np.array(wheel_forces.stop),
-        tyre_force=np.array(wheel_forces.tyre),
-        static_tyre_force=np.array(static),
-        road_height=np.array(height),
-        road_velocity=np.array(velocity),
+        wheel_acc=array(wheel),
+        damper_force=array(wheel_forces.damper),
+        actuator_force=array(wheel_forces.actuator),
+        stop_force=array(wheel_forces.stop),
+        tyre_force=array(wheel_forces.tyre),
+        static_tyre_force=array(static),
+        road_height=array(height),
+        road_velocity=array(velocity),
     )

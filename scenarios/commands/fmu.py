@@ -8,6 +8,8 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.console import console
 from foreride.scenarios.commands.options import add_field_options, overrides_of
 from foreride.scenarios.definition.loading import load
+from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.fmu.c_code.package import export_c
 from foreride.scenarios.fmu.embedded import PARTS
 from foreride.scenarios.fmu.export import FMI_VERSIONS, export
 
@@ -20,6 +22,12 @@ def configure(command: argparse.ArgumentParser) -> None:
     exported.add_argument("scenario", metavar="SCENARIO", help="a name in the library, or a YAML file")
     exported.add_argument("--out", type=Path, required=True, metavar="FILE.fmu", help="the FMU to write")
     exported.add_argument("--fmi", choices=FMI_VERSIONS, default="2.0", help="version of FMI (default: 2.0)")
+    exported.add_argument(
+        "--code",
+        choices=("python", "c"),
+        default="python",
+        help="python: runs foreride in the importing process; c: of the vehicle, needs no Python",
+    )
     exported.add_argument("--controller", default="mpc_preview", help="default: mpc_preview")
     exported.add_argument("--perception", default="oracle", help="of the loop (default: oracle)")
     exported.add_argument("--seed", type=int, help="of the loop (default: the scenario's)")
@@ -42,10 +50,22 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError(f"--out must name a file that ends in .fmu, got {arguments.out}")
     scenario = load(arguments.scenario, overrides_of(arguments))
     seed = scenario.seed if arguments.seed is None else arguments.seed
+    if arguments.code == "c":
+        return _export_c(arguments, scenario)
     case = Case(scenario, arguments.controller, arguments.perception, seed)
     preview = _preview(arguments) if arguments.part == "controller" else None
     export(arguments.out, arguments.part, case, arguments.fmi, preview)
     console.print(f"wrote {arguments.out}: FMI {arguments.fmi}, {arguments.part} of {scenario.name}")
+    console.print(f"next: fmpy info {arguments.out}", highlight=False)
+    return 0
+
+
+def _export_c(arguments: argparse.Namespace, scenario: Scenario) -> int:
+    if arguments.part != "vehicle":
+        raise InputError(f"--code c is for the vehicle; {arguments.part} needs --code python")
+    compiled = export_c(arguments.out, scenario, arguments.fmi)
+    held = "sources and a binary for this platform" if compiled else "sources alone: no C compiler was found"
+    console.print(f"wrote {arguments.out}: FMI {arguments.fmi}, vehicle of {scenario.name} in C, {held}")
     console.print(f"next: fmpy info {arguments.out}", highlight=False)
     return 0
 
