@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from annotated_types import Interval
@@ -37,8 +37,8 @@ class FmuControllerMap(Checked):
     """Map of a controller FMU, a YAML file.
 
     map: its variable for each quantity of ours that it calls by another name. behind_m, step_m: beginning,
-    behind each wheel, and spacing of its grid of previewed heights. answers_after_step: its outputs follow from
-    the inputs only after a step; otherwise they do at once, as FMI expects of a direct feedthrough.
+    behind each wheel, and spacing of its grid of previewed heights. answers_after_step: its outputs follow from the
+    inputs only after a step; otherwise they do at once, as FMI expects of a direct feedthrough.
     """
 
     map: dict[str, str] = field(default_factory=dict)
@@ -72,7 +72,9 @@ class FmuController:
         self._unit = ForeignFmu(path, "controller", quantities, table.map)
         self._unit.check_step(timing.period_s)
         if not self._unit.inputs:
-            raise InputError(f"controller {path}: none of its inputs is a quantity of the loop; map names them")
+            raise InputError(
+                f"controller {path}: none of its inputs is a quantity of the loop; map names them"
+            )
         self._points = sum(name.startswith("preview_height_0_") for name in self._unit.inputs)
         self._begun = False
         self._failure: str | None = None
@@ -145,7 +147,10 @@ def _quantities(vehicle: Car, names: Mapping[str, str]) -> list[Quantity]:
     for name in _READINGS:
         offered += [(f"{name}_{i}", signal_unit(name)) for i in wheels]
     offered += [(name, signal_unit(name)) for name in _VEHICLE]
-    offered += [(_HEAVE, "m/s"), *((f"{name}_{i}", unit) for name, unit in _ESTIMATES.items() for i in wheels)]
+    offered += [
+        (_HEAVE, "m/s"),
+        *((f"{name}_{i}", unit) for name, unit in _ESTIMATES.items() for i in wheels),
+    ]
     offered += [("preview_valid", "1"), ("preview_height_sigma", "m"), ("preview_position_sigma", "m")]
     offered += [(f"preview_height_{i}_{k}", "m") for i in wheels for k in range(_MOST_POINTS // len(wheels))]
     commands: list[tuple[str, str, bool]] = [(f"damping_command_{i}", "N·s/m", True) for i in wheels]

@@ -162,9 +162,7 @@ def observe(
         force_command=command[wheels:] if command.shape[0] > wheels else np.zeros(command.shape),
         rattle_m=array(travel),
         rattle_velocity=array(rate),
-        body_acc=array(
-            [equations.point_motion(corner.kinematic_row, body) for corner in parameters.corners]
-        ),
+        body_acc=array([equations.point_motion(corner.kinematic_row, body) for corner in parameters.corners]),
         seat_acc=array(
             [equations.point_motion(kinematic_row, body) for kinematic_row in parameters.seat_kinematic_rows]
         ),

@@ -77,7 +77,9 @@ class ForeignFmu:
             return
         ratio = step_s / own_s if own_s > 0.0 else 0.0
         if ratio < 0.5 or abs(ratio - round(ratio)) > _STEP_TOLERANCE * ratio:
-            raise self._refusal(f"its fixed step of {own_s:g} s does not divide the loop's step of {step_s:g} s")
+            raise self._refusal(
+                f"its fixed step of {own_s:g} s does not divide the loop's step of {step_s:g} s"
+            )
 
     def start(self, values: Array) -> Array:
         """Begin at time zero with the inputs; return the outputs. Again, this begins in a new process."""
@@ -88,7 +90,9 @@ class ForeignFmu:
         self._started = True
         references = [wire.reference for wire in self._ins], [wire.reference for wire in self._outs]
         given = self._to_fmu(values[None])[0].tolist()
-        return self._from_fmu(np.array([self._process.ask("start", self._process.folder, *references, given)]))[0]
+        return self._from_fmu(
+            np.array([self._process.ask("start", self._process.folder, *references, given)])
+        )[0]
 
     def advance(self, step_s: float, given: Array, seen: Array | None = None) -> Array:
         """Advance by a step for each row of inputs; return a row of outputs for each.
@@ -134,9 +138,7 @@ class ForeignFmu:
             found = ", ".join(told["platforms"]) or "none"
             raise self._refusal(f"is not for this platform, {told['platform']}; it has binaries for {found}")
 
-    def _wires(
-        self, causality: str, quantities: Sequence[Quantity], names: Mapping[str, str]
-    ) -> list[_Wire]:
+    def _wires(self, causality: str, quantities: Sequence[Quantity], names: Mapping[str, str]) -> list[_Wire]:
         return [
             wire
             for quantity in quantities
@@ -183,7 +185,10 @@ class ForeignFmu:
         ]
         if free:
             listed = ", ".join(free[:5]) + (f" and {len(free) - 5} more" if len(free) > 5 else "")
-            say_once(self._subject, f"{self._subject}: inputs that nothing drives keep their start values: {listed}")
+            say_once(
+                self._subject,
+                f"{self._subject}: inputs that nothing drives keep their start values: {listed}",
+            )
 
     def _refusal(self, reason: Any) -> InputError:
         return InputError(f"{self._subject}: {reason}")

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tempfile
 import weakref
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -52,11 +53,9 @@ class FmuProcess:
 
     def _send(self, value: Any) -> None:
         assert self._process.stdin is not None
-        try:
+        with suppress(OSError):  # of a process that has ended: the answer says so
             pickle.dump(value, self._process.stdin)
             self._process.stdin.flush()
-        except OSError:  # the process has ended: the answer says so
-            pass
 
     def _ended(self) -> str:
         status = self._process.wait()
@@ -71,10 +70,8 @@ class FmuProcess:
 def _end(process: subprocess.Popen, folder: str) -> None:
     for stream in (process.stdin, process.stdout):
         if stream is not None:
-            try:
+            with suppress(OSError):
                 stream.close()
-            except OSError:
-                pass
     try:
         process.wait(timeout=5.0)
     except subprocess.TimeoutExpired:

@@ -56,9 +56,7 @@ class Unit:
             "unit": unit,
         }
 
-    def start(
-        self, folder: str, inputs: list[int], outputs: list[int], values: list[float]
-    ) -> list[float]:
+    def start(self, folder: str, inputs: list[int], outputs: list[int], values: list[float]) -> list[float]:
         """Extract into a folder, instantiate and initialise with values of the inputs; give the outputs."""
         import fmpy
         from fmpy.fmi2 import FMU2Slave

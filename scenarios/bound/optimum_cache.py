@@ -12,6 +12,7 @@ from foreride.controller.clairvoyant.single_shooting import DriveInputs, WholeDr
 from foreride.controller.command_limits import KILO
 from foreride.controller.tuned_settings import settings_for
 from foreride.files.cache import cached
+from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND, due, ticks
@@ -35,7 +36,9 @@ def bound(scenario: Scenario) -> Optimum:
     plan is accepted only if it still yields the J stored with it.
     """
     if scenario.vehicle.fmu:
-        raise InputError(f"{scenario.name}: the bound needs the car's equations, which vehicle.fmu does not give")
+        raise InputError(
+            f"{scenario.name}: the bound needs the car's equations, which vehicle.fmu does not give"
+        )
     car, drive = scenario.true_car, drive_inputs(scenario)
     objective = WholeDriveObjective(car, drive)
     path = cached(f"bounds/{_key(scenario, drive)}.npz")

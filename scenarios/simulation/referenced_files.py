@@ -10,7 +10,6 @@ from foreride.scenarios.perceptions.registry import PERCEPTIONS, PerceptionEntry
 from foreride.scenarios.simulation.plants import build_plant
 from foreride.vehicle.load import control_model
 
-
 FMU_HASH = "vehicle_fmu_sha256"
 
 
@@ -35,7 +34,7 @@ def check_case_files(case: Case) -> None:
 
 
 def hashes(case: Case) -> dict[str, str | None]:
-    """SHA-256 of the car's FMU and of every file that perceptions read; None for what the case does not use."""
+    """SHA-256 of the car's FMU and of what perceptions read; None for what the case does not use."""
     entry = perception_entry(case.perception)
     paths: dict[str, Path | str | None] = {file.hash_name: file.path(case.scenario) for file in entry.files}
     paths[FMU_HASH] = case.scenario.vehicle.fmu

@@ -21,8 +21,8 @@ from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation.fault_injection import Faults
 from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 from foreride.scenarios.simulation.observer_errors import observer_errors
-from foreride.scenarios.simulation.preview_log import PreviewLog, collect
 from foreride.scenarios.simulation.plants import build_plant
+from foreride.scenarios.simulation.preview_log import PreviewLog, collect
 from foreride.scenarios.simulation.referenced_files import hashes
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.energy_audit import energy_audit

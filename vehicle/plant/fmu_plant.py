@@ -42,7 +42,7 @@ class FmuEngine:
         return np.concatenate([[0.0], self.unit.start(inputs)])
 
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
-        """Fill rows (ticks, size) under control (ticks, columns); return the last. For one tick, without axis.
+        """Fill rows (ticks, size) under control (ticks, columns), both without axis for one tick; return the last.
 
         Raises FmuFailed when a step fails; the rows before it are filled.
         """
@@ -80,7 +80,7 @@ class FmuPlant(Plant):
         self._dampers, self._forces = np.s_[..., : self._wheels], np.s_[..., self._wheels : self._inputs]
 
     def step(self, command: ArrayLike, ticks: int = 1) -> None:
-        """Advance as `Plant.step`. Raises FmuFailed when a step fails, in the state after the last good one."""
+        """Advance as `Plant.step`. Raises FmuFailed if a step fails, in the state before that one."""
         try:
             super().step(command, ticks)
         except FmuFailed as failure:

@@ -45,7 +45,7 @@ def _inputs(car: Car) -> list[Quantity]:
 
 
 def motion_state(car: Car, given: dict[str, Any], command: Array) -> Array:
-    """State of `vehicle.equations` from an FMU's outputs; without its settings the dampers have the command's.
+    """State of `vehicle.equations` from an FMU's outputs; dampers without a setting have the command's.
 
     Actuator forces that are not given, and the dampers' internal states, are zero.
     """

@@ -7,8 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if defined __GNUC__ /* generated code: what it does not need is no fault */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
 #define CASADI_SYMBOL_EXPORT static
 #include "model.h"
+#if defined __GNUC__
+#pragma GCC diagnostic pop
+#endif
 
 #define TICKS_PER_SECOND 1000.0
 

@@ -37,10 +37,11 @@ class CarFunctions:
         self._u = casadi.SX.sym("u", len(inputs))
         self._named = {port.name: self._u[i] for i, port in enumerate(inputs)}
         damper = car.corners[0].damper
-        self.parts = damper.substeps * (damper.rate_steps if damper.internal_states else 1)
+        # Internal states that the plant may advance in closed form are stiffer than its own steps allow.
+        self.parts = damper.substeps * (4 * damper.rate_steps if damper.internal_states else 1)
         wheels, forces = range(car.wheels), range(input_size(car) - car.wheels)
         names = [f"damping_command_{i}" for i in wheels] + [f"force_command_{i}" for i in forces]
-        self._command = casadi.vertcat(*(self._named[name] for name in names))
+        self._command: Any = casadi.vertcat(*(self._named[name] for name in names))
         self._acc = self._named["forward_acc"] if len(car.generalised_mass) > 1 else None
 
     def functions(self) -> list[casadi.Function]:

@@ -68,7 +68,9 @@ def _write_model(sources: Path, scenario: Scenario, ports: list[Port]) -> str:
 def _compile(source: Path, library: Path) -> bool:
     """Compile the sources into a library, if there is a C compiler."""
     named = os.environ.get("CC")
-    compiler = shutil.which(named) if named else next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    compiler = (
+        shutil.which(named) if named else next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    )
     if compiler is None:
         if named:
             raise InputError(f"the C compiler {printable(named)}, which CC names, is not found")
