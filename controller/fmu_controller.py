@@ -37,8 +37,8 @@ class FmuControllerMap(Checked):
     """Map of a controller FMU, a YAML file.
 
     map: its variable for each quantity of ours that it calls by another name. behind_m, step_m: beginning,
-    behind each wheel, and spacing of its grid of previewed heights. answers_after_step: its outputs follow from the
-    inputs only after a step; otherwise they do at once, as FMI expects of a direct feedthrough.
+    behind each wheel, and spacing of its grid of previewed heights. answers_after_step: its outputs follow
+    from the inputs only after a step; otherwise they do at once, as FMI expects of a direct feedthrough.
     """
 
     map: dict[str, str] = field(default_factory=dict)

@@ -131,8 +131,7 @@ def observe(
     """Compute all signals: at one instant from floats and a list x, at n from (n,), (states, n), (w, n).
 
     `road` holds height and rate of change under each wheel, as returned by `road_under`; `forward_acc` is the
-    longitudinal acceleration or None. With the module casadi as `xp`, all are expressions, rows are lists and
-    the command is a column.
+    longitudinal acceleration or None. With casadi as `xp`, rows are lists and the command is a column.
     """
     xp = xp or (equations.FLOATS if isinstance(x, list) else np)
     array: Callable[[Any], Any] = np.array if xp in (np, equations.FLOATS) else list

@@ -10,7 +10,7 @@ from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 
 @dataclass(frozen=True)
 class Port:
-    """Port: name, direction, unit (of `files.fmi.units.BASE_UNITS`), description and an input's start value."""
+    """Port: name, direction, unit (of `files.fmi.units`), description and, for an input, its start value."""
 
     name: str
     causality: Literal["input", "output"]

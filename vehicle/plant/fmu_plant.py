@@ -42,7 +42,7 @@ class FmuEngine:
         return np.concatenate([[0.0], self.unit.start(inputs)])
 
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
-        """Fill rows (ticks, size) under control (ticks, columns), both without axis for one tick; return the last.
+        """Fill rows (ticks, size) under control (ticks, columns), or those of one tick; return the last.
 
         Raises FmuFailed when a step fails; the rows before it are filled.
         """
