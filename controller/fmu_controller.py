@@ -11,6 +11,7 @@ from annotated_types import Interval
 from foreride.controller.interface import Estimate, Timing
 from foreride.files.errors import InputError
 from foreride.files.fmi.foreign import ForeignFmu, Quantity
+from foreride.files.own_code import say_once
 from foreride.files.reading import strict
 from foreride.files.reading.ranges import Checked
 from foreride.preview.road_preview import RoadPreview
@@ -62,8 +63,10 @@ def load_fmu_controller(name: str, vehicle: Car, timing: Timing) -> "FmuControll
 class FmuController:
     """Controller in an FMU, which advances by one communication step per decision.
 
-    Its failed step raises: as with any controller from outside, a fallback then acts.
+    problem: that a step has failed, after which a fallback acts for the rest of the drive; None before.
     """
+
+    problem: str | None = None
 
     def __init__(self, path: Path, table: FmuControllerMap, vehicle: Car, timing: Timing) -> None:
         """Connect the FMU's inputs to what the loop offers, and its outputs to the commands."""
@@ -77,32 +80,34 @@ class FmuController:
             )
         self._points = sum(name.startswith("preview_height_0_") for name in self._unit.inputs)
         self._begun = False
-        self._failure: str | None = None
         self._reading: Measurement | None = None
 
     def reset(self) -> None:
         """Begin anew at the next decision."""
-        self._begun, self._failure, self._reading = False, None, None
+        self._begun, self.problem, self._reading = False, None, None
 
     def sensed(self, measurement: Measurement) -> None:
         """Receive the readings of the sensors, which come before the decision of the same time."""
         self._reading = measurement
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
-        """Return the commands of the FMU. Raises InputError if its step fails, now or before."""
-        if self._failure is not None:
-            raise InputError(self._failure)
+        """Return the commands of the FMU; zeros if there is a `problem`."""
+        if self.problem is None:
+            try:
+                return self._command(estimate, preview)
+            except InputError as error:
+                self.problem = "own controller: a step of its FMU failed"
+                say_once(str(error), f"{error}; a fallback acts instead")
+        return np.zeros(len(self._unit.outputs))
+
+    def _command(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         offered = self._offered(estimate, preview)
         inputs = np.array([offered[name] for name in self._unit.inputs])
-        try:
-            if not self._begun:
-                self._unit.start(inputs)
-                self._begun = True
-            seen = inputs[None] if self._table.answers_after_step else None
-            return self._unit.advance(self._period_s, inputs[None], seen)[0]
-        except InputError as error:
-            self._failure = str(error)
-            raise
+        if not self._begun:
+            self._unit.start(inputs)
+            self._begun = True
+        seen = inputs[None] if self._table.answers_after_step else None
+        return self._unit.advance(self._period_s, inputs[None], seen)[0]
 
     def _offered(self, estimate: Estimate, preview: RoadPreview | None) -> dict[str, float]:
         offered = self._estimated(estimate) | self._previewed(preview)

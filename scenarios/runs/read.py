@@ -73,6 +73,7 @@ def _read(folder: Path) -> Run:
             looks=[_look(event, files) for event in events if event["event"] == "boxes"],
             previews=_previews(files.table("previews.parquet")),
             bound=record.bound,
+            failed=None if manifest.get("failed") is None else str(manifest["failed"]),
         )
     except KeyError as error:
         raise InputError(f"{folder}: its files lack {error}; a run of another version of foreride") from None

@@ -18,7 +18,7 @@ import pyarrow.parquet as pq
 
 from foreride.files.writing.folder import atomic_folder
 from foreride.files.writing.names import joined
-from foreride.files.writing.sharing import shared_name, shared_target
+from foreride.files.writing.sharing import shared_name, shared_target, without_folders
 from foreride.preview.prior_drives.memory_file import to_text as memory_text
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.doubts import doubts_of_metrics, doubts_of_scenario
@@ -110,11 +110,18 @@ def manifest(run: Run) -> dict[str, Any]:
         **run.files_sha256,
         "track_y_m": run.track_y_m,
         **RunRecord.of(run).mapping(),
-        "notes": [*doubts_of_scenario(run.case.scenario), *doubts_of_metrics(run.metrics)],
-        **({} if run.failed is None else {"failed": run.failed}),
+        "notes": [*_failure(run), *doubts_of_scenario(run.case.scenario), *doubts_of_metrics(run.metrics)],
+        **({} if run.failed is None else {"failed": without_folders(run.failed)}),
         "car_notes": list(car_notes([run.case])),
         **environment(),
     }
+
+
+def _failure(run: Run) -> list[str]:
+    """Note on a drive that ended early."""
+    if run.failed is None:
+        return []
+    return [f"the drive failed and holds what was driven until then: {without_folders(run.failed)}"]
 
 
 def row(run: Run) -> dict[str, Any]:

@@ -34,6 +34,8 @@ def export_c(out: Path, scenario: Scenario, version: str) -> bool:
 
     Raises InputError without FMPy, whose package holds the FMI headers, or if the compiler fails.
     """
+    if scenario.vehicle.fmu:
+        raise InputError(f"{scenario.name}: an FMU carries no other one; leave vehicle.fmu out")
     fmpy = _fmpy()
     block = VehicleBlock(scenario)
     ports = [port for port in block.ports if port not in METRIC_PORTS]
