@@ -36,6 +36,7 @@ def export_c(out: Path, scenario: Scenario, version: str) -> bool:
     """
     if scenario.vehicle.fmu:
         raise InputError(f"{scenario.name}: an FMU carries no other one; leave vehicle.fmu out")
+    scenario.require_given_speed("an FMU")
     fmpy = _fmpy()
     block = VehicleBlock(scenario)
     ports = [port for port in block.ports if port not in METRIC_PORTS]
