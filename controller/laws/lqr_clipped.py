@@ -15,8 +15,8 @@ from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import BaseController, Estimate, Timing
 from foreride.controller.laws.corner_motion import corner_motion
-from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.settings import LqrSettings
+from foreride.controller.weighting_states import ComfortFilter
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.equations import rest_per_road_height
 from foreride.vehicle.linear_model import linear_twin

@@ -15,11 +15,11 @@ from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
-from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
 from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, has_two_axles, leading_wheels
 from foreride.controller.settings import MpcSettings
+from foreride.controller.weighting_states import ComfortFilter
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.interface import Estimate
-from foreride.controller.mpc.weighting_states import ComfortFilter
 from foreride.controller.speed.dynamic_program import SpeedCost, SpeedProgram, speed_grid
 from foreride.controller.speed.ride_cost import PIECE_M, RideCost, expected_heights
 from foreride.controller.speed.settings import PreviewPlanner, ReactiveBraking, SpeedPlanner
+from foreride.controller.weighting_states import ComfortFilter
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 

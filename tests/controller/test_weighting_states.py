@@ -3,7 +3,7 @@ import pytest
 from scipy.signal import StateSpace, lsim
 
 from foreride.comfort.weighting import wk_second_order
-from foreride.controller.mpc.weighting_states import ComfortFilter
+from foreride.controller.weighting_states import ComfortFilter
 from foreride.vehicle.load import load_vehicle
 
 
