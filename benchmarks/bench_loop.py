@@ -3,13 +3,15 @@
 Each drive is repeated and the median reported; the first one, which compiles, is left out. `--profile` splits
 the CPU time of each drive, which is then written to a folder too, into its parts (`benchmarks.loop_parts`).
 `--against CHECKOUT` drives this version and another one in turn and prints the ratio of their CPU times,
-which other load on the machine hardly changes.
+which other load on the machine hardly changes. `--set detection.threads=1 --set detection.backend=openvino`
+times other numbers of threads and backends of the detector.
 """
 
 import argparse
 import json
 import resource
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -37,15 +39,16 @@ CaseRow = tuple[str, str, str, int]
 _ALL = "all"
 
 
-def case_of(vehicle: str, controller: str, perception: str, rate_hz: int) -> Case:
-    """The case of a row of `CASES`."""
-    overrides = {"vehicle.model": vehicle, "control.rate_hz": rate_hz}
+def case_of(row: CaseRow, fields: Sequence[str]) -> Case:
+    """The case of a row of `CASES`, with further scenario fields as for `--set`."""
+    vehicle, controller, perception, rate_hz = row
+    overrides = [f"vehicle.model={vehicle}", f"control.rate_hz={rate_hz}", *fields]
     return Case(load("hump_flat_30", overrides), controller, perception, 0)
 
 
-def measure(row: CaseRow, repeats: int) -> dict[str, Any]:
+def measure(row: CaseRow, repeats: int, fields: Sequence[str]) -> dict[str, Any]:
     """Median real-time factor and run times of one kind of drive."""
-    case = case_of(*row)
+    case = case_of(row, fields)
     runs = [_timed(case) for _ in range(repeats + 1)][1:]
     medians = {name: median(run[name] for run in runs) for name in runs[0]}
     return {"vehicle": row[0], "perception": row[2], "control_hz": row[3]} | medians
@@ -58,9 +61,9 @@ def _timed(case: Case) -> dict[str, float]:
     return timing | {"factor_by_cpu": case.scenario.ticks / RATE_HZ / (process_time() - started)}
 
 
-def profile(row: CaseRow, repeats: int) -> dict[str, Any]:
+def profile(row: CaseRow, repeats: int, fields: Sequence[str]) -> dict[str, Any]:
     """Median CPU time of each part of one kind of drive, ms per simulated second, step and camera frame."""
-    case, splits = case_of(*row), []
+    case, splits = case_of(row, fields), []
     duration_s = case.scenario.ticks / RATE_HZ
     simulate_case(case)
     with tempfile.TemporaryDirectory() as folder:
@@ -110,6 +113,7 @@ def main() -> None:
     parser.add_argument("--cases", default="", help="of these words only: half, camera, ...")
     parser.add_argument("--profile", action="store_true", help="CPU time of each part")
     parser.add_argument("--against", type=Path, help="another checkout, driven in turn with this one")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH.TO.FIELD=VALUE")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     words = arguments.cases.split()
@@ -120,7 +124,7 @@ def main() -> None:
         work, show = (profile, print_profile) if arguments.profile else (measure, print_speed)
         rows = []
         for case in cases:
-            rows.append(work(case, arguments.repeats))
+            rows.append(work(case, arguments.repeats, arguments.set))
             show(rows[-1])
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"peak memory {peak_mib:.0f} MiB")

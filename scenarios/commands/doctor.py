@@ -136,6 +136,7 @@ def _caches() -> str:
     folders_by_cache = {
         "compiled code": [folder for folder in compiled_folders if folder is not None],
         "bounds": [cached("bounds/any").parent],
+        "backends": [cached("backends/any").parent],
         "figures": [Path(matplotlib.get_cachedir())],
     }
     return "; ".join(f"{name} {_described(folders)}" for name, folders in folders_by_cache.items())
