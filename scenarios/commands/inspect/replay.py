@@ -12,6 +12,7 @@ from foreride.files.errors import InputError, shown
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import check_folder
 from foreride.scenarios.commands.console import console, tracked
+from foreride.scenarios.commands.inspect.replay_surface import execute_surface
 from foreride.scenarios.commands.options import add_json_option, overrides_of
 from foreride.scenarios.perceptions.camera import build_estimator, load_detector
 from foreride.scenarios.perceptions.image_band import image_band
@@ -32,7 +33,8 @@ _LOGS: dict[str, type] = {".mcap": McapLog, ".mf4": MdfLog, ".mdf": MdfLog, ".da
 
 def configure(command: argparse.ArgumentParser) -> None:
     """Add the options, and the function to execute."""
-    command.add_argument("log", type=Path, metavar="LOG", help=f"recording: {', '.join(_LOGS)}")
+    told = f"recording: {', '.join(_LOGS)}, or a folder laid out as in the RSRD data set"
+    command.add_argument("log", type=Path, metavar="LOG", help=told)
     told = "folder of images with images.csv (time_s,file) or names in ms; of MCAP, the topic of one camera"
     command.add_argument("--images", metavar="FOLDER|TOPIC", help=told)
     told = "its car, camera, detector and estimator; by default those of the log, if foreride wrote it"
@@ -50,11 +52,13 @@ def configure(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--out", type=Path, metavar="DIR", help="output folder (default: LOG-replay beside it)"
     )
-    command.set_defaults(execute=execute, observer=None, settings=None)
+    command.set_defaults(execute=execute, observer=None, settings=None, allow_fmu=False)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Replay, write the folder, print the tracks."""
+    if arguments.log.is_dir():
+        return execute_surface(arguments)
     log = _opened(arguments.log)
     out = arguments.out or arguments.log.with_name(f"{arguments.log.stem}-replay")
     check_folder(out, KIND)
