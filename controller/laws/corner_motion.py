@@ -1,11 +1,13 @@
 """Corner kinematics: body and wheel motion at each corner, the inputs of the reactive laws."""
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from foreride.vehicle.equations import FLOATS, motion, rattle
 from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
 
 
 class CornerMotion(NamedTuple):
@@ -28,3 +30,26 @@ def corner_motion(vehicle: Car, x: np.ndarray) -> CornerMotion:
     travel, relative = rattle(vehicle, state, FLOATS)
     wheel = np.array(motion(vehicle, state).wheel_velocity)
     return CornerMotion(wheel + relative, wheel, np.array(travel), np.array(relative))
+
+
+def fleet_motion(vehicles: Sequence[Car]) -> Callable[[np.ndarray], CornerMotion]:
+    """Corner motion (cars, wheels) of cars of one kind, from their states (cars, states).
+
+    The sums are those of `corner_motion`, bit for bit.
+    """
+    layout = state_layout(vehicles[0])
+    rows = np.array([[corner.kinematic_row for corner in vehicle.corners] for vehicle in vehicles])
+
+    def suspension(body: np.ndarray, wheel: np.ndarray) -> np.ndarray:
+        above = np.zeros(rows.shape[:2])
+        for index in range(rows.shape[2]):
+            above = above + rows[:, :, index] * body[:, index, None]
+        return above - wheel
+
+    def motion(states: np.ndarray) -> CornerMotion:
+        velocity = states[:, layout.wheel_velocity]
+        relative = suspension(states[:, layout.body_velocity], velocity)
+        travel = suspension(states[:, layout.body], states[:, layout.wheel])
+        return CornerMotion(velocity + relative, velocity, travel, relative)
+
+    return motion

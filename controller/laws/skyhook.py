@@ -5,11 +5,13 @@ Suspension Control Design for Vehicles*, 2010, ch. 6: virtual dampers `sky`, bet
 `ground`, between wheel and ground, request a force, which the real damper follows as far as it can.
 """
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from foreride.controller.command_limits import DampingLimits
 from foreride.controller.interface import BaseController, Estimate, Timing
-from foreride.controller.laws.corner_motion import corner_motion
+from foreride.controller.laws.corner_motion import CornerMotion, corner_motion, fleet_motion
 from foreride.controller.settings import SkyhookSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -25,7 +27,24 @@ class Skyhook(BaseController):
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         """Return the damping (wheels,), N·s/m, that best approximates the force of the virtual dampers."""
-        settings, motion = self._settings, corner_motion(self._vehicle, estimate.x)
-        force = settings.sky_ns_m * motion.body - settings.ground_ns_m * motion.wheel
-        damping = force * motion.relative / (motion.relative**2 + settings.smoothing_m_s**2)
-        return self._limits.clip(np.maximum(damping, settings.floor_ns_m))
+        motion = corner_motion(self._vehicle, estimate.x)
+        return self._limits.clip(skyhook_damping(self._settings, motion))
+
+
+def skyhook_damping(settings: SkyhookSettings, motion: CornerMotion) -> np.ndarray:
+    """Damping of each wheel, not below the floor, N·s/m; any shape of motion."""
+    force = settings.sky_ns_m * motion.body - settings.ground_ns_m * motion.wheel
+    damping = force * motion.relative / (motion.relative**2 + settings.smoothing_m_s**2)
+    return np.maximum(damping, settings.floor_ns_m)
+
+
+def fleet_skyhook(vehicles: Sequence[Car], settings: SkyhookSettings | None = None) -> Callable:
+    """Skyhook on the true states (cars, states) of a fleet, for `vehicle.plant.fleet.Fleet.drive`."""
+    chosen, limits = settings or SkyhookSettings(), [DampingLimits.of(vehicle) for vehicle in vehicles]
+    low, high = (np.array([getattr(limit, name) for limit in limits]) for name in ("low", "high"))
+    motion = fleet_motion(vehicles)
+
+    def law(states: np.ndarray) -> np.ndarray:
+        return np.clip(skyhook_damping(chosen, motion(states)), low, high)
+
+    return law

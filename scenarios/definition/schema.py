@@ -29,6 +29,7 @@ from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.definition.speed import KM_H, SpeedPoint, profile
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.difference import PlantDifference
+from foreride.vehicle.plant.engine_names import EngineName, require_compilable
 from foreride.vehicle.plant.sensors import SensorNoise
 from foreride.vehicle.speed_profile import SpeedProfile
 
@@ -154,8 +155,9 @@ class Scenario(Checked):
 
     The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
     between them; with a `speed_planner` it cruises at `speed_kmh` and slows down for the road. Its centre of
-    gravity starts at `start_m`; the run ends when the front axle reaches the
-    road's end. Controllers know the car as `vehicle`; the simulated one differs from it by `plant`.
+    gravity starts at `start_m`; the run ends when the front axle reaches the road's end. Controllers know the
+    car as `vehicle`; the simulated one differs from it by `plant`. `engine` integrates it: MuJoCo, or the
+    compiled equations, which agree to rounding and are faster.
     `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the quantities of
     detected objects that are replaced by the truth, to measure the cost of errors. `memory` is the
     memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho in
@@ -171,6 +173,7 @@ class Scenario(Checked):
     speed: tuple[SpeedPoint, ...] = ()
     speed_planner: SpeedPlanner | None = None
     plant: PlantDifference = field(default_factory=PlantDifference)
+    engine: EngineName = "mujoco"
     enveloping: Enveloping = field(default_factory=RigidWheel)
     observer: Literal["truth", "sensors"] = "sensors"
     sensors: SensorNoise = field(default_factory=SensorNoise)
@@ -200,6 +203,10 @@ class Scenario(Checked):
             raise InputError(f"plant must leave the car plausible: {error}") from None
         if self.vehicle.fmu and self.true_car != self.vehicle.parameters:
             raise InputError("plant must leave the car as it is, as vehicle.fmu is the car")
+        if self.engine == "compiled":
+            if self.vehicle.fmu:
+                raise InputError("engine must be left out, as vehicle.fmu is the car")
+            require_compilable(self.true_car)
         require_applicable(self.vehicle.parameters, self.faults, self.sensors, self.control.settings)
         front_axle_m = max(self.vehicle.parameters.axle_x_m)
         start_limit_m = self.road.length_m - front_axle_m - 1.0

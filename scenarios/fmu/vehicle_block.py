@@ -10,7 +10,7 @@ from foreride.scenarios.fmu.signals import METRIC_PORTS, signal_ports, values_no
 from foreride.scenarios.simulation.running_metrics import RunningMetrics
 from foreride.vehicle.clock import STEP_S
 from foreride.vehicle.equations import input_size
-from foreride.vehicle.plant.mujoco_engine import build_engine
+from foreride.vehicle.plant.engines import build_engine
 from foreride.vehicle.plant.plant import standstill_state
 from foreride.vehicle.state import VehicleState, observe
 

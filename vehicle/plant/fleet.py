@@ -1,10 +1,10 @@
 """Fleet simulation for parameter studies: many cars with parameters of their own at one speed on one road.
 
-MuJoCo steps them in threads; the results are bit-identical for any number of threads and equal to those of
-`vehicle.plant.plant.Plant` for the same commands.
+The states of every car are those of `vehicle.plant.plant.Plant` with the same engine and commands, bit for
+bit, for any number of cars and threads.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -14,64 +14,66 @@ from numpy.typing import ArrayLike, NDArray
 from foreride.files.errors import InputError
 from foreride.vehicle.clock import RATE_HZ
 from foreride.vehicle.dampers.damper import IdealDamper
-from foreride.vehicle.equations import input_size
+from foreride.vehicle.equations import input_size, state_size
 from foreride.vehicle.load import Car
+from foreride.vehicle.plant.compiled_engine import advance_cars, car_numbers, target_limits
+from foreride.vehicle.plant.engine_names import EngineName
 from foreride.vehicle.plant.mujoco_engine import RolloutEngine, build_model
 from foreride.vehicle.plant.plant import standstill_state
 from foreride.vehicle.speed_profile import ConstantSpeed
 from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
 
 Array = NDArray[np.float64]
+Law = Callable[[Array], Array]
+"""Commands (cars, inputs) for the states (cars, states) in the order of `vehicle.equations`."""
 _FULL_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 class Fleet:
     """Cars of one kind (all quarter, all half or all full cars) with ideal dampers, simulated together.
 
-    threads: 0 uses all processors. Raises InputError for mixed kinds and for other dampers.
+    threads: of MuJoCo, 0 uses all processors; the compiled engine uses one, for one fleet per process. Raises
+    InputError for mixed kinds and for other dampers.
     """
 
-    def __init__(self, cars: Sequence[Car], threads: int = 0) -> None:
+    def __init__(self, cars: Sequence[Car], threads: int = 0, engine: EngineName = "mujoco") -> None:
         shapes = {(car.kind, input_size(car)) for car in cars}
         if len(shapes) != 1:
             raise InputError(f"cars must be of one kind and at least one, got {len(shapes)} kinds")
         if not all(isinstance(corner.damper, IdealDamper) for car in cars for corner in car.corners):
             raise InputError("cars must have ideal dampers to be stepped together")
         self.cars = tuple(cars)
-        self._models = [build_model(car) for car in cars]
-        self._batch = Batch(self._models[0], len(cars), nthread=threads, persistent=True)
-        self._batch.set_models(self._models)
-        self._engine = RolloutEngine(cars[0])
+        self._together = _CompiledCars(cars) if engine == "compiled" else _MujocoCars(cars, threads)
 
     def drive(
         self,
         profiles: Sequence[EffectiveProfile],
         x_m: float,
         speed_m_s: float,
-        command: ArrayLike,
+        command: ArrayLike | Law,
         ticks: int,
+        period: int = 5,
     ) -> Array:
         """Return the states (cars, ticks + 1, states) in the order of `vehicle.equations`, standstill first.
 
-        profiles: one for each wheel of a car. command: (cars, inputs), held over the drive.
+        profiles: one for each wheel of a car. command: (cars, inputs), held over the drive, or a law that is
+        asked every `period` ticks and acts at once.
         """
-        cars, wheels = len(self.cars), self.cars[0].wheels
-        commands = np.asarray(command, float)
-        if commands.shape != (cars, input_size(self.cars[0])):
-            expected_shape = (cars, input_size(self.cars[0]))
-            raise InputError(f"command must have shape {expected_shape}, got {commands.shape}")
-        row = np.zeros((cars, self._engine.size))
-        initial_states = (standstill_state(car, road_under(car, profiles, x_m, 0.0)[0]) for car in self.cars)
-        row[:, self._engine.order] = list(initial_states)
-        control = np.zeros((cars, ticks, self._models[0].nu))
-        control[:, :, :wheels] = commands[:, None, :wheels]
-        control[:, :, wheels : 2 * wheels] = self._road_force(profiles, x_m, speed_m_s, ticks)
-        control[:, :, 2 * wheels : wheels + commands.shape[1]] = commands[:, None, wheels:]
-        self._batch.reset()
-        self._batch.state[:, : row.shape[1]] = row
-        rows = self._batch.rollout(ticks, control, record=[_FULL_STATE])[_FULL_STATE]
-        states = np.concatenate([row[:, None], rows], axis=1)
-        return states[:, :, self._engine.order]
+        shape = (len(self.cars), input_size(self.cars[0]))
+        states = np.empty((shape[0], ticks + 1, state_size(self.cars[0])))
+        for car, own in zip(self.cars, states, strict=True):
+            own[0] = standstill_state(car, road_under(car, profiles, x_m, 0.0)[0])
+        push = self._road_force(profiles, x_m, speed_m_s, ticks)
+        hold = period if callable(command) else max(ticks, 1)
+        for first in range(0, ticks, hold):
+            last = min(first + hold, ticks)
+            asked = np.asarray(command(states[:, first]) if callable(command) else command, float)
+            if asked.shape != shape:
+                raise InputError(f"command must have shape {shape}, got {asked.shape}")
+            states[:, first + 1 : last + 1] = self._together.advance(
+                states[:, first], asked, push[:, first:last]
+            )
+        return states
 
     def observe(
         self,
@@ -82,10 +84,14 @@ class Fleet:
         speed_m_s: float,
         command: ArrayLike,
     ) -> VehicleState:
-        """Return all signals of one car, computed from the states that `drive` returned."""
+        """Return all signals of one car, computed from the states that `drive` returned.
+
+        command: (cars, inputs), held, or (cars, ticks + 1, inputs).
+        """
         time = np.arange(states.shape[1]) / RATE_HZ
         travel = ConstantSpeed(speed_m_s).ahead(x_m, 0, len(time) - 1).edges_m
-        commands = np.tile(np.asarray(command, float)[car][:, None], len(time))
+        own = np.atleast_2d(np.asarray(command, float)[car])
+        commands = np.broadcast_to(own, (len(time), own.shape[1])).T
         road = road_under(self.cars[car], profiles, travel, speed_m_s)
         return observe(
             self.cars[car], time, travel, np.full(len(time), speed_m_s), states[car].T, commands, road
@@ -97,3 +103,45 @@ class Fleet:
         """Tyre forces due to the road's motion, (cars, ticks, wheels)."""
         stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
         return np.stack([np.stack(road_forces(car, profiles, stretch), axis=1) for car in self.cars])
+
+
+class _MujocoCars:
+    """Cars stepped by MuJoCo in threads."""
+
+    def __init__(self, cars: Sequence[Car], threads: int) -> None:
+        self._models = [build_model(car) for car in cars]
+        self._batch = Batch(self._models[0], len(cars), nthread=threads, persistent=True)
+        self._batch.set_models(self._models)
+        self._order, self._wheels = RolloutEngine(cars[0]).order, cars[0].wheels
+        self._size = mujoco.mj_stateSize(self._models[0], _FULL_STATE)
+
+    def advance(self, start: Array, command: Array, push: Array) -> Array:
+        """States (cars, ticks, states) after each tick with the command held."""
+        wheels, (cars, ticks, _) = self._wheels, push.shape
+        row = np.zeros((cars, self._size))
+        row[:, self._order] = start
+        control = np.zeros((cars, ticks, self._models[0].nu))
+        control[:, :, :wheels] = command[:, None, :wheels]
+        control[:, :, wheels : 2 * wheels] = push
+        control[:, :, 2 * wheels : wheels + command.shape[1]] = command[:, None, wheels:]
+        self._batch.reset()
+        self._batch.state[:, : self._size] = row
+        rows = self._batch.rollout(ticks, control, record=[_FULL_STATE])[_FULL_STATE]
+        states: Array = rows[:, :, self._order]
+        return states
+
+
+class _CompiledCars:
+    """Cars stepped by the compiled equations."""
+
+    def __init__(self, cars: Sequence[Car]) -> None:
+        self._numbers, (self._low, self._high) = car_numbers(cars), target_limits(cars)
+
+    def advance(self, start: Array, command: Array, push: Array) -> Array:
+        """States (cars, ticks, states) after each tick with the command held."""
+        states = np.empty((*push.shape[:2], start.shape[1]))
+        target = np.clip(command, self._low, self._high)[:, None]
+        surge = np.zeros(push.shape[:2])
+        start, push = np.ascontiguousarray(start), np.ascontiguousarray(push)
+        advance_cars(self._numbers, start, target, push, surge, states)
+        return states

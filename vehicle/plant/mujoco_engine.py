@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from foreride.files.errors import printable
 from foreride.files.own_code import say_once
 from foreride.vehicle.clock import STEP_S
-from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.mjcf import car_xml
@@ -175,15 +174,6 @@ class SubsteppedEngine:
                 ]
             )
         return motions[0], motions[1]
-
-
-Engine = RolloutEngine | SubsteppedEngine
-
-
-def build_engine(parameters: Car) -> Engine:
-    """Build the engine that suits a car's dampers."""
-    ideal = isinstance(parameters.corners[0].damper, IdealDamper)
-    return RolloutEngine(parameters) if ideal else SubsteppedEngine(parameters)
 
 
 def _state_order(parameters: Car) -> NDArray[np.int64]:

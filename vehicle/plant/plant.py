@@ -11,7 +11,9 @@ from foreride.files.errors import InputError
 from foreride.vehicle.clock import RATE_HZ, STEP_S
 from foreride.vehicle.equations import input_size, rest_state
 from foreride.vehicle.load import Car
-from foreride.vehicle.plant.mujoco_engine import build_engine, build_model
+from foreride.vehicle.plant.engine_names import EngineName
+from foreride.vehicle.plant.engines import build_engine
+from foreride.vehicle.plant.mujoco_engine import build_model
 from foreride.vehicle.speed_profile import ConstantSpeed, Motion, MotionSamples, SpeedProfile
 from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
 from foreride.vehicle.state_layout import state_layout
@@ -33,14 +35,14 @@ class Plant:
     """Simulated car on a road: `reset`, then `step` with commands, then read `state` or `signals`.
 
     The road is sampled at the middle of each tick and held over it, which is second-order accurate; its rate
-    of change is the mean over the tick.
+    of change is the mean over the tick. engine: MuJoCo, or the compiled equations for many drives.
     """
 
     _driven_ticks: int  # ticks driven of the `_prepared` ones
 
-    def __init__(self, parameters: Car) -> None:
+    def __init__(self, parameters: Car, engine: EngineName = "mujoco") -> None:
         self.parameters = parameters
-        self._engine = build_engine(parameters)
+        self._engine = build_engine(parameters, engine)
         self._order = self._engine.order
         self._inputs, self._wheels = input_size(parameters), parameters.wheels
         self._columns = self._inputs + self._wheels + (len(parameters.generalised_mass) > 1)
@@ -119,7 +121,7 @@ class Plant:
         self._commands.append(request)
         self._hold_ticks.append(ticks)
         engine_time_s = self._row.item(0)
-        if not engine_time_s >= (self._tick - 0.5) * STEP_S:  # MuJoCo's clock stops if a step fails
+        if not engine_time_s >= (self._tick - 0.5) * STEP_S:  # the clock stops if a step fails
             raise InputError(
                 f"vehicle diverged at {engine_time_s:.3f} s: too stiff or too light for 1 ms ticks"
             )

@@ -8,7 +8,8 @@ import pytest
 
 from foreride.vehicle.dampers.damper import DamperModel
 from foreride.vehicle.load import Car, QuarterCar
-from foreride.vehicle.plant.mujoco_engine import RolloutEngine, SubsteppedEngine, build_engine
+from foreride.vehicle.plant.engines import build_engine
+from foreride.vehicle.plant.mujoco_engine import RolloutEngine, SubsteppedEngine
 from foreride.vehicle.plant.plant import Plant
 from tests.vehicle.plant.short_drives import HALF, QUARTER, Haversine, drive
 from tests.vehicle.plant.test_plant import reference
