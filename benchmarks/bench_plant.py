@@ -7,14 +7,19 @@ gain.
 
 import time
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
+from foreride.controller.laws.skyhook import fleet_skyhook
 from foreride.road.features.feature import HalfSineBump
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
+from foreride.scenarios.studies.study import Sample
+from foreride.scenarios.studies.sweep import simulate_sample
 from foreride.vehicle.dampers.damper import Damper, MrBoucWenDamper, MrTanhDamper, ValveDamper
 from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.plant.engine_names import EngineName
 from foreride.vehicle.plant.fleet import Fleet
 from foreride.vehicle.plant.plant import RATE_HZ, Plant
 
@@ -38,15 +43,43 @@ def ticks_per_second(car: Car, block: int, ask_state: bool) -> float:
     return TICKS / best
 
 
-def fleet_ticks_per_second(car: Car, cars: int, threads: int, ticks: int = 500) -> tuple[float, float]:
+def fleet_ticks_per_second(
+    car: Car, cars: int, threads: int, engine: EngineName = "mujoco", law: str = "passive", ticks: int = 500
+) -> tuple[float, float]:
     """Ticks of all cars together, per second of CPU and of wall-clock time."""
     profile = wheel_profile(Road(length_m=30.0, features=(HalfSineBump(2.0, 0.08, 0.4),)), 0.75)
-    fleet = Fleet([car] * cars, threads)
-    command = np.tile([corner.damping_passive_ns_m for corner in car.corners], (cars, 1))
+    fleet = Fleet([car] * cars, threads, engine)
+    passive = np.tile([corner.damping_passive_ns_m for corner in car.corners], (cars, 1))
+    command = fleet_skyhook(fleet.cars) if law == "skyhook" else passive
+    fleet.drive([profile] * car.wheels, 0.0, 30 / 3.6, command, 10)  # compiles
     busy, wall = time.process_time(), time.perf_counter()
     fleet.drive([profile] * car.wheels, 0.0, 30 / 3.6, command, ticks)
     done = cars * ticks
     return done / (time.process_time() - busy), done / (time.perf_counter() - wall)
+
+
+def drive_ticks_per_second(model: str, law: str) -> float:
+    """Ticks per second of CPU of a whole drive as a sweep does it: sensors, observer, law and metrics."""
+    sample = Sample("pothole_30x5_50", (("vehicle.model", model),), law, "none", 0)
+    best = np.inf
+    for _ in range(3):
+        start = time.process_time()
+        simulate_sample(sample)
+        best = min(best, time.process_time() - start)
+    return sample.case().scenario.ticks / best
+
+
+def compare_with_drives() -> None:
+    """Fleets per core against whole drives, one after another."""
+    print(f"\n{'per core':14}{'law':>9}{'drives':>10}{'fleet, MuJoCo':>20}{'fleet, compiled':>20}   ticks/s")
+    for model in ("quarter", "half", "full"):
+        for law in ("passive", "skyhook"):
+            alone = drive_ticks_per_second(model, law)
+            row = f"{model:14}{law:>9}{alone:10.0f}"
+            for engine in get_args(EngineName):
+                rate, _ = fleet_ticks_per_second(load_vehicle(model), 512, 1, engine, law)
+                row += f"{rate:12.0f} {rate / alone:5.1f} x"
+            print(row, flush=True)
 
 
 def main() -> None:
@@ -65,6 +98,7 @@ def main() -> None:
         for threads in (1, 2):
             busy, wall = fleet_ticks_per_second(load_vehicle(name), 512, threads)
             print(f"{name:14}{threads:11d}{'':7}{busy:10.0f}{wall:13.0f}", flush=True)
+    compare_with_drives()
 
 
 if __name__ == "__main__":

@@ -38,8 +38,10 @@ def skyhook_damping(settings: SkyhookSettings, motion: CornerMotion) -> np.ndarr
     return np.maximum(damping, settings.floor_ns_m)
 
 
-def fleet_skyhook(vehicles: Sequence[Car], settings: SkyhookSettings | None = None) -> Callable:
-    """Skyhook on the true states (cars, states) of a fleet, for `vehicle.plant.fleet.Fleet.drive`."""
+def fleet_skyhook(
+    vehicles: Sequence[Car], settings: SkyhookSettings | None = None
+) -> Callable[[np.ndarray], np.ndarray]:
+    """Skyhook on the true states (cars, states) of a fleet, a law for `vehicle.plant.fleet`."""
     chosen, limits = settings or SkyhookSettings(), [DampingLimits.of(vehicle) for vehicle in vehicles]
     low, high = (np.array([getattr(limit, name) for limit in limits]) for name in ("low", "high"))
     motion = fleet_motion(vehicles)
