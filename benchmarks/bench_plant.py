@@ -47,7 +47,7 @@ def fleet_ticks_per_second(
     car: Car, cars: int, threads: int, engine: EngineName = "mujoco", law: str = "passive", ticks: int = 500
 ) -> tuple[float, float]:
     """Ticks of all cars together, per second of CPU and of wall-clock time."""
-    profile = wheel_profile(Road(length_m=30.0, features=(HalfSineBump(2.0, 0.08, 0.4),)), 0.75)
+    profile = wheel_profile(Road(length_m=60.0, features=(HalfSineBump(2.0, 0.08, 0.4),)), 0.75)
     fleet = Fleet([car] * cars, threads, engine)
     passive = np.tile([corner.damping_passive_ns_m for corner in car.corners], (cars, 1))
     command = fleet_skyhook(fleet.cars) if law == "skyhook" else passive
@@ -77,7 +77,7 @@ def compare_with_drives() -> None:
             alone = drive_ticks_per_second(model, law)
             row = f"{model:14}{law:>9}{alone:10.0f}"
             for engine in get_args(EngineName):
-                rate, _ = fleet_ticks_per_second(load_vehicle(model), 512, 1, engine, law)
+                rate, _ = fleet_ticks_per_second(load_vehicle(model), 64, 1, engine, law, ticks=5000)
                 row += f"{rate:12.0f} {rate / alone:5.1f} x"
             print(row, flush=True)
 

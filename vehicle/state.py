@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, Protocol, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,13 +107,27 @@ def road_under(
     return height, velocity
 
 
-def road_forces(parameters: Car, profiles: Sequence[EffectiveProfile], stretch: MotionSamples) -> list[Array]:
-    """Tyre force due to the road's motion during each tick of a stretch, N, (ticks,) for each wheel."""
+class RoadHeights(NamedTuple):
+    """Road under each wheel in each tick of a stretch, (ticks,): height in its middle, change over it, m."""
+
+    middle: list[Array]
+    change: list[Array]
+
+
+def road_heights(
+    parameters: Car, profiles: Sequence[EffectiveProfile], stretch: MotionSamples
+) -> RoadHeights:
+    """Road heights of a stretch, the same for all cars of the same axle positions."""
     edge_height, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
     mid_height, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
+    return RoadHeights(mid_height, [np.diff(heights) for heights in edge_height])
+
+
+def road_forces(parameters: Car, heights: RoadHeights) -> list[Array]:
+    """Tyre force due to the road's motion during each tick of a stretch, N, (ticks,) for each wheel."""
     return [
-        corner.tyre_n_m * mid_height[i] + corner.tyre_damping_ns_m * np.diff(edge_height[i]) / STEP_S
-        for i, corner in enumerate(parameters.corners)
+        corner.tyre_n_m * middle + corner.tyre_damping_ns_m * change / STEP_S
+        for corner, middle, change in zip(parameters.corners, *heights, strict=True)
     ]
 
 

@@ -27,7 +27,7 @@ _COLUMNS = 11
 class CarNumbers(NamedTuple):
     """Numbers of cars of one kind."""
 
-    kinematic_rows: Array  # (cars, wheels, body)
+    kinematic_rows: Array  # (cars, wheels, body); of one car without the first axis
     inertia: Array  # (cars, body)
     corners: Array  # (cars, wheels, columns)
     anti_roll: Array  # (cars, axles)
@@ -68,17 +68,10 @@ def _corner_row(corner: Corner, bends: int) -> list[float]:
 
 @njit
 def _rates(
-    numbers: CarNumbers,
-    car: int,
-    x: Array,
-    target: Array,
-    push: Array,
-    surge: float,
-    strut: Array,
-    out: Array,
+    car: CarNumbers, x: Array, target: Array, push: Array, surge: float, strut: Array, out: Array
 ) -> None:
     """Time derivative of a state; target: settings and forces asked for, push: tyre force of the road."""
-    rows, inertia, corner = numbers.kinematic_rows[car], numbers.inertia[car], numbers.corners[car]
+    rows, inertia, corner, bars = car
     body, wheels = len(inertia), len(corner)
     damping = 2 * (body + wheels)
     for i in range(wheels):
@@ -99,9 +92,9 @@ def _rates(
             force += acting
             out[damping + wheels + i] = (target[wheels + i] - acting) / corner[i, 10]
         strut[0, i], strut[1, i] = force, travel
-    for axle in range(numbers.anti_roll.shape[1]):
+    for axle in range(len(bars)):
         left, right = 2 * axle, 2 * axle + 1
-        twist = numbers.anti_roll[car, axle] * (strut[1, left] - strut[1, right])
+        twist = bars[axle] * (strut[1, left] - strut[1, right])
         strut[0, left] -= twist
         strut[0, right] += twist
     for j in range(body):
@@ -128,13 +121,16 @@ def advance_cars(
     slopes, x, strut = np.empty((4, states)), np.empty(states), np.empty((2, push.shape[2]))
     for car in range(cars):
         before = start[car]
+        own = CarNumbers(
+            numbers.kinematic_rows[car], numbers.inertia[car], numbers.corners[car], numbers.anti_roll[car]
+        )
         for tick in range(ticks):
             asked = target[car, 0 if target.shape[1] == 1 else tick]
             for stage in range(4):
                 ahead = 0.0 if stage == 0 else (STEP_S if stage == 3 else 0.5 * STEP_S)
                 for n in range(states):
                     x[n] = before[n] + ahead * slopes[stage - 1, n] if stage else before[n]
-                _rates(numbers, car, x, asked, push[car, tick], surge[car, tick], strut, slopes[stage])
+                _rates(own, x, asked, push[car, tick], surge[car, tick], strut, slopes[stage])
             after = rows[car, tick]
             for n in range(states):
                 mean = slopes[0, n] + 2.0 * slopes[1, n] + 2.0 * slopes[2, n] + slopes[3, n]

@@ -21,7 +21,15 @@ from foreride.vehicle.plant.engine_names import EngineName
 from foreride.vehicle.plant.mujoco_engine import RolloutEngine, build_model
 from foreride.vehicle.plant.plant import standstill_state
 from foreride.vehicle.speed_profile import ConstantSpeed
-from foreride.vehicle.state import EffectiveProfile, VehicleState, observe, road_forces, road_under
+from foreride.vehicle.state import (
+    EffectiveProfile,
+    RoadHeights,
+    VehicleState,
+    observe,
+    road_forces,
+    road_heights,
+    road_under,
+)
 
 Array = NDArray[np.float64]
 Law = Callable[[Array], Array]
@@ -100,9 +108,16 @@ class Fleet:
     def _road_force(
         self, profiles: Sequence[EffectiveProfile], x_m: float, speed_m_s: float, ticks: int
     ) -> Array:
-        """Tyre forces due to the road's motion, (cars, ticks, wheels)."""
+        """Tyre forces of the road, (cars, ticks, wheels); cars of the same axles share its heights."""
         stretch = ConstantSpeed(speed_m_s).ahead(x_m, 0, ticks)
-        return np.stack([np.stack(road_forces(car, profiles, stretch), axis=1) for car in self.cars])
+        heights: dict[tuple[float, ...], RoadHeights] = {}
+        push = np.empty((len(self.cars), ticks, self.cars[0].wheels))
+        for car, own in zip(self.cars, push, strict=True):
+            axles = tuple(car.axle_x_m)
+            if axles not in heights:
+                heights[axles] = road_heights(car, profiles, stretch)
+            own.T[:] = road_forces(car, heights[axles])
+        return push
 
 
 class _MujocoCars:

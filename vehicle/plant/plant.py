@@ -15,7 +15,15 @@ from foreride.vehicle.plant.engine_names import EngineName
 from foreride.vehicle.plant.engines import build_engine
 from foreride.vehicle.plant.mujoco_engine import build_model
 from foreride.vehicle.speed_profile import ConstantSpeed, Motion, MotionSamples, SpeedProfile
-from foreride.vehicle.state import Array, EffectiveProfile, VehicleState, observe, road_forces, road_under
+from foreride.vehicle.state import (
+    Array,
+    EffectiveProfile,
+    VehicleState,
+    observe,
+    road_forces,
+    road_heights,
+    road_under,
+)
 from foreride.vehicle.state_layout import state_layout
 
 __all__ = ["RATE_HZ", "STEP_S", "Plant", "build_model"]
@@ -214,7 +222,8 @@ class Plant:
     def _controls(self, stretch: MotionSamples) -> Array:
         """Controls of the engine in each tick of a stretch, without the commands."""
         control = np.zeros((len(stretch.middles_m), self._columns))
-        roads = road_forces(self.parameters, self._profiles, stretch)
+        heights = road_heights(self.parameters, self._profiles, stretch)
+        roads = road_forces(self.parameters, heights)
         control[:, self._wheels : 2 * self._wheels] = np.transpose(roads)
         if stretch.forward_acc is not None and len(self.parameters.inertial_lever_arm_m) > 1:
             arm = self.parameters.generalised_mass[0] * self.parameters.inertial_lever_arm_m[1]
