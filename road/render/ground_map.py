@@ -14,6 +14,7 @@ from foreride.road.render.map_tile import (
     MASK_CELLS,
     START_M,
     Block,
+    empty_height_map,
 )
 from foreride.road.render.noise import fractal
 from foreride.road.render.paint import damage, deposits, fatigue, markings, obstacles, pavement
@@ -37,11 +38,11 @@ _OCTAVES = {
 class Surface:
     """Ground maps of one scene, rows along x from START_M, columns along y from -HALF_WIDTH_M.
 
-    height: (rows, cols) float32, m. ids: (rows, cols) int16, 0 none, k for feature k - 1.
+    map: heights and feature ids.
     atlas: (rows x 127/64, cols, 4) uint8, mip levels of encoded radiance and wetness (see `lighting.shade`)
     one below the other; level k has rows >> k rows and cols >> LEVEL_COLUMN_SHIFTS[k] columns.
     strip: (cols, 4) float32, the last level's average along the road's beginning.
-    mask: one cell per MASK_CELLS x MASK_CELLS, uint8, 1 where a view ray has to be marched finely.
+    reflects: whether any of the filled map is wet.
 
     Blocks of the map are painted at the first call of `extend` that needs them; the result does not depend on
     the order.
@@ -51,12 +52,10 @@ class Surface:
         self.road, self.appearance = road, appearance
         blocks = int(np.ceil((road.length_m + BEYOND_END_M - START_M) / (BLOCK_ROWS * CELL_M)))
         self.rows = blocks * BLOCK_ROWS
-        self.height = np.zeros((self.rows, COLUMNS), np.float32)
-        self.ids = np.zeros((self.rows, COLUMNS), np.int16)
-        self.mask = np.zeros((self.rows // MASK_CELLS, COLUMNS // MASK_CELLS), np.uint8)
+        self.map = empty_height_map(self.rows, COLUMNS)
         self.atlas, self._levels = _empty_atlas(self.rows)
         self.strip = np.zeros((COLUMNS >> LEVEL_COLUMN_SHIFTS[-1], 4), np.float32)
-        self._ranges = np.zeros((self.rows // MASK_CELLS, 2), np.float32)
+        self.reflects = False
         self._filled = 0
         self._edges = _carriageway(road, appearance)
         self._light = lighting.plan(appearance)
@@ -84,16 +83,17 @@ class Surface:
         """Lowest and highest height (m) of the filled map between two x."""
         first = min(max(int((low_m - START_M) / CELL_M), 0), self.rows - 1)
         last = max(int((high_m - START_M) / CELL_M), first + 1)
-        part = self._ranges[first // MASK_CELLS : last // MASK_CELLS + 1]
+        part = self.map.ranges[first // MASK_CELLS : last // MASK_CELLS + 1]
         return float(part[:, 0].min()) - 1e-3, float(part[:, 1].max()) + 1e-3
 
     def _fill(self, index: int) -> None:
         block = self._paint(index)
         without_halo = slice(HALO_ROWS, -HALO_ROWS)
         rows = slice(index * BLOCK_ROWS, (index + 1) * BLOCK_ROWS)
-        self.height[rows] = block.height[without_halo]
-        self.ids[rows] = block.ids[without_halo]
+        self.map.height[rows] = block.height[without_halo]
+        self.map.ids[rows] = block.ids[without_halo]
         radiance = lighting.shade(self._light, block)[without_halo]
+        self.reflects |= bool(radiance[..., 3].any())
         for k, (level, shift) in enumerate(zip(self._levels, LEVEL_COLUMN_SHIFTS, strict=True)):
             if k:
                 radiance = cv2.resize(
@@ -137,9 +137,12 @@ class Surface:
         around = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
         part = slice(rows.start // MASK_CELLS, rows.stop // MASK_CELLS)
         apron = HALO_ROWS // MASK_CELLS
-        self.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), around)[apron:-apron]
-        bands = self.height[rows].reshape(BLOCK_ROWS // MASK_CELLS, -1)
-        self._ranges[part] = np.stack((bands.min(axis=1), bands.max(axis=1)), axis=1)
+        self.map.mask[part] = cv2.dilate(np.asarray(tiles, np.uint8), around)[apron:-apron]
+        highest = cv2.dilate(block.height, np.ones((3, 3), np.uint8))[HALO_ROWS:-HALO_ROWS]
+        cells = highest.reshape(-1, MASK_CELLS, COLUMNS // MASK_CELLS, MASK_CELLS)
+        self.map.peaks[part] = cells.max(axis=(1, 3))
+        bands = self.map.height[rows].reshape(BLOCK_ROWS // MASK_CELLS, -1)
+        self.map.ranges[part] = np.stack((bands.min(axis=1), bands.max(axis=1)), axis=1)
 
 
 def _empty_atlas(rows: int) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -1,6 +1,7 @@
-"""Grid of the ground map, and the block of it that is being painted."""
+"""Grid of the ground map, its heights, and the block of it that is being painted."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,34 @@ MASK_CELLS = 10  # one cell of the ray-march mask covers this many map cells in 
 # Each mip level halves the rows. Columns are halved less often: at a grazing view angle, lengths along the
 # road are foreshortened more than widths, by the factor distance / height.
 LEVEL_COLUMN_SHIFTS = (0, 0, 0, 0, 1, 1, 2)
+
+
+class HeightMap(NamedTuple):
+    """Heights of the ground map for the ray caster, and their limits.
+
+    height: (rows, cols) float32, m. ids: (rows, cols) int16, 0 none, k for feature k - 1. mask: one cell per
+    MASK_CELLS x MASK_CELLS, uint8, 1 where a view ray has to be marched finely. peaks: the greatest height in
+    each such cell and next to it, float32, m. ranges: (n, 2) float32, lowest and highest height in each
+    MASK_CELLS rows, m.
+    """
+
+    height: np.ndarray
+    ids: np.ndarray
+    mask: np.ndarray
+    peaks: np.ndarray
+    ranges: np.ndarray
+
+
+def empty_height_map(rows: int, columns: int) -> HeightMap:
+    """Level height map without features."""
+    cells = rows // MASK_CELLS, columns // MASK_CELLS
+    return HeightMap(
+        np.zeros((rows, columns), np.float32),
+        np.zeros((rows, columns), np.int16),
+        np.zeros(cells, np.uint8),
+        np.zeros(cells, np.float32),
+        np.zeros((cells[0], 2), np.float32),
+    )
 
 
 @dataclass

@@ -38,6 +38,10 @@ class Panorama:
     blurred: np.ndarray
     haze: np.ndarray
 
+    def behind_air(self, transmission: float) -> np.ndarray:
+        """`image` seen through air that lets through a share of its contrast to the haze."""
+        return (self.haze + (self.image - self.haze) * np.float32(transmission)).astype(np.float32)
+
 
 def panorama(rng: np.random.Generator, appearance: Appearance) -> Panorama:
     """Background panorama of a scene, drawn at random."""

@@ -19,7 +19,7 @@ from foreride.road.render.objects.props import Prop
 from foreride.road.render.optics.exposure import Sensor
 from foreride.road.render.optics.image_sensor import noise_pool
 from foreride.road.render.raycast import FAR_M, CameraView, trace
-from foreride.road.render.shading import Conditions, colour
+from foreride.road.render.shading import SKY_DISTANCE_M, Conditions, colour
 from foreride.road.render.visible_boxes import visible_boxes
 from foreride.road.road import Road
 from foreride.road.vertical_alignment import grade_at, grade_height, min_descending_slope
@@ -78,6 +78,7 @@ class Scene:
             headlight=_HEADLIGHT[appearance.light],
             end_m=START_M + self._surface.rows * CELL_M,
         )
+        self._sky = self._panorama.behind_air(float(np.exp(-SKY_DISTANCE_M / self._conditions.fog_m)))
         self._air = draw_objects.Atmosphere(
             lighting.plan(appearance),
             self._conditions.ambient,
@@ -109,11 +110,12 @@ class Scene:
         drop, slope, hits, depth = self._trace(optics.pinhole, plane_view, rise, optics.top)
         image = np.empty((*drop.shape, 3), np.float32)
         image[: optics.top] = self._panorama.haze
+        atlas = self._surface.atlas.view(np.uint32)[..., 0]
         sky, surface, pools = self._panorama, self._surface, draw_objects.lamp_pools(props)
         self._parallel_rows(
             lambda rows: colour(
-                plane_view, rows.start, self._conditions, drop[rows], slope[rows], surface.atlas,
-                surface.strip, self._grain, sky.image, sky.blurred, sky.haze, pools, image[rows],
+                plane_view, rows.start, self._conditions, drop[rows], slope[rows], atlas, surface.reflects,
+                surface.strip, self._grain, self._sky, sky.blurred, sky.haze, pools, image[rows],
             ),
             optics.top, height,
         )  # fmt: skip
@@ -144,8 +146,8 @@ class Scene:
         hills = len(grades) > 0, rise
         self._parallel_rows(
             lambda rows: trace(
-                view, rows.start, surface.height, surface.ids, surface.mask, self._outlines, limits, far,
-                hills, drop[rows], slope[rows], hits[rows], depth[rows],
+                view, rows.start, surface.map, self._outlines, limits, far, hills, drop[rows],
+                slope[rows], hits[rows], depth[rows],
             ),
             top, camera.height_px,
         )  # fmt: skip

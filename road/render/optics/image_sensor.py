@@ -9,6 +9,7 @@ from foreride.road.render.appearance import Appearance
 
 _CURVE_TOP = 4.0
 _CURVE_STEPS = 4096
+POOL_SIZE = 1 << 20
 _LEAST_BLUR_PX = 0.2
 _BLUR_REACH = 4.0  # standard deviations; OpenCV's kernels for float images end there
 
@@ -29,7 +30,7 @@ def tone(exposed: np.ndarray, curve: np.ndarray) -> NDArray[np.uint8]:
 
 def noise_pool(rng: np.random.Generator) -> np.ndarray:
     """Pool of standard normal numbers, which every frame reads from an offset of its own."""
-    return rng.standard_normal(1 << 20, dtype=np.float32)
+    return rng.standard_normal(POOL_SIZE, dtype=np.float32)
 
 
 def bonnet_row(appearance: Appearance, width: int, height: int) -> np.ndarray:
@@ -42,10 +43,11 @@ def bonnet_row(appearance: Appearance, width: int, height: int) -> np.ndarray:
 
 def paint_bonnet(image: np.ndarray, rows: np.ndarray, sheen: np.ndarray) -> None:
     """Paint a dark glossy bonnet below `rows` that reflects a little of the sky (`sheen`, rgb)."""
-    depth = np.arange(image.shape[0])[:, None] - rows[None]
+    top = int(rows.min())
+    depth = np.arange(top, image.shape[0])[:, None] - rows[None]
     hidden = depth >= 0
     gloss = 0.04 + 0.12 * np.exp(-depth[hidden] / (0.03 * image.shape[0]))
-    image[hidden] = gloss[:, None] * sheen
+    image[top:][hidden] = gloss[:, None] * sheen
 
 
 def rain_streaks(
@@ -65,7 +67,9 @@ def rain_streaks(
             1,
             cv2.LINE_AA,
         )
-    image[first_row:] += veil[first_row:, :, None] * brightness
+    rows, cols = np.nonzero(veil[first_row:])
+    rows += first_row
+    image[rows, cols] += veil[rows, cols, None] * brightness
 
 
 def develop(
@@ -101,18 +105,21 @@ def first_blurred_row(appearance: Appearance, first_row: int) -> int:
     return max(first_row - int(np.ceil(_BLUR_REACH * appearance.blur_px)) - 1, 0)
 
 
-@njit(nogil=True)
+@njit(nogil=True, error_model="numpy")
 def _expose(image, gains, noise, pool, offset, curve, out):  # type: ignore[no-untyped-def]
+    """Expose `image`: one number of the pool is the noise of a pixel's luminance, three are its colours'."""
     rows, cols, _ = image.shape
-    size = pool.size
-    index = offset
+    base, last = np.float32(0.1), np.float32(_CURVE_STEPS)
+    per_light = np.float32(_CURVE_STEPS / _CURVE_TOP)
+    luminance_share, colour_share, zero = np.float32(0.8), np.float32(0.6), np.float32(0)
     for r in range(rows):
         for c in range(cols):
-            luminance_noise = pool[index]
-            index = (index + 1) % size
+            index = offset + r * cols + c
+            luminance = luminance_share * pool[np.uint32(index & (POOL_SIZE - 1))]
+            index = 7 * ((index + 1) & (POOL_SIZE - 1))
             for q in range(3):
                 value = image[r, c, q] * gains[q]
-                sigma = noise * np.sqrt(0.1 + max(value, 0.0))
-                value += sigma * (0.8 * luminance_noise + 0.6 * pool[(index * 7 + q * 331) % size])
-                curve_index = value * (_CURVE_STEPS / _CURVE_TOP)
-                out[r, c, q] = curve[int(min(max(curve_index, 0.0), float(_CURVE_STEPS)))]
+                sigma = noise * np.sqrt(base + max(value, zero))
+                grain = colour_share * pool[np.uint32((index + 331 * q) & (POOL_SIZE - 1))]
+                code = (value + sigma * (luminance + grain)) * per_light
+                out[r, c, q] = curve[np.uint32(min(max(code, zero), last))]

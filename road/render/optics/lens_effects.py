@@ -6,9 +6,12 @@ Rows of the image above `first_row` are not computed.
 import cv2
 import numpy as np
 
+from foreride.files.jit import njit
+from foreride.road.render.fast_math import exp_minus
 from foreride.road.render.raycast import CameraView
 
 _BLUR_STEPS = 5
+_GLARE = 0.8, 0.62, 0.40  # colour
 
 
 def motion(view: CameraView, height_px: int, length_px: float, rng: np.random.Generator) -> list[np.ndarray]:
@@ -48,11 +51,23 @@ def glare(image: np.ndarray, view: CameraView, sun: np.ndarray, amount: float, f
     if forward < 0.2:
         return
     u, v = view.cx - view.focal * left / forward, view.cy - view.focal * up / forward
-    r = np.arange(first_row, image.shape[0], dtype=np.float32)[:, None] - np.float32(v)
-    c = np.arange(image.shape[1], dtype=np.float32)[None] - np.float32(u)
-    square = (r * r + c * c) / np.float32(view.focal**2)
-    glow = 3.0 * np.exp(-square / 0.0016) + 0.5 / (1 + square / 0.006) + 0.22 / (1 + square / 0.12)
-    image[first_row:] += (np.float32(amount) * glow)[..., None] * np.array((0.8, 0.62, 0.40), np.float32)
+    colour = amount * np.array(_GLARE)
+    _add_glare(image[first_row:], u, v - first_row, 1 / view.focal**2, colour)
+
+
+@njit(nogil=True, error_model="numpy")
+def _add_glare(image, u, v, scale, colour):  # type: ignore[no-untyped-def]
+    """Add a glow around a point: a core, and two veils that fall with the square of the angle."""
+    rows, cols, _ = image.shape
+    glow = np.empty(cols)
+    for r in range(rows):
+        for c in range(cols):
+            square = ((r - v) * (r - v) + (c - u) * (c - u)) * scale
+            veil = 0.5 / (1 + square * (1 / 0.006)) + 0.22 / (1 + square * (1 / 0.12))
+            glow[c] = 3.0 * exp_minus(square * (1 / 0.0016)) + veil
+        for c in range(cols):
+            for q in range(3):
+                image[r, c, q] += glow[c] * colour[q]
 
 
 def snowfall(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray, first_row: int = 0) -> None:
@@ -64,6 +79,8 @@ def snowfall(image: np.ndarray, rng: np.random.Generator, brightness: np.ndarray
         drift = rng.normal(0, 1.5, 2) * size
         ends = [(round(16 * (x + s * drift[0])), round(16 * (y + s * drift[1]))) for s in (-0.5, 0.5)]
         cv2.line(veil, ends[0], ends[1], int(rng.integers(60, 220)), max(1, round(size)), cv2.LINE_AA, 4)
-    part = image[first_row:]
-    share = cv2.GaussianBlur(veil, (0, 0), 0.8)[first_row:].astype(np.float32)[..., None] / 255
-    part += (1.1 * brightness.astype(np.float32) - part) * share
+    flakes = cv2.GaussianBlur(veil, (0, 0), 0.8)
+    rows, cols = np.nonzero(flakes[first_row:])
+    rows += first_row
+    share, hidden = flakes[rows, cols, None].astype(np.float32) / 255, image[rows, cols]
+    image[rows, cols] = hidden + (1.1 * brightness.astype(np.float32) - hidden) * share

@@ -13,14 +13,13 @@ class Resampling(NamedTuple):
     """Resampling of an image.
 
     across, down: (H, W) float32, position in the source of each pixel (px, pixel centres at whole numbers).
-    rows, cols: (H, W) the nearest source pixel. tops: (H,) first source row that each row and those below it
-    need.
+    nearest: (H, W) number of the nearest source pixel, counted along the rows. tops: (H,) first source row
+    that each row and those below it need.
     """
 
     across: np.ndarray
     down: np.ndarray
-    rows: np.ndarray
-    cols: np.ndarray
+    nearest: np.ndarray
     tops: np.ndarray
 
     def apply(self, image: np.ndarray, maps: tuple[np.ndarray, ...], first_row: int = 0) -> list[np.ndarray]:
@@ -33,7 +32,7 @@ class Resampling(NamedTuple):
         across, down, target = self.across[rows], self.down[rows], results[0][rows]
         cv2.remap(image, across, down, cv2.INTER_LINEAR, target, cv2.BORDER_REPLICATE)
         for values, result in zip(maps, results[1:], strict=True):
-            result[rows] = values[self.rows[rows], self.cols[rows]]
+            np.take(values, self.nearest[rows], out=result[rows], mode="clip")
         return results
 
 
@@ -53,7 +52,7 @@ def lens_map(camera: Camera) -> LensMap:
     width, height = (high - low).astype(int).tolist()
     centre = float(camera.cx - low[0]), float(camera.cy - low[1])
     across, down = (undistorted - low - 0.5).astype(np.float32).T.reshape(2, *columns.shape)
-    return LensMap(Camera(width, height, camera.focal_px, centre), _resampling(across, down))
+    return LensMap(Camera(width, height, camera.focal_px, centre), _resampling(across, down, width))
 
 
 @lru_cache(maxsize=4)
@@ -72,10 +71,12 @@ def radial(width: int, height: int, coefficient: float) -> Resampling:
     stretch = stretch / max(float(stretch[0].max()), float(stretch[:, 0].max()))
     across = ((u * stretch + 1) * width / 2 - 0.5).astype(np.float32)
     down = (v * stretch * width / 2 + height / 2 - 0.5).astype(np.float32)
-    return _resampling(across, down)
+    return _resampling(across, down, width)
 
 
-def _resampling(across: np.ndarray, down: np.ndarray) -> Resampling:
+def _resampling(across: np.ndarray, down: np.ndarray, width: int) -> Resampling:
+    """Resampling of a source `width` pixels wide."""
     highest = np.floor(down.min(axis=1)).astype(int) - 1  # one row of margin for OpenCV's fixed-point weights
     tops = np.maximum(np.minimum.accumulate(highest[::-1])[::-1], 0)
-    return Resampling(across, down, np.rint(down).astype(int), np.rint(across).astype(int), tops)
+    nearest = np.rint(down).astype(int) * width + np.rint(across).astype(int)
+    return Resampling(across, down, nearest, tops)

@@ -28,7 +28,7 @@ def test_height_is_that_of_the_road() -> None:
     surface.extend(40.0)
     x, y = cell_centres(surface)
     rows = (x[:, 0] > 0) & (x[:, 0] < 28)
-    np.testing.assert_allclose(surface.height[rows], ROAD.height(x[rows], y), atol=1e-3)
+    np.testing.assert_allclose(surface.map.height[rows], ROAD.height(x[rows], y), atol=1e-3)
 
 
 def test_steps_and_measured_heights_are_seen_between_features_too(tmp_path) -> None:
@@ -39,7 +39,7 @@ def test_steps_and_measured_heights_are_seen_between_features_too(tmp_path) -> N
     surface.extend(30.0)
     x, y = cell_centres(surface)
     rows, lane = (x[:, 0] > 0) & (x[:, 0] < 28), np.abs(y[0]) < 3
-    np.testing.assert_allclose(surface.height[rows][:, lane], road.height(x[rows], y[:, lane]), atol=2e-3)
+    np.testing.assert_allclose(surface.map.height[rows][:, lane], road.height(x[rows], y[:, lane]), atol=2e-3)
 
 
 def test_ids_are_the_footprints() -> None:
@@ -47,7 +47,7 @@ def test_ids_are_the_footprints() -> None:
     surface.extend(40.0)
     x, y = cell_centres(surface)
     for number, feature in enumerate(FEATURES):
-        np.testing.assert_array_equal(surface.ids == number + 1, feature.footprint(x, y))
+        np.testing.assert_array_equal(surface.map.ids == number + 1, feature.footprint(x, y))
 
 
 def test_filling_step_by_step_gives_the_same_map() -> None:
@@ -55,8 +55,10 @@ def test_filling_step_by_step_gives_the_same_map() -> None:
     once.extend(60.0)
     for x in (0.0, 11.0, 30.0, 60.0):
         stepwise.extend(x)
-    for name in ("height", "ids", "atlas", "mask", "strip"):
+    for name in ("atlas", "strip"):
         np.testing.assert_array_equal(getattr(once, name), getattr(stepwise, name))
+    for one, other in zip(once.map, stepwise.map, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_blocks_join_without_a_seam() -> None:
@@ -84,5 +86,5 @@ def test_height_range_bounds_the_map() -> None:
     surface = Surface(ROAD, LOOK, 0)
     surface.extend(40.0)
     low, high = surface.height_range(0.0, 30.0)
-    assert surface.height[:1600].min() - 0.01 < low <= surface.height[:1600].min()
-    assert surface.height[:1600].max() <= high < surface.height[:1600].max() + 0.01
+    assert surface.map.height[:1600].min() - 0.01 < low <= surface.map.height[:1600].min()
+    assert surface.map.height[:1600].max() <= high < surface.map.height[:1600].max() + 0.01
