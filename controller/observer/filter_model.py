@@ -21,12 +21,15 @@ from foreride.vehicle.state_layout import state_layout
 
 SENSOR_DRIFT_S = 600.0
 """Correlation time of offsets and zero errors, s."""
+LIFETIME_OFFSET_M_S2, LIFETIME_ZERO_M = 0.2, 4e-3
+"""Standard deviations over temperature and life: of a body accelerometer's offset, a level sensor's zero."""
 WARP_SIGMA_M, WARP_RATE_SIGMA_M_S = 3e-5, 3e-4
 """Standard deviations of the warp of the body's corners and of its rate in the pseudo-measurement."""
 CURVE_SIGMA_M_S2, CURVE_TIME_S, CURVE_ARM_M = 0.1, 0.5, 1.5
 """Standard deviation and correlation time of the plane's acceleration, and the lever arm of its rotation."""
 START_HEIGHT_SIGMA_M, START_VELOCITY_SIGMA_M_S, START_RATE_SIGMA = 1e-3, 5e-3, 2e-3
 """Standard deviations at the start, with the car at rest on the road's plane."""
+_SMALL_M = 1e-3
 SIGMA_FLOORS = {"m/s²": 1e-3, "m": 1e-5, "rad/s": 1e-5}
 """Least standard deviations, which keep the filter of ideal sensors regular."""
 
@@ -38,8 +41,10 @@ class FilterModel(NamedTuple):
 
     s: see `controller.observer.filter_layout`. a: (2w,) accelerations of body corners, then wheels. d: (w,)
     errors of the tyre deflections. y = output·s: suspension travel (w), gyros, acceleration of the plane in
-    body coordinates, warp of the body's corners and its rate. process: covariance of s⁺ per period, without
+    body coordinates, warp of the body's corners and its rate. balance·s: what the body's measured acceleration
+    exceeds that of the springs' forces by, in body coordinates. process: covariance of s⁺ per period, without
     that of a. start: initial covariance. acceleration_variance (2w,), reading_variance (y): of sound sensors.
+    specified_variance (size,): of the offsets and zero errors of sensors that are as specified.
     """
 
     transition: np.ndarray
@@ -48,10 +53,12 @@ class FilterModel(NamedTuple):
     frame_drive: tuple[np.ndarray, np.ndarray]
     faster: np.ndarray
     output: np.ndarray
+    balance: np.ndarray
     process: np.ndarray
     start: np.ndarray
     acceleration_variance: np.ndarray
     reading_variance: np.ndarray
+    specified_variance: np.ndarray
 
 
 @lru_cache(maxsize=64)
@@ -59,7 +66,8 @@ def filter_model(vehicle: Car, noise: SensorNoise, period_s: float) -> FilterMod
     """Model for one reading every `period_s`."""
     transition, drive = _motion(vehicle, period_s)
     frozen, following = (_frame(vehicle, period_s, follows) for follows in (False, True))
-    constant = _constant_errors(vehicle, noise)
+    specified = _constant_errors(vehicle, noise)
+    constant = _over_life(vehicle, specified)
     kept = np.exp(-period_s / SENSOR_DRIFT_S)
     known = constant > 0.0
     transition[known] *= np.where(known, kept, 1.0)[known][:, None]
@@ -71,10 +79,12 @@ def filter_model(vehicle: Car, noise: SensorNoise, period_s: float) -> FilterMod
         (frozen[1], following[1]),
         _frame_velocity(vehicle) @ np.eye(len(constant))[filter_layout(vehicle).plane_rate],
         _output(vehicle),
+        _balance(vehicle),
         process,
         np.diag(_start_sigma(vehicle, constant) ** 2),
         _acceleration_variance(vehicle, noise),
         _reading_variance(vehicle, noise, period_s),
+        specified**2,
     )
 
 
@@ -136,6 +146,19 @@ def _output(vehicle: Car) -> np.ndarray:
     return np.vstack([travel, angular, curve, warp, warp_rate])
 
 
+def _balance(vehicle: Car) -> np.ndarray:
+    rows, corners = filter_layout(vehicle), vehicle.corners
+    kinematic_rows = np.array([corner.kinematic_row for corner in corners])
+    rates = [
+        (c.spring_force(-_SMALL_M, np) - c.spring_force(_SMALL_M, np)) / (2.0 * _SMALL_M) for c in corners
+    ]
+    stiffness = kinematic_rows.T @ np.diag(rates) / np.array(vehicle.generalised_mass)[:, None]
+    balance = np.zeros((kinematic_rows.shape[1], rows.size))
+    balance[:, rows.offset][:, : vehicle.wheels] = np.linalg.pinv(kinematic_rows)
+    balance[:, rows.body], balance[:, rows.wheel] = -stiffness, stiffness
+    return balance
+
+
 def _constant_errors(vehicle: Car, noise: SensorNoise) -> np.ndarray:
     """Standard deviation of each state that is an error of a sensor, zero of the others, (size,)."""
     rows, w = filter_layout(vehicle), vehicle.wheels
@@ -144,6 +167,15 @@ def _constant_errors(vehicle: Car, noise: SensorNoise) -> np.ndarray:
     rates = [noise.pitch_rate_offset_rad_s, noise.roll_rate_offset_rad_s]
     sigma[rows.gyro_offset] = np.array(rates[: gyros(w)]) + 1e-6
     sigma[rows.zero_error] = noise.rattle_offset_m + 1e-6
+    return sigma
+
+
+def _over_life(vehicle: Car, specified: np.ndarray) -> np.ndarray:
+    """The same for a body accelerometer and a level sensor of which only the type is known."""
+    rows, sigma = filter_layout(vehicle), specified.copy()
+    body = slice(rows.offset.start, rows.offset.start + vehicle.wheels)
+    sigma[body] = np.hypot(sigma[body], LIFETIME_OFFSET_M_S2)
+    sigma[rows.zero_error] = np.hypot(sigma[rows.zero_error], LIFETIME_ZERO_M)
     return sigma
 
 

@@ -27,6 +27,8 @@ Between the samples an acceleration may run as it likes; the second difference m
 events, half car: 0.04 to 0.08 make the innovations of the travel consistent.
 """
 
+CAUSE_SIGMA_M_S2 = 0.025
+"""Standard deviation of the mean of the first balances of forces."""
 CURVE_SPEED_M_S, STANDING_SHARE = 5.0, 0.03
 """Speed below which the road's plane accelerates less, and the least share."""
 
@@ -82,14 +84,53 @@ class KinematicFilter:
 
     def correct(self, reading: np.ndarray, variance: np.ndarray) -> np.ndarray:
         """Take in a reading; return the corrections to the plane, which the caller's plane takes over."""
-        output = self.model.output
+        innovation = reading - self.model.output @ self.state
+        self.innovation = innovation
+        self.innovation_covariance = self._update(self.model.output, innovation, variance)
+        return self._corrections()
+
+    def balance(self, innovation: np.ndarray, variance: np.ndarray) -> np.ndarray:
+        """Take in the body's acceleration beyond that of its modelled forces; return as `correct` does."""
+        self._update(self.model.balance, innovation, variance)
+        return self._corrections()
+
+    def unspecified(self) -> np.ndarray:
+        """Acceleration (body,) in the balance of forces that offsets and zero errors are found to cause.
+
+        In standard deviations of what sensors that are as specified cause.
+        """
+        rows, balance = self.rows, self.model.balance
+        causes = np.hstack([balance[:, rows.offset], -balance[:, rows.body]])
+        found = np.concatenate([self.state[rows.offset], self.state[rows.zero_error]])
+        specified = self.model.specified_variance
+        variance = causes**2 @ np.concatenate([specified[rows.offset], specified[rows.zero_error]])
+        return causes @ found / np.sqrt(variance + CAUSE_SIGMA_M_S2**2)
+
+    def confirm(self) -> np.ndarray:
+        """Believe offsets and zero errors to be as specified; returns corrections as `correct` does.
+
+        A prior of lesser variance is one more independent measurement of zero.
+        """
+        specified, rows = self.model.specified_variance, self.rows
+        wheels = rows.wheel.stop - rows.wheel.start
+        body = np.arange(rows.offset.start, rows.offset.start + wheels)
+        chosen = np.concatenate([body, np.arange(rows.zero_error.start, rows.zero_error.stop)])
+        believed = np.diag(self.model.start)[chosen]
+        variance = 1.0 / (1.0 / specified[chosen] - 1.0 / believed)
+        self._update(np.eye(rows.size)[chosen], -self.state[chosen], variance)
+        return self._corrections()
+
+    def _update(self, output: np.ndarray, innovation: np.ndarray, variance: np.ndarray) -> np.ndarray:
+        """Kalman update; returns the innovation's covariance."""
         cross = output @ self.covariance
-        self.innovation = reading - output @ self.state
-        self.innovation_covariance = cross @ output.T + np.diag(variance)
-        gain = np.linalg.solve(self.innovation_covariance, cross)
-        self.state = self.state + self.innovation @ gain
+        expected = cross @ output.T + np.diag(variance)
+        gain = np.linalg.solve(expected, cross)
+        self.state = self.state + innovation @ gain
         covariance = self.covariance - cross.T @ gain
         self.covariance = 0.5 * (covariance + covariance.T)
+        return expected
+
+    def _corrections(self) -> np.ndarray:
         corrections = self.state[self.rows.plane].copy()
         self.state[self.rows.plane] = 0.0
         return corrections

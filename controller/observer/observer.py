@@ -19,6 +19,9 @@ DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
 SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2, SUBSTITUTE_RATTLE_SIGMA_M = 1.0, 30.0, 0.03
 UNKNOWN_RATE_SIGMA_RAD_S = 10.0
 """Standard deviations of the substitutes for a lost sensor."""
+BALANCE_PERIOD_S, BALANCE_SIGMA_M_S2, BALANCE_SHARE = 0.05, 0.05, 0.2
+"""Period of the balance of forces, its standard deviation, and its share of the modelled acceleration."""
+FIRST_BALANCES, BELIEVED_SIGMAS = 4, 2.5
 LIFT_OFF_LOAD_RATIO = 0.02
 """Fraction of the static wheel load below which a wheel counts as lifted."""
 
@@ -48,7 +51,9 @@ class Observer:
         )
         self._mass = corner_inertia(vehicle)
         arms = np.array(vehicle.inertial_lever_arm_m)
-        self._load_transfer = force_distribution @ (vehicle.generalised_mass[0] * arms)
+        self._balance_floor = np.array([1.0, *np.full(len(arms) - 1, 3.0)]) ** 2 * BALANCE_SIGMA_M_S2**2
+        self._body_load = vehicle.generalised_mass[0] * arms
+        self._load_transfer = force_distribution @ self._body_load
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
@@ -61,6 +66,7 @@ class Observer:
 
     def reset(self) -> None:
         """Reset to a car at rest on the mean road."""
+        self._count = self._balances = 0
         self._filter.reset()
         self._plane.reset()
         self._damping = self._passive.copy()
@@ -95,6 +101,9 @@ class Observer:
         self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
         if self._actuators:
             self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
+        self._count += 1
+        if self._count % max(round(BALANCE_PERIOD_S / self._period_s), 1) == 0 and not any(checked.lost):
+            self._balance_forces(acceleration, speed_m_s)
         previous_road = self._road
         offset = self._filter.state[self._filter.rows.offset]
         road, contact = self._estimate_road_from_tyre(acceleration - offset)
@@ -164,6 +173,26 @@ class Observer:
         self._filter.move_frame(change, not self._plane.obstacle_m.any(), faster, deflection_variance)
         return change
 
+    def _balance_forces(self, acceleration: np.ndarray, speed_m_s: float) -> None:
+        """Compare the body's measured acceleration with that which the forces of its struts give it.
+
+        The first comparisons tell sensors that are as specified from others, of which less is believed.
+        """
+        own, inertial = self._filter, self._body_load * self._forward_acc
+        modelled = (self._plane.kinematic_rows.T @ self._struts() - inertial) / self._vehicle.generalised_mass
+        measured = self._body @ (acceleration - own.state[own.rows.offset])[: self._wheels]
+        excess, variance = measured - modelled, self._balance_floor + (BALANCE_SHARE * modelled) ** 2
+        self._plane.adjust(own.balance(excess, variance), speed_m_s)
+        self._balances += 1
+        if self._balances == FIRST_BALANCES and np.abs(own.unspecified()).max() < BELIEVED_SIGMAS:
+            self._plane.adjust(own.confirm(), speed_m_s)
+
+    def _struts(self) -> np.ndarray:
+        """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
+        level = np.zeros(self._wheels)
+        struts = forces(self._vehicle, self._vehicle_state(), level, level)
+        return np.asarray(struts.spring + struts.damper + struts.stop + struts.actuator)
+
     def _update_actuator_force(self, requested: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])
         follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
@@ -183,11 +212,7 @@ class Observer:
         """
         force = self._mass @ acceleration + self._load_transfer * self._forward_acc
         if self._residual_projection is not None:
-            level = np.zeros(self._wheels)
-            struts = forces(self._vehicle, self._vehicle_state(), level, level)
-            force = force + self._residual_projection @ (
-                struts.spring + struts.damper + struts.stop + struts.actuator
-            )
+            force = force + self._residual_projection @ self._struts()
         rate = self._tyre_damping / self._period_s
         deflection = (force + rate * self._deflection) / (self._stiffness + rate)
         self._deflection = deflection

@@ -212,6 +212,28 @@ def test_offsets_are_found_at_rest(name: str) -> None:
     np.testing.assert_allclose(found[w:], true[w:], rtol=0.08, atol=0.02)
 
 
+@pytest.mark.parametrize("name", ["quarter", "half", "full"])
+@pytest.mark.parametrize(
+    ("body", "zero", "believed"), [(0.3, 0.0, False), (0.02, 0.0, True), (0.0, 0.01, False)]
+)
+def test_sensors_that_are_not_as_specified_are_told_by_the_balance_of_forces(
+    name: str, body: float, zero: float, believed: bool
+) -> None:
+    """Offset of the body's accelerometers, m/s², or zero error of the travel, m, on a level road at 15 m/s."""
+    car, noise = load_vehicle(name), SensorNoise()
+    w, rng = car.wheels, np.random.default_rng(3)
+    observer, watch = Observer(car, noise, Timing(0.005)), SensorMonitor(w, noise)
+    for k in range(600):
+        noises = rng.standard_normal(3 * w + 3) * [*[8e-3] * w, *[0.1] * w, *[2e-4] * w, 1e-3, 0.02, 1e-3]
+        channels = noises + np.array([*[body] * w, *[0.0] * w, *[zero] * w, 0.0, 15.0, 0.0])
+        observer.update(watch.check(Measurement.of_channels(0.005 * k, channels)), np.full(w, 1500.0))
+    rows, claim = filter_layout(car), observer.claim
+    sigma = np.sqrt(np.diag(claim.covariance))
+    assert (sigma[rows.zero_error][0] < 1e-3) == believed
+    np.testing.assert_allclose(claim.state[rows.offset][:w].mean(), body, atol=0.35 * body + 0.07)
+    np.testing.assert_allclose(claim.state[rows.zero_error].mean(), zero, atol=0.35 * zero + 1e-3)
+
+
 def test_standing_still_with_offsets_it_stays_near_rest() -> None:
     vehicle = load_vehicle("half")
     pairs = drive(vehicle, Road(90.0), SensorNoise(), 100)
