@@ -41,9 +41,10 @@ class FilterModel(NamedTuple):
 
     s: see `controller.observer.filter_layout`. a: (2w,) accelerations of body corners, then wheels. d: (w,)
     errors of the tyre deflections. y = output·s: suspension travel (w), gyros, acceleration of the plane in
-    body coordinates, warp of the body's corners and its rate. balance·s: what the body's measured acceleration
-    exceeds that of the springs' forces by, in body coordinates. process: covariance of s⁺ per period, without
-    that of a. start: initial covariance. acceleration_variance (2w,), reading_variance (y): of sound sensors.
+    body coordinates, warp of the body's corners and its rate. balance·s: what the measured acceleration
+    of the body exceeds that of the forces by, in body coordinates. process: covariance of s⁺ per period, but
+    for that of a. start: initial covariance. acceleration_variance (2w,), reading_variance (y): of sensors in
+    order.
     specified_variance (size,): of the offsets and zero errors of sensors that are as specified.
     """
 

@@ -219,7 +219,7 @@ def test_offsets_are_found_at_rest(name: str) -> None:
 def test_sensors_that_are_not_as_specified_are_told_by_the_balance_of_forces(
     name: str, body: float, zero: float, believed: bool
 ) -> None:
-    """Offset of the body's accelerometers, m/s², or zero error of the travel, m, on a level road at 15 m/s."""
+    """Offset of the body's accelerometers, m/s², or zero error of the travel, m, at 15 m/s."""
     car, noise = load_vehicle(name), SensorNoise()
     w, rng = car.wheels, np.random.default_rng(3)
     observer, watch = Observer(car, noise, Timing(0.005)), SensorMonitor(w, noise)
