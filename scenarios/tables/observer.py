@@ -22,7 +22,8 @@ from foreride.scenarios.simulation.observer_claims import Claims, observer_claim
 from foreride.scenarios.tables.options import parse_words, table_parser, whole_numbers
 from foreride.scenarios.tables.random_roads import events_of
 
-_TAIL = 0.025
+_TAIL, _STREAMS = 0.025, 100_000
+"""Tail of the bands; distance of two seeds, as each event has sensors of its own."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -39,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     events, seeds = events_of(asked), whole_numbers("--seeds", asked.seeds)
     overrides = [parse_override(text) for text in asked.overrides]
     cases = [
-        Case(event_scenario(event, overrides), asked.controller, "none", seed)
+        Case(event_scenario(event, overrides), asked.controller, "none", _STREAMS * seed + event)
         for event in events
         for seed in seeds
     ]

@@ -229,7 +229,7 @@ def test_sensors_that_are_not_as_specified_are_told_by_the_balance_of_forces(
         observer.update(watch.check(Measurement.of_channels(0.005 * k, channels)), np.full(w, 1500.0))
     rows, claim = filter_layout(car), observer.claim
     sigma = np.sqrt(np.diag(claim.covariance))
-    assert (sigma[rows.zero_error][0] < 1e-3) == believed
+    assert (sigma[rows.zero_error][0] < 7e-4) == believed
     np.testing.assert_allclose(claim.state[rows.offset][:w].mean(), body, atol=0.35 * body + 0.07)
     np.testing.assert_allclose(claim.state[rows.zero_error].mean(), zero, atol=0.35 * zero + 1e-3)
 
