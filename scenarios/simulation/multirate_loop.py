@@ -20,6 +20,7 @@ from foreride.scenarios.perceptions.interface import Event, Perception
 from foreride.scenarios.perceptions.registry import perception_entry
 from foreride.scenarios.simulation import preview_log
 from foreride.scenarios.simulation.fault_injection import LATE_ANSWER, Faults
+from foreride.scenarios.simulation.observer_errors import EstimateRecord
 from foreride.vehicle.clock import STEP_S
 from foreride.vehicle.equations import state_size
 from foreride.vehicle.load import control_model
@@ -88,7 +89,7 @@ class MultirateLoop:
         if isinstance(self._controller, Constant) and not (has_estimator or self._speed):
             self._open_loop = True
             self._waiting.append((self._delay, self._controller.command))
-        self.estimates: list[Estimate] = []
+        self.estimates = EstimateRecord()
         self._wheel = int(np.argmin(car.wheel_y_m))  # right front wheel
         self.seen: list[tuple[float, np.ndarray, np.ndarray]] = []
         self._active: tuple[str, ...] = ()
@@ -158,7 +159,7 @@ class MultirateLoop:
         known, period_s = self._known_valves, 1.0 / self._rate_hz
         acting = self._command if known.ideal else known.advance(self._command, period_s)
         estimate = self.observer.update(checked, acting, forward_acc)
-        self.estimates.append(estimate)
+        self.estimates.add(estimate)
         return estimate
 
     def _decision(self, tick: int, estimate: Estimate, state: VehicleState) -> Decision:

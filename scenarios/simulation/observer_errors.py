@@ -1,6 +1,6 @@
 """Observer errors: deviation of the estimates from the simulated state over a drive."""
 
-from collections.abc import Sequence
+from array import array
 
 import numpy as np
 
@@ -11,7 +11,27 @@ from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
 
 
-def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleState) -> dict[str, float]:
+class EstimateRecord:
+    """Estimates of a drive, a row of numbers each: time, state, road heights and contacts of the wheels."""
+
+    def __init__(self) -> None:
+        self._numbers, self._count = array("d"), 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, estimate: Estimate) -> None:
+        """Append an estimate."""
+        row = np.concatenate([[estimate.time_s], estimate.x, estimate.road_height, estimate.contact])
+        self._numbers.frombytes(row.tobytes())
+        self._count += 1
+
+    def columns(self) -> np.ndarray:
+        """The numbers, (1 + states + 2 · wheels, estimates)."""
+        return np.array(self._numbers).reshape(self._count, -1).T
+
+
+def observer_errors(car: Car, estimates: EstimateRecord, record: VehicleState) -> dict[str, float]:
     """RMS error of each state over the drive, and over the wheels for per-wheel states; {} without estimates.
 
     Heights are compared relative to one another, because the observer's frame follows the road: rattle (body
@@ -19,21 +39,19 @@ def observer_errors(car: Car, estimates: Sequence[Estimate], record: VehicleStat
     """
     if not estimates:
         return {}
-    tick_indices = [ticks(estimate.time_s) for estimate in estimates]
-    estimated, simulated = np.array([estimate.x for estimate in estimates]).T, record.x[:, tick_indices]
+    times_s, *_ = columns = estimates.columns()
+    estimated, road, in_contact = np.split(columns[1:], [-2 * car.wheels, -car.wheels])
+    tick_indices = [ticks(time_s) for time_s in times_s.tolist()]
+    simulated = record.x[:, tick_indices]
     estimated_motion, simulated_motion = equations.motion(car, estimated), equations.motion(car, simulated)
     travel, rate = (
         a - b for a, b in zip(equations.rattle(car, estimated), equations.rattle(car, simulated), strict=True)
     )
-    estimated_deflection = np.array([estimate.road_height for estimate in estimates]).T - np.array(
-        estimated_motion.wheel
-    )
+    estimated_deflection = road - np.array(estimated_motion.wheel)
     deflection = estimated_deflection - (
         record.road_height[:, tick_indices] - np.array(simulated_motion.wheel)
     )
-    contact = np.array([estimate.contact for estimate in estimates]).T & (
-        record.tyre_force[:, tick_indices] > 0.0
-    )
+    contact = (in_contact > 0.0) & (record.tyre_force[:, tick_indices] > 0.0)
     motions = ("heave_velocity", "pitch_rate", "roll_rate")[: len(car.generalised_mass)]
     errors = {
         "rattle_m": travel,

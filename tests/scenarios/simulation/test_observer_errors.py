@@ -13,7 +13,7 @@ from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import manifest, row
-from foreride.scenarios.simulation.observer_errors import observer_errors
+from foreride.scenarios.simulation.observer_errors import EstimateRecord, observer_errors
 from foreride.scenarios.simulation.simulate import simulate
 from foreride.vehicle.load import load_vehicle
 from foreride.vehicle.plant.plant import Plant
@@ -33,10 +33,18 @@ def drive() -> tuple[list[Estimate], VehicleState]:
     return estimates, plant.signals
 
 
+def recorded(estimates: list[Estimate]) -> EstimateRecord:
+    kept = EstimateRecord()
+    for estimate in estimates:
+        kept.add(estimate)
+    assert len(kept) == len(estimates)
+    return kept
+
+
 def test_the_truth_has_no_error() -> None:
     estimates, record = drive()
-    assert max(observer_errors(CAR, estimates, record).values()) < 1e-9
-    assert observer_errors(CAR, [], record) == {}
+    assert max(observer_errors(CAR, recorded(estimates), record).values()) < 1e-9
+    assert observer_errors(CAR, recorded([]), record) == {}
 
 
 @pytest.mark.parametrize(
@@ -52,7 +60,7 @@ def test_the_truth_has_no_error() -> None:
 def test_an_error_is_told_of_the_state_that_has_it(state: int, error: float, expected: dict) -> None:
     estimates, record = drive()
     shift = np.eye(10)[state] * error
-    found = observer_errors(CAR, [replace(e, x=e.x + shift) for e in estimates], record)
+    found = observer_errors(CAR, recorded([replace(e, x=e.x + shift) for e in estimates]), record)
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=0.05)
     assert found["heave_velocity"] == pytest.approx(error if state == 1 else 0.0, abs=1e-9)
@@ -63,7 +71,7 @@ def test_a_common_shift_of_all_heights_is_no_error() -> None:
     shift = np.zeros(10)
     shift[[0, 4, 6]] = 0.5
     moved = [replace(e, x=e.x + shift, road_height=e.road_height + 0.5) for e in estimates]
-    assert max(observer_errors(CAR, moved, record).values()) < 1e-9
+    assert max(observer_errors(CAR, recorded(moved), record).values()) < 1e-9
 
 
 def test_each_run_tells_it_in_its_manifest_and_row() -> None:
