@@ -12,7 +12,7 @@ from foreride.files.errors import InputError
 from foreride.files.interpolation import interpolated
 from foreride.files.jit import njit
 
-_DOUBLE = np.dtype(float)
+_DOUBLE, _STRIDE = np.dtype(float), (8,)
 
 PREVIEW_M = 10.0
 """Length of the road ahead that controllers of dampers are given."""
@@ -54,16 +54,20 @@ class RoadPreview:
 
     def _is_valid(self) -> bool:
         """Whether all arrays are as they must be already."""
-        rows = self.height_m, self.position_sigma_m, self.height_sigma_m, self.existence
-        if not all(
-            type(values) is np.ndarray and values.dtype is _DOUBLE and values.flags.c_contiguous
-            for values in (self.distance_m, *rows)
-        ):
+        grid, height, existence = self.distance_m, self.height_m, self.existence
+        position, sigma = self.position_sigma_m, self.height_sigma_m
+        if not type(grid) is type(height) is type(position) is type(sigma) is type(existence) is np.ndarray:
             return False
-        shape = self.height_m.shape
-        if self.distance_m.ndim != 1 or len(shape) != 2 or any(values.shape != shape for values in rows):
+        if not grid.dtype is height.dtype is position.dtype is sigma.dtype is existence.dtype is _DOUBLE:
             return False
-        return shape[0] > 0 and shape[1] == len(self.distance_m) > 1 and _in_range(self.distance_m, *rows)
+        n, shape, strides = grid.size, height.shape, height.strides
+        if n < 2 or grid.shape != (n,) or grid.strides != _STRIDE or len(shape) != 2 or shape[1] != n:
+            return False
+        if not shape == position.shape == sigma.shape == existence.shape or strides != (8 * n, 8):
+            return False
+        if not strides == position.strides == sigma.strides == existence.strides or shape[0] == 0:
+            return False
+        return bool(_in_range(grid, height, position, sigma, existence))
 
     def _check(self) -> None:
         """Convert all arrays; raise InputError for the first that is wrong."""
