@@ -25,7 +25,7 @@ class Path(NamedTuple):
     curvature_1_m: float = 0.0
     ahead_of_axle_m: float = 0.0
 
-    def beside(self, ahead_m: float, left_m: ArrayLike) -> Array:
+    def beside(self, ahead_m: float | Array, left_m: ArrayLike) -> Array:
         """Lateral position (m) left of the path of points `ahead_m` and `left_m` of the camera."""
         bend, left = self.curvature_1_m, np.asarray(left_m, float)
         ahead = ahead_m + self.ahead_of_axle_m

@@ -38,6 +38,8 @@ def configure(command: argparse.ArgumentParser) -> None:
     told = "folder of images with images.csv (time_s,file) or names in ms; of MCAP, the topic of one camera"
     command.add_argument("--images", metavar="FOLDER|TOPIC", help=told)
     told = "its car, camera, detector and estimator; by default those of the log, if foreride wrote it"
+    told_stereo = "of a folder of a recorded surface: heights from the stereo pairs, not from the clouds"
+    command.add_argument("--stereo", action="store_true", help=told_stereo)
     command.add_argument("--scenario", metavar="NAME|FILE", help=told)
     told = "channel of a signal, as pitch_rate='-imu.wy [deg/s]', or a constant, as roll_rate=0"
     command.add_argument("--signal", action="append", default=[], metavar="NAME=CHANNEL", help=told)

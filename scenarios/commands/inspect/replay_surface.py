@@ -11,10 +11,10 @@ from foreride.files.writing.folder import atomic_folder, check_folder
 from foreride.scenarios.commands.console import console, tracked
 from foreride.scenarios.commands.options import overrides_of
 from foreride.scenarios.definition.schema import Scenario
+from foreride.scenarios.recorded_surface.playback import Step, replay_surface
+from foreride.scenarios.recorded_surface.sequence import SurfaceSequence
 from foreride.scenarios.replay.outputs import KIND
 from foreride.scenarios.replay.replay_scenario import replay_scenario
-from foreride.scenarios.replay.surface_playback import Step, replay_surface
-from foreride.scenarios.replay.surface_sequence import SurfaceSequence
 from foreride.scenarios.runs.write import environment, preview_table, to_json, to_parquet
 from foreride.scenarios.simulation import preview_log
 
@@ -28,10 +28,12 @@ def execute_surface(arguments: argparse.Namespace) -> int:
     out = arguments.out or folder.with_name(f"{folder.resolve().name}-replay")
     check_folder(out, KIND)
     scenario = replay_scenario(arguments.scenario, None, overrides_of(arguments), folder)
-    sequence = SurfaceSequence(folder)
+    sequence = SurfaceSequence(folder, arguments.stereo)
     if sequence.without_pose:
-        notify(f"{sequence.without_pose} point clouds have no pose and are left out")
-    steps = list(tracked(replay_surface(sequence, scenario), "replaying", len(sequence.frames)))
+        notify(f"{sequence.without_pose} frames have no pose and are left out")
+    steps = list(
+        tracked(replay_surface(sequence, scenario, arguments.stereo), "replaying", len(sequence.frames))
+    )
     told = summary(sequence, steps, scenario)
     wheel = int(np.argmin(scenario.vehicle.parameters.wheel_y_m))
     log = preview_log.collect([preview_log.decimated(step.preview, wheel) for step in steps])
@@ -39,7 +41,7 @@ def execute_surface(arguments: argparse.Namespace) -> int:
         draft.write("summary.json", to_json(told | {"manifest": environment()}) + "\n")
         draft.write("previews.parquet", to_parquet(preview_table(log)))
     console.print(
-        f"{told['frames']} point clouds, {told['distance_m']:.1f} m, heights {_NEAR_M[0]:g} to "
+        f"{told['frames']} frames, {told['distance_m']:.1f} m, heights {_NEAR_M[0]:g} to "
         f"{_NEAR_M[1]:g} m ahead to {1e3 * told['height_sigma_m']:.1f} mm: {out}/"
     )
     if arguments.json:

@@ -5,15 +5,19 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
+from foreride.preview.height.plane_parallax import band, project_structure
+from foreride.preview.height.stereo import second_pose
+from foreride.road.camera.pinhole import Camera, CameraPose
 from foreride.scenarios.cli import main
 from foreride.scenarios.definition.loading import load
-from foreride.scenarios.replay.pickled import read_pickle
-from foreride.scenarios.replay.surface_playback import plane_pose, replay_surface
-from foreride.scenarios.replay.surface_sequence import SurfaceSequence
+from foreride.scenarios.recorded_surface.pickled import read_pickle
+from foreride.scenarios.recorded_surface.playback import plane_pose, replay_surface
+from foreride.scenarios.recorded_surface.sequence import SurfaceSequence
 
 STEP_M, COUNT, CAMERA_M, BUMP_M = 1.5, 8, 1.1, 15.0
 CAR = (
@@ -149,7 +153,7 @@ def broken(folder: Path, kind: str) -> None:
         ("no list", "loc_pose_vel.pkl: must hold a list of poses, got 'dict'"),
         ("no yaw", "loc_pose_vel.pkl: pose 0 must have time, lon, lat and yaw"),
         ("nan", "loc_pose_vel.pkl: pose 0 must be a place on earth"),
-        ("other times", "at least 2 point clouds must have a pose in loc_pose_vel.pkl, got 0 of 8"),
+        ("other times", "at least 2 frames must have a pose in loc_pose_vel.pkl, got 0 of 8"),
         ("no T", "calib_20230408.pkl: must hold R (3, 3) and T (3, 1)"),
         ("no rotation", "calib_20230408.pkl: R must be a rotation"),
         ("bad cloud", f"{stamp(0)}.pcd: is invalid"),
@@ -195,3 +199,79 @@ def test_the_plane_gives_height_and_attitude() -> None:
     assert level[200:, 2].mean() == pytest.approx(-level_m, abs=1e-3)
     with pytest.raises(InputError, match="cloud: must show the road"):
         plane_pose(points[:10], "cloud")
+
+
+FOCAL_PX, WIDTH, HEIGHT, BASE_M = 700.0, 640, 400, 0.12
+POSE = CameraPose(0.0, 0.0, CAMERA_M, 0.0, float(PITCH), 0.0)
+
+
+def write_pair(folder: Path, k: int) -> None:
+    """Rectified pair of a textured road with the bump."""
+    camera, rng = Camera(WIDTH, HEIGHT, FOCAL_PX), np.random.default_rng(k)
+    horizon = int(HEIGHT / 2 - FOCAL_PX * np.tan(PITCH)) + 60
+    below = Camera(WIDTH, HEIGHT - horizon, FOCAL_PX, (WIDTH / 2, HEIGHT / 2 - horizon))
+    view = band(below, POSE, second_pose(POSE, BASE_M), (0, below.height_px), (0, WIDTH))
+    texture = cv2.GaussianBlur(rng.uniform(0, 255, (camera.height_px, WIDTH)).astype(np.float32), (0, 0), 1.0)
+    right = cv2.normalize(texture, None, 20, 235, cv2.NORM_MINMAX).astype(np.uint8)
+    axes, point = POSE.rotation, np.stack([view.ahead, view.side, view.up])
+    relief = height(STEP_M * k + 0.2 + np.tensordot(axes[0], point, axes=1))
+    at = project_structure(below, view, (1.0 / (1.0 - relief / CAMERA_M)).astype(np.float32))
+    left = right.copy()
+    left[horizon:] = cv2.remap(right[horizon:], *at[:2], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
+    for side, image in (("left", left), ("right", right)):
+        (folder / side).mkdir(exist_ok=True)
+        cv2.imwrite(str(folder / side / f"{stamp(k)}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, 100])
+
+
+@pytest.fixture
+def pairs(folder: Path) -> Path:
+    for k in range(COUNT):
+        write_pair(folder, k)
+    intrinsics = [[FOCAL_PX, 0.0, WIDTH / 2 - 0.5], [0.0, FOCAL_PX, HEIGHT / 2 - 0.5], [0.0, 0.0, 1.0]]
+    calibration = {"K": np.array(intrinsics), "B": 1e3 * BASE_M, "R": LIDAR_TO_CAMERA, "T": OFFSET}
+    (folder.parents[1] / "calib_20230408.pkl").write_bytes(pickle.dumps(calibration))
+    camera = "camera: {height_m: 1.08, pitch_deg: 11.8}\n"
+    sensor = "{kind: stereo_30cm, base_m: 0.12, focal_px: 700, width_px: 640, height_px: 400, "
+    car = CAR.replace("{kind: lidar_64, ", sensor)
+    (folder.parents[1] / "car.yaml").write_text(car + camera)
+    return folder
+
+
+def test_stereo_pairs_give_the_bump_too(pairs: Path) -> None:
+    scenario = load("car.yaml")
+    steps = list(replay_surface(SurfaceSequence(pairs, stereo=True), scenario, from_images=True))
+    assert steps[-1].camera_height_m == pytest.approx(CAMERA_M, abs=0.01)
+    preview, car = steps[-1].preview, scenario.vehicle.parameters
+    # The texture's relief is that of the plane's point on the ray, which lies behind the top of the bump.
+    bump_m = (BUMP_M - STEP_M * (COUNT - 1) - 0.2) * (1.0 - 0.06 / CAMERA_M) - 1.0  # from the front axle
+    near = np.abs(preview.distance_m - bump_m) < 1.5
+    heights = preview.height_m[0][near] - np.median(preview.height_m[0][near])
+    assert car.axle_x_m[0] == max(car.axle_x_m)
+    assert preview.distance_m[near][heights.argmax()] == pytest.approx(bump_m, abs=0.1)
+    assert heights.max() == pytest.approx(0.06, abs=0.015)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "told"),
+    [
+        (f"left/{stamp(0)}.jpg", b"no image", f"{stamp(0)}.jpg"),
+        (f"right/{stamp(0)}.jpg", None, f"{stamp(0)}.jpg: cannot be read"),
+        (
+            "../../calib_20230408.pkl",
+            pickle.dumps({"K": np.eye(3), "B": 120.0}),
+            "K must have a focal length",
+        ),
+        ("../../calib_20230408.pkl", pickle.dumps({"R": 1.0}), "must hold K (3, 3) in px"),
+        ("../../calib_20230408.pkl", pickle.dumps([1]), "must hold K, B, R and T, got 'list'"),
+    ],
+)
+def test_broken_pairs_are_told_in_one_line(
+    pairs: Path, capsys: pytest.CaptureFixture[str], name: str, data: bytes | None, told: str
+) -> None:
+    if data is None:
+        (pairs / name).unlink()
+    else:
+        (pairs / name).write_bytes(data)
+    assert main(["replay", str(pairs), "--stereo", "--scenario", "car.yaml", "--out", "replayed"]) == 2
+    assert told in capsys.readouterr().err
+    assert not Path("replayed").exists()

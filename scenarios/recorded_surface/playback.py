@@ -16,7 +16,8 @@ from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.road.camera.pinhole import rotation_matrix
 from foreride.road.tyre.tyre import Tyre
 from foreride.scenarios.definition.schema import Scenario
-from foreride.scenarios.replay.surface_sequence import SurfaceSequence
+from foreride.scenarios.recorded_surface.sequence import Frame, SurfaceSequence
+from foreride.scenarios.recorded_surface.stereo import StereoHeights
 
 Array = np.ndarray
 _NEAR_M, _FAR_M, _BESIDE_M = 2.0, 12.0, 2.0
@@ -37,8 +38,10 @@ class Step(NamedTuple):
     preview: RoadPreview
 
 
-def replay_surface(sequence: SurfaceSequence, scenario: Scenario) -> Iterator[Step]:
-    """Previews of the scenario's car, one per frame. Raises InputError."""
+def replay_surface(
+    sequence: SurfaceSequence, scenario: Scenario, from_images: bool = False
+) -> Iterator[Step]:
+    """Previews of the scenario's car, one per frame, from point clouds or stereo pairs. Raises InputError."""
     car, setup = scenario.vehicle.parameters, scenario.elevation
     mount = setup.sensor.mount(max(car.axle_x_m))
     fusion = ElevationFusion(
@@ -50,15 +53,22 @@ def replay_surface(sequence: SurfaceSequence, scenario: Scenario) -> Iterator[St
         Tyre(car.wheel_radius_m, scenario.enveloping),
         distance_grid(ahead_m=scenario.preview_m),
     )
-    for frame, points in sequence:
-        height_m, rotation = plane_pose(points, str(frame.cloud))
-        level = points @ rotation.T
+    stereo = StereoHeights(sequence, scenario.camera) if from_images else None
+    for frame in sequence.frames:
+        height_m, level = stereo.points(frame) if stereo else _of_cloud(sequence, frame)
         path = Path(frame.curvature_1_m, mount.x_m - min(car.axle_x_m))
         level[:, 1] = path.beside(level[:, 0], level[:, 1])
         position = np.array([frame.x_m + mount.x_m, 0.0, height_m])
         fusion.add(frame.time_s, level, (position, np.eye(3)), frame.x_m)
         preview = fusion.preview(frame.time_s, frame.x_m)
-        yield Step(frame.stamp, frame.x_m, len(points), height_m, preview)
+        yield Step(frame.stamp, frame.x_m, len(level), height_m, preview)
+
+
+def _of_cloud(sequence: SurfaceSequence, frame: Frame) -> tuple[float, Array]:
+    """Height of the sensor over the road, and points (n, 3) of a cloud in axes of the road."""
+    points = sequence.points(frame)
+    height_m, rotation = plane_pose(points, str(frame.cloud))
+    return height_m, points @ rotation.T
 
 
 def plane_pose(points: Array, source: str) -> tuple[float, Array]:

@@ -13,7 +13,6 @@ right, down, forward; the yaw is in degrees, counterclockwise from north.
 """
 
 import datetime
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,10 +21,10 @@ import numpy as np
 from foreride.files.errors import InputError, shortened, shown
 from foreride.files.reading.regular_file import read_bytes, reading
 from foreride.road.io.readers import point_cloud
-from foreride.scenarios.replay.pickled import read_pickle
+from foreride.scenarios.recorded_surface.pickled import read_pickle
 
 Array = np.ndarray
-POSES, CLOUDS = "loc_pose_vel.pkl", "pcd"
+POSES, CLOUDS, LEFT, RIGHT = "loc_pose_vel.pkl", "pcd", "left", "right"
 _STAMP = "%Y%m%d%H%M%S.%f"
 _EARTH_RADIUS_M = 6_371_000.0
 _TO_SENSOR = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -41,35 +40,41 @@ class Frame(NamedTuple):
     time_s: float
     x_m: float
     curvature_1_m: float
-    cloud: Path
+    cloud: Path | None = None
 
 
 class SurfaceSequence:
     """Frames of a sequence in order of time. Raises InputError for what is missing or damaged."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, stereo: bool = False) -> None:
+        """Read poses and calibration; stereo: of the frames with images instead of point clouds."""
         self.folder = folder
         clouds = {path.stem: path for path in folder.glob(f"{CLOUDS}/*.pcd")}
-        if not clouds:
+        if not clouds and not stereo:
             raise InputError(f"{folder}: holds no point clouds {CLOUDS}/*.pcd of a recorded surface")
+        images = {path.stem for path in folder.glob(f"{LEFT}/*.jpg")} if stereo else set(clouds)
+        if not images:
+            raise InputError(f"{folder}: holds no images {LEFT}/*.jpg of a recorded surface")
         poses = _poses(folder / POSES)
-        stamps = sorted(set(clouds) & set(poses))
+        stamps = sorted(images & set(poses))
         if len(stamps) < 2:
             raise InputError(
-                f"{folder}: at least 2 point clouds must have a pose in {POSES}, got {len(stamps)} of "
-                f"{len(clouds)}"
+                f"{folder}: at least 2 frames must have a pose in {POSES}, got {len(stamps)} of {len(images)}"
             )
-        self.without_pose = len(clouds) - len(stamps)
+        self.without_pose = len(images) - len(stamps)
         times = np.array([_seconds(stamp, folder) for stamp in stamps])
         travelled, curvature = _path(np.array([poses[stamp] for stamp in stamps]))
-        columns = (times - times[0]).tolist(), travelled.tolist(), curvature.tolist()
         self.frames = [
-            Frame(stamp, *row, clouds[stamp]) for stamp, *row in zip(stamps, *columns, strict=True)
+            Frame(stamp, float(time_s - times[0]), float(x_m), float(bend), clouds.get(stamp))
+            for stamp, time_s, x_m, bend in zip(stamps, times, travelled, curvature, strict=True)
         ]
-        self._rotation, self._translation = _extrinsics(folder, stamps[0][:8])
+        self.calibration_file, self.calibration = _calibration(folder, stamps[0][:8])
+        if not stereo:
+            self._rotation, self._translation = _extrinsics(self.calibration_file, self.calibration)
 
     def points(self, frame: Frame) -> Array:
         """Points (n, 3) of a frame in axes of the left camera's body: forward, left, up."""
+        assert frame.cloud is not None
         with reading(frame.cloud):
             points = np.asarray(
                 point_cloud.decode(frame.cloud, read_bytes(frame.cloud, CLOUD_LIMIT))["points"]
@@ -79,9 +84,6 @@ class SurfaceSequence:
         if len(points) < MIN_POINTS:
             raise InputError(f"{frame.cloud}: must hold at least {MIN_POINTS} points, got {len(points)}")
         return (points @ self._rotation.T + self._translation) @ _TO_SENSOR.T
-
-    def __iter__(self) -> Iterator[tuple[Frame, Array]]:
-        return ((frame, self.points(frame)) for frame in self.frames)
 
 
 def _poses(path: Path) -> dict[str, tuple[float, float, float]]:
@@ -125,22 +127,27 @@ def _path(poses: Array) -> tuple[Array, Array]:
     return travelled, np.clip(np.gradient(turned) / moving, -0.2, 0.2)
 
 
-def _extrinsics(folder: Path, date: str) -> tuple[Array, Array]:
-    """Rotation (3, 3) and translation (3,) from the LiDAR to the left camera."""
+def _calibration(folder: Path, date: str) -> tuple[Path, dict[str, Any]]:
+    """Calibration of a date, and its file."""
     places = [folder, *list(folder.resolve().parents)[:2]]
     found = [path for place in places for path in sorted(place.glob(f"calib_{date}*.pkl"))]
     if not found:
         raise InputError(
             f"{folder}: needs the calibration calib_{date}.pkl in it or in one of the two folders above"
         )
-    calibration: Any = read_pickle(found[0])
+    calibration = read_pickle(found[0])
+    if not isinstance(calibration, dict):
+        raise InputError(f"{found[0]}: must hold K, B, R and T, got {shown(type(calibration).__name__)}")
+    return found[0], calibration
+
+
+def _extrinsics(path: Path, calibration: dict[str, Any]) -> tuple[Array, Array]:
+    """Rotation (3, 3) and translation (3,) from the LiDAR to the left camera."""
     try:
         rotation = np.asarray(calibration["R"], float).reshape(3, 3)
         translation = np.asarray(calibration["T"], float).reshape(3)
-    except (KeyError, TypeError, ValueError, IndexError):
-        raise InputError(
-            f"{found[0]}: must hold R (3, 3) and T (3, 1), from the LiDAR to the camera"
-        ) from None
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{path}: must hold R (3, 3) and T (3, 1), from the LiDAR to the camera") from None
     if not (np.abs(rotation @ rotation.T - np.eye(3)).max() < 1e-2 and np.abs(translation).max() < 20.0):
-        raise InputError(f"{found[0]}: R must be a rotation and T a place on the car, in m")
+        raise InputError(f"{path}: R must be a rotation and T a place on the car, in m")
     return rotation, translation
