@@ -26,7 +26,7 @@ class PreviewPlanner(Checked):
 
     kind: ClassVar[str] = "preview"
 
-    time_weight: Annotated[float, Interval(ge=0.01, le=1e4), "(m/s²)²"] = 1.0
+    time_weight: Annotated[float, Interval(ge=0.01, le=1e4), "(m/s²)²"] = 0.2
     sight_m: Annotated[float, Interval(ge=10.0, le=100.0), "m"] = 30.0
     min_kmh: MinSpeed = 10.0
     longitudinal_weight: Annotated[float, Interval(ge=0.01, le=100.0), "1"] = 0.2
