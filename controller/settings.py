@@ -153,8 +153,9 @@ class ForceSettings(Checked):
 class LimitSettings(Checked):
     """Soft limits of the predictive controllers, beside the weights of their cost; None for no limit.
 
-    unloading: part of its static load that a tyre may lose. travel: part of the way to its stops that a
-    suspension may use. penalty: cost of a violation by the whole load or way, in periods of the cost.
+    unloading: part of its static load that a tyre may lose.
+    travel: part of the way to its stops that a suspension may use.
+    penalty: cost of a violation by the whole load or way, in periods of the cost.
     """
 
     unloading: Annotated[float, Interval(ge=0.01, le=1.0), "1"] | None = None
@@ -173,7 +174,8 @@ class MpcSettings(Checked):
     rho: weight of the relative tyre load, as in the objective J, (m/s²)².
     input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
     move_weight: weight of the square of the change of c from one period to the next, c in kN·s/m.
-    force: use of the actuators, if the car has any. limits: of tyre load and travel.
+    force: use of the actuators, if the car has any.
+    limits: soft limits of tyre load and travel.
     road: fusion of preview and measurement.
     """
 

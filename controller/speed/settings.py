@@ -16,12 +16,15 @@ MinSpeed = Annotated[float, Interval(ge=3.0, le=200.0), "km/h"]
 class PreviewPlanner(Checked):
     """Planner that chooses the speed over the previewed road by dynamic programming.
 
-    time_weight: price of a second of trip time: the J at which a second of ride costs as much. The ride's
-    cost is that of the passive car. sight_m: length of the road that is planned. min_kmh: least speed that
-    is planned for comfort's sake. longitudinal_weight: weight of the square of the longitudinal acceleration,
-    beside that of the weighted vertical one; below 1, as Wd of ISO 2631-1 passes little of a braking that
-    takes a second. Limits of acceleration and jerk: by default those of adaptive cruise control at low speed
-    (ISO 15622).
+    time_weight: price of a second of trip time: the J at which a second of ride costs as much, the ride
+    being that of the passive car.
+    sight_m: length of the road that is planned.
+    min_kmh: least speed that is planned for comfort's sake.
+    longitudinal_weight: weight of the square of the longitudinal acceleration beside that of the weighted
+    vertical one; below 1, as Wd of ISO 2631-1 passes little of a braking that takes a second.
+    max_deceleration_m_s2, max_acceleration_m_s2: limits of the acceleration; by default about those of
+    adaptive cruise control at low speed (ISO 15622).
+    max_jerk_m_s3: limit of its rate of change.
     """
 
     kind: ClassVar[str] = "preview"
@@ -40,7 +43,11 @@ class ReactiveBraking(Checked):
     """Rival without preview: brakes while the ride of the last moments is worse than comfortable.
 
     comfortable_m_s2: Wk-weighted acceleration up to which the cruising speed is held; above it the speed is
-    lowered in proportion. memory_s: time constant of the mean square over the last moments.
+    lowered in proportion.
+    memory_s: time constant of the mean square over the last moments.
+    min_kmh: least speed.
+    max_deceleration_m_s2, max_acceleration_m_s2: limits of the acceleration.
+    max_jerk_m_s3: limit of its rate of change.
     """
 
     kind: ClassVar[str] = "reactive"

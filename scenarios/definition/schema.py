@@ -154,12 +154,12 @@ class Scenario(Checked):
     """Scenario of one drive: road, car, speed, sensors, camera and control; distances in m, speed in km/h.
 
     The car starts at `speed_kmh` and passes through the points of `speed`, if any, with constant acceleration
-    between them; with a `speed_planner` it cruises at `speed_kmh` and slows down for the road. Its centre of
-    gravity starts at `start_m`; the run ends when the front axle reaches the road's end. Controllers know the
-    car as `vehicle`; the simulated one differs from it by `plant`. `engine` integrates it: MuJoCo, or the
-    compiled equations, which agree to rounding and are faster.
-    `enveloping` is the tyre model for obstacles shorter than the tyre. `told` lists the quantities of
-    detected objects that are replaced by the truth, to measure the cost of errors. `memory` is the
+    between them. `speed_planner`: with one it cruises at `speed_kmh` and slows down for the road. Its centre
+    of gravity starts at `start_m`; the run ends when the front axle reaches the road's end.
+    Controllers know the car as `vehicle`; the simulated one differs from it by `plant`. `engine` integrates
+    it: MuJoCo, or the compiled equations, which agree to rounding and are faster. `enveloping` is the tyre
+    model for obstacles shorter than the tyre. `told` lists the quantities of detected objects that are
+    replaced by the truth, to measure the cost of errors. `memory` is the
     memory.yaml that an earlier drive over the same road left in its run folder. `tyre_load_weight` is rho in
     the objective J = wk_rms² + rho · tyre_load_rms², (m/s²)².
     """

@@ -49,9 +49,11 @@ def driven_group(group: Group, overrides: Sequence[Override], policies: Sequence
 
 
 def _event_overrides(group: Group) -> list[Override]:
-    """Speed as the planner sees it, constant, and a longer road."""
-    length = event_scenario(group.event).road.length_m + REGAIN_M
-    return [parse_override("speed=[]"), parse_override(f"road.length_m={length:g}")]
+    """Cruise at the speed with which the event meets its obstacle, and a longer road."""
+    event = event_scenario(group.event)
+    cruise_kmh = event.speed[-1].kmh if event.speed else event.speed_kmh
+    texts = f"speed_kmh={cruise_kmh:g}", "speed=[]", f"road.length_m={event.road.length_m + REGAIN_M:g}"
+    return [parse_override(text) for text in texts]
 
 
 def simulated(group: Group, overrides: Sequence[Override]) -> Metrics:
