@@ -160,7 +160,7 @@ class LimitSettings(Checked):
 
     unloading: Annotated[float, Interval(ge=0.01, le=1.0), "1"] | None = None
     travel: Annotated[float, Interval(ge=0.01, le=1.0), "1"] | None = None
-    penalty: Annotated[float, Interval(ge=0.01, le=1e6), "(m/s²)²"] = 1000.0
+    penalty: Annotated[float, Interval(ge=0.01, le=1e6), "(m/s²)²"] = 50.0
 
 
 @dataclass(frozen=True)
