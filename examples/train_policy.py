@@ -3,7 +3,7 @@
 python examples/train_policy.py --minutes 10            # extra rl; writes policy.npz beside it
 foreride compare hump_watts_30 --controllers passive,skyhook,mpc_preview,examples/train_policy.py:Policy
 
-The policy is a small network over `foreride.gym.ObservationLayout`. It first imitates the predictive
+The policy is a small network over the observation of `scenarios.gym`. It first imitates the predictive
 controller; PPO then improves it. `Policy` evaluates it with NumPy alone.
 """
 
@@ -114,10 +114,8 @@ def train(minutes: float, processes: int, out: Path, seed: int) -> None:
         def _on_rollout_start(self) -> None:
             costs = [-episode["r"] for episode in self.model.ep_info_buffer]
             spent = (time.monotonic() - self.started) / 60.0
-            print(
-                f"{spent:5.1f} min, {self.num_timesteps} steps: J {np.mean(costs or [np.nan]):.3f}",
-                flush=True,
-            )
+            if costs:
+                print(f"{spent:5.1f} min, {self.num_timesteps} steps: J {np.mean(costs):.3f}", flush=True)
 
     torch.set_num_threads(1)
     seen, done = teacher_drives()
