@@ -4,7 +4,7 @@ python examples/train_policy.py --minutes 10            # extra rl; writes polic
 foreride compare hump_watts_30 --controllers passive,skyhook,mpc_preview,examples/train_policy.py:Policy
 
 The policy is a small network over the observation of `scenarios.gym`. It first imitates the predictive
-controller; PPO then improves it. `Policy` evaluates it with NumPy alone.
+controller; PPO then goes on from there. `Policy` evaluates it with NumPy alone.
 """
 
 import argparse
