@@ -97,7 +97,7 @@ class Plant:
     def follow(self, profile: SpeedProfile) -> None:
         """Drive by this profile from the present tick on, at which it starts at the present place."""
         self._finish_segment()
-        self._prepare(profile, self._x_m)
+        self._prepare(profile, self._x_m, max(1, round(profile.times_s[-1] / STEP_S)))
 
     @property
     def _x_m(self) -> float:
@@ -112,7 +112,7 @@ class Plant:
         first, last = self._driven_ticks, self._driven_ticks + ticks
         if last > self._prepared:
             self._finish_segment()
-            self._prepare(self._motion, self._x_m, ticks)
+            self._prepare(self._motion, self._x_m, max(ticks, _CHUNK))
             first, last = 0, ticks
         request = np.array(command, float)
         if request.shape != self._shape:
@@ -211,10 +211,10 @@ class Plant:
             self._segments.append(self._segment_between(slice(1, self._driven_ticks + 1)))
             self._recorded_rows.append(self._rows[: self._driven_ticks])
 
-    def _prepare(self, speed: float | Motion, x_m: float, ticks: int = 0) -> None:
+    def _prepare(self, speed: float | Motion, x_m: float, ticks: int = _CHUNK) -> None:
         """Prepare motion, road forces and pitching moment for the next ticks from x_m on."""
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
-        self._prepared, self._driven_ticks = max(ticks, _CHUNK), 0
+        self._prepared, self._driven_ticks = ticks, 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
         self._control = self._controls(stretch)
         self._rows: Array = np.empty((self._prepared, self._engine.size))

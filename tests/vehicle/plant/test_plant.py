@@ -252,3 +252,22 @@ def test_braking_shifts_load_to_the_front_by_the_height_of_the_centre_of_gravity
     ]
     wheelbase = HALF.front_axle_m + HALF.rear_axle_m
     assert state.pitch_rad == pytest.approx(sum(dive) / wheelbase, rel=1e-3)
+
+
+def test_following_a_motion_piece_by_piece_is_the_same_as_in_one() -> None:
+    """Each piece begins at the tick, the place and the speed that the last one has reached."""
+    whole = SpeedProfile((0.0, 0.2, 0.4), (8.0, 7.0, 7.4))
+    plants = Plant(HALF), Plant(HALF)
+    for plant in plants:
+        plant.reset([Haversine(0.05, 1.0), Haversine(0.05, 1.0)], 0.0, whole)
+    plants[0].step([1500.0, 1500.0], 600)
+    for first, last in ((0, 2), (2, 4)):
+        place, speed, _ = whole.at(np.array([0.1 * first, 0.1 * last]))
+        piece = SpeedProfile((0.0, 0.2), (float(speed[0]), float(speed[1])), float(place[0]), 100 * first)
+        plants[1].follow(piece)
+        plants[1].step([1500.0, 1500.0], 200)
+    plants[1].step([1500.0, 1500.0], 200)
+    one, other = (plant.signals for plant in plants)
+    np.testing.assert_allclose(other.x_m, one.x_m, atol=1e-12)
+    np.testing.assert_allclose(other.speed_m_s, one.speed_m_s, atol=1e-12)
+    np.testing.assert_allclose(other.x, one.x, atol=1e-8)
