@@ -4,6 +4,7 @@ The parent starts this file as a script, which imports nothing of foreride. What
 """
 
 import ctypes
+import gc
 import os
 import pickle
 import sys
@@ -155,6 +156,7 @@ def main() -> None:
     for stream in (0, 1, 2):
         os.dup2(nowhere, stream)
     sys.path[:] = pickle.load(requests)
+    gc.disable()  # FMUs in Python miscount references, at which the collector would crash
     unit = Unit()
     while True:
         try:

@@ -11,6 +11,7 @@ from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_bytes
 from foreride.scenarios.cases import Case
 from foreride.scenarios.fmu.embedded import Part, embed
+from foreride.scenarios.fmu.slave import SCRIPT
 
 FmiVersion = Literal["2.0", "3.0"]
 FMI_VERSIONS: tuple[FmiVersion, ...] = ("2.0", "3.0")
@@ -39,7 +40,7 @@ def export(
         folder = Path(scratch)
         files = embed(folder, part, case, preview or {})
         # Importers hold one Python process, so that modules of different FMUs need different names.
-        script = folder / f"foreride_{sha256(files[0].read_bytes()).hexdigest()[:16]}_fmi{version[0]}.py"
+        script = folder / f"{SCRIPT}{sha256(files[0].read_bytes()).hexdigest()[:16]}_fmi{version[0]}.py"
         script.write_text(_SCRIPT[version].format(name=name))
         options: dict[str, Any] = {"needsExecutionTool": True, "canHandleVariableCommunicationStepSize": True}
         saved = part == "vehicle"

@@ -8,6 +8,8 @@ from foreride.files.errors import InputError
 from foreride.scenarios.fmu.block import Block, whole_ticks
 from foreride.scenarios.fmu.embedded import embedded_block
 
+SCRIPT = "foreride_"
+"""Beginning of the name of an exported slave's module."""
 _MODULES: list[object] = []
 """Modules of the slaves so far, which must outlive the exporter's references to them."""
 
@@ -21,7 +23,8 @@ class BlockSlave:
     def load_block(self, resources: str) -> None:
         """Build the block from the FMU's folder of resources."""
         # The exporter clears the slave's module when an instance ends: the next one must import it anew.
-        _MODULES.append(sys.modules.pop(type(self).__module__, None))
+        if (name := type(self).__module__).startswith(SCRIPT):
+            _MODULES.append(sys.modules.pop(name, None))
         self.block = embedded_block(Path(resources))
         self._present: dict[str, float] | None = None
 

@@ -1,5 +1,6 @@
 """Exported FMUs: valid for FMPy, and simulated by it as the native loop."""
 
+import abc
 import json
 import subprocess
 import sys
@@ -133,6 +134,7 @@ def test_step_that_is_no_multiple_of_a_tick_fails_with_a_reason(
 ) -> None:
     embed(tmp_path, "vehicle", case, {})
     slave = type("Slave", (kind,), {})(instance_name="one", resources=str(tmp_path))
+    assert sys.modules["abc"] is abc  # the module that such a class is said to be of
     answer = slave.do_step(0.0, 0.0015)
     assert answer is False or answer.status is Fmi3Status.error
     assert [entry.msg for entry in slave.log_queue] == [
