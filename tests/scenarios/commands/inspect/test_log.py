@@ -34,8 +34,9 @@ def test_both_files_are_written(run_folder: Path, tmp_path: Path, capsys: pytest
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ([], "must name a file to write: --out FILE.mcap or --mf4 FILE.mf4"),
+        ([], "must name a file to write: --out FILE.mcap, --mf4 FILE.mf4 or --rerun FILE.rrd"),
         (["--out", "run.rrd"], "--out must be the name of a file .mcap, got 'run.rrd'"),
+        (["--rerun", "run.mcap"], "--rerun must be the name of a file .rrd, got 'run.mcap'"),
         (["--mf4", "run.dat"], "--mf4 must be the name of a file .mf4, got 'run.dat'"),
         (["--mf4", "a/missing/run"], "--mf4 must be the name of a file .mf4"),
     ],
