@@ -17,6 +17,8 @@ class OracleErrors(Checked):
     latency_s: age of the view, extrapolated with the measured speed.
     miss_probability: of each feature, for the whole drive. false_per_100m: mean number of non-existent bumps
     and potholes. position_sigma_m, height_sigma (relative), existence: stated uncertainty of the preview.
+    roughness: see the roughness and the measured heights of the road as well. Without, only the features are
+    seen, as by the best detector of obstacles, and every height has the estimator's `background_sigma_m`.
     """
 
     bias_m: Annotated[float, Interval(ge=-5.0, le=5.0), "m"] = 0.0
@@ -27,3 +29,4 @@ class OracleErrors(Checked):
     position_sigma_m: Annotated[float, Interval(ge=0.0, le=5.0), "m"] = 0.0
     height_sigma: Annotated[float, Interval(ge=0.0, le=5.0), "1"] = 0.0
     existence: Share = 1.0
+    roughness: bool = True

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,15 @@ from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
 
+_NO_ROUGHNESS = dict.fromkeys(("roughness", "file", "file_sha256", "reading"))
+"""Fields of a road without roughness and measured heights."""
+
 
 class OraclePerception(Perception):
-    """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago."""
+    """Perception from the believed profile of each wheel, seen from the car's position `latency_s` ago.
+
+    unseen_sigma_m: standard deviation of the road that the believed profiles do not contain.
+    """
 
     def __init__(
         self,
@@ -27,9 +34,11 @@ class OraclePerception(Perception):
         car: Car,
         errors: OracleErrors,
         ahead_m: float = PREVIEW_M,
+        unseen_sigma_m: float = 0.0,
     ):
         super().__init__()
         self._believed, self._errors = believed, errors
+        self._unseen_sigma_m = unseen_sigma_m
         self._exact = errors == OracleErrors()
         self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
         self._grid = distance_grid(ahead_m=ahead_m)
@@ -56,7 +65,7 @@ class OraclePerception(Perception):
             seen,
             height_m=height,
             position_sigma_m=np.full_like(height, errors.position_sigma_m),
-            height_sigma_m=errors.height_sigma * np.abs(height),
+            height_sigma_m=np.hypot(errors.height_sigma * height, self._unseen_sigma_m),
             existence=np.full_like(height, errors.existence),
             age_s=errors.latency_s,
         )
@@ -74,22 +83,32 @@ class OraclePerception(Perception):
 
 def build_oracle(drive: Drive) -> OraclePerception:
     """Build the oracle of a drive; missed and false features are drawn once."""
+    return _oracle(drive, drive.scenario.oracle)
+
+
+def build_obstacles(drive: Drive) -> OraclePerception:
+    """Build the oracle of a drive that sees the features of the road alone."""
+    return _oracle(drive, replace(drive.scenario.oracle, roughness=False))
+
+
+def _oracle(drive: Drive, errors: OracleErrors) -> OraclePerception:
     scenario, car = drive.scenario, drive.scenario.vehicle.parameters
-    errors = scenario.oracle
-    if errors.miss_probability == errors.false_per_100m == 0.0:
+    if errors.roughness and errors.miss_probability == errors.false_per_100m == 0.0:
         return OraclePerception(drive.profiles, car, errors, scenario.preview_m)
     believed = believed_road(scenario.road, car.track_m, errors, drive.random_stream("oracle"))
     tracks = {y: wheel_profile(believed, y, car.wheel_radius_m, scenario.enveloping) for y in car.wheel_y_m}
-    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors, scenario.preview_m)
+    unseen_m = 0.0 if errors.roughness else scenario.estimator.background_sigma_m
+    return OraclePerception([tracks[y] for y in car.wheel_y_m], car, errors, scenario.preview_m, unseen_m)
 
 
 def believed_road(road: Road, track_m: float, errors: OracleErrors, rng: np.random.Generator) -> Road:
-    """Road without the missed features and with the false ones."""
+    """Road without the missed features and with the false ones, without roughness if that is not seen."""
     found = rng.random(len(road.features)) >= errors.miss_probability
     kept = [feature for feature, seen in zip(road.features, found, strict=True) if seen]
     count = rng.poisson(errors.false_per_100m * road.length_m / 100.0)
     imagined = [_false_feature(start, track_m, rng) for start in rng.uniform(0.0, road.length_m - 1.0, count)]
-    return replace(road, features=(*kept, *imagined))
+    hidden: dict[str, Any] = {} if errors.roughness else _NO_ROUGHNESS
+    return replace(road, features=(*kept, *imagined), **hidden)
 
 
 def _false_feature(start_m: float, track_m: float, rng: np.random.Generator) -> Feature:

@@ -12,7 +12,7 @@ from foreride.preview.elevation.range_sensor import PRESETS
 from foreride.scenarios.perceptions.camera import MEMORY_FILE, WEIGHTS_FILE, build_boxes, build_camera
 from foreride.scenarios.perceptions.elevation import build_elevation, preset_builder
 from foreride.scenarios.perceptions.interface import Drive, Perception, ReferencedFile
-from foreride.scenarios.perceptions.oracle import build_oracle
+from foreride.scenarios.perceptions.oracle import build_obstacles, build_oracle
 from foreride.scenarios.perceptions.road_map import MAP, build_map
 
 
@@ -35,6 +35,7 @@ class PerceptionEntry:
 _OWN = {
     "none": PerceptionEntry(lambda drive: Perception(), "no preview", looks_ahead=False),
     "oracle": PerceptionEntry(build_oracle, "true road"),
+    "obstacles": PerceptionEntry(build_obstacles, "true obstacles"),
     "map": PerceptionEntry(build_map, "map of the road", files=(MAP,)),
     "elevation": PerceptionEntry(build_elevation, "elevation map", has_estimator=True),
     **{

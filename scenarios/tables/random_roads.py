@@ -4,13 +4,14 @@
 its number alone (`scenarios.random_roads.events`); settings may be chosen on numbers below 1000, nothing from
 there on. All values are relative to the passive car on the same event and seed, with 95 % intervals of a
 bootstrap over events and seeds. Kept is the share of the gain of `mpc_preview@oracle` over a rival that
-`mpc_preview` keeps with another perception. The file of rows grows drive by drive, and a second call goes on
-where the first ended, with other controllers too.
+`mpc_preview` keeps with another perception; with the perception `obstacles`, also the share of the gain that
+exact obstacles alone give. The file of rows grows drive by drive, and a second call goes on where the first
+ended, with other controllers too.
 """
 
 import json
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ from foreride.scenarios.tables.options import parse_words, table_parser, whole_n
 from foreride.scenarios.tables.runs import shown
 
 RIVALS = ("mpc_reactive", "mpc_wheelbase")
-ORACLE = Line("mpc_preview", "oracle")
+ORACLE, OBSTACLES = Line("mpc_preview", "oracle"), Line("mpc_preview", "obstacles")
 NEEDED = {"event", "seed", "condition", "controller", "perception", "scenario_hash", "metrics"}
 _SHOWN = {"objective": "J", "wk_rms": "Wk RMS", "tyre_load_rms": "tyre load", "rattle_rms": "travel"}
 
@@ -125,20 +126,29 @@ def kept_table(results: Results) -> list[str]:
     rivals = [line for name in RIVALS if (line := Line(name, "none")) in results.of_line]
     if not rivals:
         return []
-    heads = [f"gain kept over {rival.name} | worse by > 1 %" for rival in rivals]
-    table = [f"| preview | {' | '.join(heads)} | worst event |", "|---" * (2 * len(rivals) + 2) + "|"]
+    limits = [(ORACLE, "gain")] + [(OBSTACLES, "of exact obstacles")] * (OBSTACLES in results.of_line)
+    heads = [
+        " | ".join([*(f"{head} kept over {rival.name}" for _, head in limits), "worse by > 1 %"])
+        for rival in rivals
+    ]
+    columns = len(rivals) * (len(limits) + 1) + 2
+    table = [f"| preview | {' | '.join(heads)} | worst event |", "|---" * columns + "|"]
     for line in (line for line in results.of_line if line.controller == "mpc_preview"):
-        cells = [cell for rival in rivals for cell in _against(results, line, rival)]
+        cells = [cell for rival in rivals for cell in _against(results, line, rival, dict(limits))]
         table.append(f"| {line.name} | {' | '.join(cells)} | {_worst(results, line, rivals)} |")
     return table
 
 
-def _against(results: Results, line: Line, rival: Line) -> tuple[str, str]:
-    count = f"{worse(results.relative(line), results.relative(rival))} of {len(results.events)}"
-    if ORACLE not in results.of_line:
-        return "-", count
-    arrays = (results.relative(one) for one in (rival, line, ORACLE))
-    return shown(interval(share_kept, *arrays), ".0%"), count
+def _against(results: Results, line: Line, rival: Line, limits: Iterable[Line]) -> list[str]:
+    """Share of each limit's gain over the rival that the line keeps, and how often it is worse."""
+    of_rival, of_line = results.relative(rival), results.relative(line)
+    kept = [
+        shown(interval(share_kept, of_rival, of_line, results.relative(limit)), ".0%")
+        if limit in results.of_line
+        else "-"
+        for limit in limits
+    ]
+    return [*kept, f"{worse(of_line, of_rival)} of {len(results.events)}"]
 
 
 def _worst(results: Results, line: Line, rivals: Sequence[Line]) -> str:

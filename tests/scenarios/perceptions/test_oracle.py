@@ -1,6 +1,7 @@
 """Tests of the oracle: exact by default, with prescribed errors otherwise."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,7 +18,12 @@ from foreride.road.vertical_alignment import GradeChange
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.oracle_errors import OracleErrors
 from foreride.scenarios.perceptions.interface import Drive
-from foreride.scenarios.perceptions.oracle import OraclePerception, believed_road, build_oracle
+from foreride.scenarios.perceptions.oracle import (
+    OraclePerception,
+    believed_road,
+    build_obstacles,
+    build_oracle,
+)
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle
 
@@ -102,6 +108,30 @@ def test_what_is_missed_is_not_there_while_roughness_is() -> None:
     blind = believed_road(ROAD, 1.5, OracleErrors(miss_probability=1.0), np.random.default_rng(0))
     assert blind.features == ()
     assert blind.roughness == ROAD.roughness
+
+
+def test_without_roughness_the_features_alone_are_seen_and_the_rest_has_the_background_sigma() -> None:
+    errors = OracleErrors(roughness=False, height_sigma=0.3)
+    found, smooth = seen(errors), seen(OracleErrors(), road=replace(ROAD, roughness=None))
+    np.testing.assert_allclose(found.height_m, smooth.height_m, atol=1e-12)
+    background_m = SCENARIO.estimator.background_sigma_m
+    np.testing.assert_allclose(found.height_sigma_m, np.hypot(0.3 * smooth.height_m, background_m))
+
+
+def test_measured_heights_are_not_seen_without_roughness(tmp_path: Path) -> None:
+    surface = tmp_path / "road.csv"
+    surface.write_text("x_m,z_m\n" + "".join(f"{x},{0.02 * (x > 20)}\n" for x in range(41)))
+    road = Road(40.0, (HalfSineBump(30.0, 0.05, 0.5),), file=str(surface))
+    believed = believed_road(road, 1.5, OracleErrors(roughness=False), np.random.default_rng(0))
+    assert believed == Road(40.0, road.features)
+
+
+def test_the_perception_of_obstacles_is_the_oracle_without_roughness() -> None:
+    drive = Drive(replace(SCENARIO, road=ROAD), PROFILES, seed=4)
+    found = build_obstacles(drive).preview(0.0, state_at(26.0))
+    expected = seen(OracleErrors(roughness=False))
+    np.testing.assert_array_equal(found.height_m, expected.height_m)
+    np.testing.assert_array_equal(found.height_sigma_m, expected.height_sigma_m)
 
 
 def test_features_are_imagined_at_the_rate_told() -> None:

@@ -48,6 +48,17 @@ def test_a_second_call_drives_only_what_is_missing(
     assert {drive.event for drive in driven} == {9}
 
 
+def test_what_exact_obstacles_alone_give_is_a_limit_of_its_own() -> None:
+    values = {("passive", "none"): 1.0, ("mpc_reactive", "none"): 0.6, ("mpc_preview", "oracle"): 0.4}
+    values |= {("mpc_preview", "obstacles"): 0.5, ("mpc_preview", "boxes"): 0.55}
+    of_line = {Line(*name): {"objective": np.full((2, 1), value)} for name, value in values.items()}
+    head, _, *kept = random_roads.kept_table(Results((0, 1), of_line))
+    assert head.startswith(
+        "| preview | gain kept over mpc_reactive | of exact obstacles kept over mpc_reactive"
+    )
+    assert [row.split(" | ")[1:3] for row in kept] == [["100%", "200%"], ["50%", "100%"], ["25%", "50%"]]
+
+
 def test_laws_are_also_told_as_the_best_of_each_event() -> None:
     passive, sky, add = (Line(name, "none") for name in ("passive", "skyhook", "add"))
     values = {passive: [1.0, 1.0], sky: [0.6, 0.9], add: [0.8, 0.7]}
