@@ -1,7 +1,7 @@
-"""CPU time of starting foreride in a fresh interpreter: `python -m benchmarks.bench_start`.
+"""CPU time and memory of starting foreride in a fresh interpreter: `python -m benchmarks.bench_start`.
 
 The time is user plus system time of the process, the median of several; the first start, which compiles
-bytecode, is left out.
+bytecode and machine code, is left out. The memory is the process's greatest resident set so far.
 """
 
 import argparse
@@ -11,21 +11,37 @@ import sys
 from statistics import median
 
 _COMMAND = "import sys; from foreride.scenarios.cli import main; sys.exit(main({!r}))"
+_FIRST_TICK = """
+import sys
+from foreride.scenarios.bound.simulate_case import simulate_case
+from foreride.scenarios.cases import Case
+from foreride.scenarios.commands.drive import run
+from foreride.scenarios.definition.loading import load
+simulate_case(Case(load("bump_8x40_30"), "mpc_preview", {!r}, 0), advance=lambda ticks: sys.exit())
+"""
+_PEAK = """
+import atexit, resource
+atexit.register(lambda: print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))
+"""
 STARTS = {
     "python": "pass",
     "import foreride": "import foreride",
     "foreride --help": _COMMAND.format(["--help"]),
     "foreride run --help": _COMMAND.format(["run", "--help"]),
+    "first tick, oracle": _FIRST_TICK.format("oracle"),
+    "first tick, camera": _FIRST_TICK.format("camera"),
 }
 """Code of each start by its name; the first is the interpreter alone."""
 
 
-def cpu_s(code: str) -> float:
-    """CPU time of one interpreter that executes the code."""
+def started(code: str) -> tuple[float, float]:
+    """CPU time, s, and greatest resident set, MiB, of one interpreter that executes the code."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
+    command = [sys.executable, "-c", f"{_PEAK}\n{code}"]
+    told = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return (after.ru_utime - before.ru_utime) + (after.ru_stime - before.ru_stime)
+    spent_s = (after.ru_utime - before.ru_utime) + (after.ru_stime - before.ru_stime)
+    return spent_s, int(told.split()[-1]) / 1024
 
 
 def main() -> None:
@@ -34,7 +50,9 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=5)
     repeats = parser.parse_args().repeats
     for name, code in STARTS.items():
-        print(f"{name:20s} {median([cpu_s(code) for _ in range(repeats + 1)][1:]):.3f} s of CPU")
+        starts = [started(code) for _ in range(repeats + 1)][1:]
+        spent_s, peak_mib = (median(values) for values in zip(*starts, strict=True))
+        print(f"{name:20s} {spent_s:.3f} s of CPU, {peak_mib:4.0f} MiB", flush=True)
 
 
 if __name__ == "__main__":
