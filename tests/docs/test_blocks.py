@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from foreride.controller.fmu_controller import FmuControllerMap
+from foreride.files.own_code import FMUS_ALLOWED
+from foreride.files.reading import strict
 from foreride.scenarios.cli import main
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.studies import study
@@ -26,6 +29,7 @@ FILE = re.compile(r"# (\w+\.(?:py|yaml))\n")
 READERS = {
     "scenarios": lambda name: study.read(Path(name)),
     "kind": load_vehicle,
+    "behind_m": lambda name: strict.read(FmuControllerMap, name),
     "ssh": lambda name: [read_recipe(f"{name}:{kind}") for kind in PACKAGES],
 }
 """Reader of a yaml block with this key at its top level, if it is no scenario."""
@@ -53,6 +57,7 @@ def pages(with_runs: bool) -> list[Path]:
 @pytest.mark.parametrize("page", pages(with_runs=True), ids=lambda page: page.stem)
 def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(FMUS_ALLOWED, "1")
     namespace: dict[str, object] = {"__name__": "page"}
     for kind, text in blocks(page):
         named = FILE.match(text)
