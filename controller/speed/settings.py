@@ -32,7 +32,7 @@ class PreviewPlanner(Checked):
     time_weight: Annotated[float, Interval(ge=0.01, le=1e4), "(m/s²)²"] = 0.2
     sight_m: Annotated[float, Interval(ge=10.0, le=100.0), "m"] = 30.0
     min_kmh: MinSpeed = 10.0
-    longitudinal_weight: Annotated[float, Interval(ge=0.01, le=100.0), "1"] = 0.05
+    longitudinal_weight: Annotated[float, Interval(ge=0.01, le=100.0), "1"] = 0.2
     max_deceleration_m_s2: Acceleration = 3.0
     max_acceleration_m_s2: Acceleration = 2.0
     max_jerk_m_s3: Jerk = 5.0
