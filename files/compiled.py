@@ -4,13 +4,12 @@ Numba keeps machine code beside the source and refuses to compile if no cache ca
 the code goes to foreride's cache folder; without any folder each process compiles for itself.
 """
 
-import hashlib
 import os
 from pathlib import Path
 
 from foreride.files.cache import cache_folder, temporary_folder, writable
 
-PACKAGES = ("files", "road", "preview", "controller")
+PACKAGES = ("files", "road", "preview", "controller", "vehicle")
 """Packages with compiled functions."""
 SOURCE = Path(__file__).resolve().parents[1]
 """Folder of all packages."""
@@ -28,18 +27,10 @@ def _prepare() -> Path | None:
         return Path(cache_dir)
     if all(writable(part / "__pycache__") for part in {source.parent for source in _sources()}):
         return SOURCE
-    if folder is None or not writable(compiled_folder := folder / "compiled" / _digest()):
+    if folder is None or not writable(compiled_folder := folder / "compiled"):
         return None
     os.environ["NUMBA_CACHE_DIR"] = str(compiled_folder)
     return compiled_folder
-
-
-def _digest() -> str:
-    """Hash of all sources: Numba checks only the file of a function, not those of the functions it calls."""
-    hasher = hashlib.sha256()
-    for source in _sources():
-        hasher.update(source.read_bytes())
-    return hasher.hexdigest()[:16]
 
 
 def _sources() -> list[Path]:

@@ -1,17 +1,55 @@
-"""Numba compilation with a cache where one can be written."""
+"""Numba compilation with a cache where one can be written, which notices changes in other modules."""
 
 import os
-from typing import Any
+from typing import Any, Self
 
 import numba
+from numba.core.caching import InTreeCacheLocator, UserProvidedCacheLocator
 
 from foreride.files.compiled import CACHE
+from foreride.files.stamp import stamp
 
-# The environment is read when Numba is imported, which another library may have done before.
-numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")  # type: ignore[attr-defined]
+_DEFAULT = (
+    "UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator,ZipCacheLocator"
+)
 
 
 def njit(*arguments: Any, **options: Any) -> Any:
     """Wrapper of `numba.njit` with the cache, if there is one."""
     compiler: Any = numba.njit
     return compiler(*arguments, cache=CACHE is not None, **options)
+
+
+class _Stamped:
+    """Location of the machine code of functions that the `njit` above compiles."""
+
+    _names: dict[str, Any]
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> Self | None:
+        if py_func.__globals__.get("njit") is not njit:
+            return None
+        found: Any = super().from_function(py_func, py_file)  # type: ignore[misc]
+        if found is not None:
+            found._names = py_func.__globals__
+        return found  # type: ignore[no-any-return]
+
+    def get_source_stamp(self) -> Any:
+        return super().get_source_stamp(), stamp(self._names)  # type: ignore[misc]
+
+
+class StampedUserProvided(_Stamped, UserProvidedCacheLocator):  # type: ignore[misc]
+    """In NUMBA_CACHE_DIR."""
+
+
+class StampedInTree(_Stamped, InTreeCacheLocator):  # type: ignore[misc]
+    """Beside the source."""
+
+
+# The environment is read when Numba is imported, which another library may have done before.
+_config: Any = numba.config
+_config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")
+_config.CACHE_LOCATOR_CLASSES = ",".join(
+    [f"{__name__}.{one.__name__}" for one in (StampedUserProvided, StampedInTree)]
+    + [getattr(_config, "CACHE_LOCATOR_CLASSES", "") or _DEFAULT]
+)
