@@ -1,39 +1,64 @@
 """Mutation score of packages: `python -m benchmarks.mutation --mutants 300 --seed 0 --json FILE`.
 
 Each mutant is judged by the tests of its module and room alone, so the score is a lower bound of what the
-whole suite notices. A result is written per mutant; an interrupted run goes on from its file.
+whole suite notices; `--wider` tries the survivors against the tests elsewhere that reach the module and
+against those that drive. Mutants that are provably the same code are counted apart (`equivalent.yaml`). A
+result is written per mutant; an interrupted run goes on from its file.
 """
 
 import argparse
 import json
+import os
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from benchmarks.command import command
-from benchmarks.mutation.choice import Mutant, drawn, files_judging
+from benchmarks.mutation.choice import Mutant, drawn, files_elsewhere, files_judging
+from benchmarks.mutation.equivalent import reason
 from benchmarks.mutation.judge import copied, preload, verdict
+from benchmarks.mutation.machine_code import cache_of
 from benchmarks.mutation.operators import mutated
 from foreride.files.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("controller", "vehicle", "preview", "comfort")
 CHECK_LIMIT_S = 3600.0
+MACHINE_CODE = "machine_code"
+"""Folder of Numba's machine code, beside the copy."""
+NOTICED = ("killed", "timeout", "elsewhere", "equivalent")
 
 
-def judged(folder: Path, mutant: Mutant, limit_s: float) -> dict[str, object]:
-    """Result of one mutant; the copy is as before afterwards."""
+def judged(folder: Path, mutant: Mutant, limit_s: float, wider: bool = False) -> dict[str, Any]:
+    """Result of one mutant, by its own tests or by those elsewhere; the copy is as before afterwards."""
     path = folder / mutant.file
-    original = path.read_text()
+    original, status = path.read_text(), path.stat()
     text, line, words = mutated(original, mutant.number)
-    path.write_text(text)
-    try:
-        tests = files_judging(folder, mutant.file)
-        result = verdict(folder, tests, limit_s) if tests else "untested"
-    finally:
-        path.write_text(original)
-    return {"file": mutant.file, "number": mutant.number, "line": line, "change": words, "result": result}
+    row = {"file": mutant.file, "number": mutant.number, "line": line, "change": words}
+    if reason(folder, row) is not None:
+        return row | {"result": "equivalent"}
+    tests = (files_elsewhere if wider else files_judging)(folder, mutant.file)
+    with cache_of(folder, folder.with_name(MACHINE_CODE), mutant.file) as cache:
+        path.write_text(text)
+        try:
+            result = _result(folder, tests, limit_s, cache)
+        finally:
+            path.write_text(original)
+            os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
+    if wider:
+        return row | {"result": "elsewhere" if result == "killed" else "survived", "wider": True}
+    return row | {"result": result}
+
+
+def _result(folder: Path, tests: Sequence[str], limit_s: float, cache: Path) -> str:
+    """Verdict of the nearest test file alone, which most often settles it, then of the others."""
+    result = "untested"
+    for part in filter(None, (tests[:1], tests[1:])):
+        if (result := verdict(folder, part, limit_s, cache)) != "survived":
+            break
+    return result
 
 
 def check_tests(folder: Path, mutants: Sequence[Mutant]) -> None:
@@ -49,16 +74,24 @@ def check_tests(folder: Path, mutants: Sequence[Mutant]) -> None:
         )
 
 
-def lines(rows: Sequence[dict[str, object]]) -> list[str]:
-    """Table per package, then every mutant that no test noticed."""
-    table = [f"{'package':12s} {'mutants':>8s} {'noticed':>8s} {'share':>6s}"]
+def lines(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Table per package, without equivalent mutants, then every mutant that no test noticed."""
+    table = [f"{'package':12s} {'mutants':>8s} {'noticed':>8s} {'share':>6s} {'by suite':>8s}"]
     for package in (*PACKAGES, "all"):
-        of = Counter(row["result"] for row in rows if package in ("all", str(row["file"]).split("/")[0]))
+        of = Counter(row["result"] for row in rows if package in ("all", row["file"].split("/")[0]))
         seen = of["killed"] + of["timeout"]
-        if of.total():
-            table.append(f"{package:12s} {of.total():8d} {seen:8d} {seen / of.total():6.1%}")
-    left = [row for row in rows if row["result"] not in ("killed", "timeout")]
+        if count := of.total() - of.pop("equivalent", 0):
+            suite = (seen + of["elsewhere"]) / count
+            table.append(f"{package:12s} {count:8d} {seen:8d} {seen / count:6.1%} {suite:8.1%}")
+    left = [row for row in rows if row["result"] not in NOTICED]
     return table + [f"{row['file']}:{row['line']}: {row['change']} ({row['result']})" for row in left]
+
+
+def _is_open(row: dict[str, Any] | None, wider: bool) -> bool:
+    """Whether a mutant is still to be judged: unseen, or in the second pass a survivor of the first."""
+    if wider:
+        return row is not None and row["result"] in ("survived", "untested") and not row.get("wider")
+    return row is None
 
 
 def _lines(path: Path) -> list[str]:
@@ -75,20 +108,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--limit-s", type=float, default=120.0, help="time of a mutant's tests")
     parser.add_argument("--json", type=Path, required=True, help="file of results, one line a mutant")
     parser.add_argument("--unchecked", action="store_true", help="leave out the tests of the unchanged code")
+    parser.add_argument("--wider", action="store_true", help="judge survivors by tests elsewhere and drives")
     options = parser.parse_args(arguments)
-    rows = [json.loads(line) for line in _lines(options.json)]
-    done = {(row["file"], row["number"]) for row in rows}
+    rows = {(row["file"], row["number"]): row for row in map(json.loads, _lines(options.json))}
     preload()
     with tempfile.TemporaryDirectory() as scratch, options.json.open("a") as out:
-        folder = copied(ROOT, Path(scratch))
+        folder = copied(ROOT, Path(scratch) / "copy")
+        folder.with_name(MACHINE_CODE).mkdir()
         mutants = drawn(folder, options.packages, options.mutants, options.seed)
         if not options.unchecked:
             check_tests(folder, mutants)
-        for mutant in mutants:
-            if (mutant.file, mutant.number) not in done:
-                rows.append(judged(folder, mutant, options.limit_s))
-                print(json.dumps(rows[-1]), file=out, flush=True)
-    print("\n".join(lines(rows)))
+        for wider in (False, True)[: 1 + options.wider]:
+            for mutant in mutants:
+                key = mutant.file, mutant.number
+                if _is_open(rows.get(key), wider):
+                    rows[key] = judged(folder, mutant, options.limit_s, wider)
+                    print(json.dumps(rows[key]), file=out, flush=True)
+    print("\n".join(lines(list(rows.values()))))
 
 
 if __name__ == "__main__":

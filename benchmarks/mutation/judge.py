@@ -31,11 +31,15 @@ def preload() -> None:
         importlib.import_module(name)
 
 
-def verdict(folder: Path, tests: Sequence[str], limit_s: float) -> str:
-    """`killed` where a test fails, `timeout` beyond the limit, `survived` where all pass."""
+def verdict(folder: Path, tests: Sequence[str], limit_s: float, cache: Path | None = None) -> str:
+    """`killed` where a test fails, `timeout` beyond the limit, `survived` where all pass.
+
+    cache: folder of Numba's machine code.
+    """
     child = os.fork()
     if child == 0:
         os.setsid()
+        os.environ |= {"NUMBA_CACHE_DIR": str(cache)} if cache else {}
         os._exit(_run(folder, tests))
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
