@@ -1,16 +1,27 @@
 """Tests of the limits on parameters that lie in their ranges, but not together."""
 
 import re
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from foreride.files.errors import InputError
 from foreride.files.reading import strict
+from foreride.vehicle.linear_model import linear_twin, natural_frequencies_hz
 from foreride.vehicle.load import Car, load_vehicle
-from foreride.vehicle.plausibility import doubts
+from foreride.vehicle.plausibility import (
+    MAX_BODY_FREQUENCY_HZ,
+    MAX_EIGENVALUE_1_S,
+    MIN_BODY_FREQUENCY_HZ,
+    _frequencies_hz,
+    _matrices,
+    _quantities,
+    doubts,
+)
 
 SHIPPED = sorted(path.stem for path in (Path(__file__).parents[2] / "vehicle" / "parameters").glob("*.yaml"))
 
@@ -111,3 +122,91 @@ def test_a_stiff_bar_is_doubted_at_either_axle() -> None:
     ]
     assert any("natural frequencies" in line for line in told[0])
     assert told[0] == told[1]
+
+
+def test_limits_are_those_that_the_documentation_states() -> None:
+    """Value, then what is possible and what is usual, of a quarter car with R = 0.31 m."""
+    found = {(q.field, q.effect_unit): (q.of(q.value), q.possible, q.usual) for q in quantities_of("quarter")}
+    load_n = 400.0 * 9.80665
+    expected = {
+        ("sprung_mass_kg", "times"): (400.0 / 42.0, (1.0, 1000.0), (3.0, 25.0)),
+        ("sprung_mass_kg", "kg"): (400.0, (0.0, np.inf), (100.0, 1500.0)),
+        ("tyre_n_m", "m"): ((load_n + 42.0 * 9.80665) / 195e3, (0.00155, 0.31), (0.0062, 0.0775)),
+        ("spring_n_m", "m"): (load_n / 21e3, (0.001, 3.0), (0.02, 0.5)),
+        ("damping_passive_ns_m", "times"): (
+            1500.0 / (2.0 * np.sqrt(21e3 * 400.0)),
+            (0.0, np.inf),
+            (0.05, 1.0),
+        ),
+    }
+    assert found.keys() == expected.keys()
+    for key, numbers in expected.items():
+        for ours, theirs in zip(found[key], numbers, strict=True):
+            np.testing.assert_allclose(ours, theirs)
+    assert (MIN_BODY_FREQUENCY_HZ, MAX_BODY_FREQUENCY_HZ, MAX_EIGENVALUE_1_S) == (0.05, 20.0, 500.0)
+
+
+def quantities_of(name: str) -> list[Any]:
+    return list(_quantities(load_vehicle(name)))
+
+
+@pytest.mark.parametrize(
+    ("name", "axles"), [("half", ["[0]", "[1]"]), ("full", ["[0]", "[0]", "[1]", "[1]"])]
+)
+def test_fields_are_named_by_axle_and_carry_their_own_load(name: str, axles: list[str]) -> None:
+    car, listed = load_vehicle(name), quantities_of(name)
+    assert [q.field for q in listed if "spring" in q.field] == [f"spring_n_m{axle}" for axle in axles]
+    for corner, spring in zip(car.corners, (q for q in listed if "spring" in q.field), strict=True):
+        assert spring.of(spring.value) == pytest.approx(corner.body_load_n / corner.spring_n_m)
+    masses = [q for q in listed if q.field == "body_mass_kg" and q.effect_unit == "kg"]
+    assert sum(q.of(q.value) for q in masses) == pytest.approx(car.generalised_mass[0])
+    assert [q.effect for q in masses] == [f"puts {{}} on wheel {i}" for i in range(car.wheels)]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_matrices_are_those_of_the_linear_twin(name: str) -> None:
+    """Frequencies of the twin, and its poles at maximum damping."""
+    car = load_vehicle(name)
+    stiffness, damping, mass = _matrices(car)
+    np.testing.assert_allclose(_frequencies_hz(stiffness, mass), natural_frequencies_hz(car), rtol=1e-9)
+    size = len(mass)
+    system = np.block(
+        [[np.zeros((size, size)), np.eye(size)], [-stiffness / mass[:, None], -damping / mass[:, None]]]
+    )
+    twin = linear_twin(car, [corner.damping_max_ns_m for corner in car.corners])
+    np.testing.assert_allclose(
+        np.poly(np.linalg.eigvals(system)),
+        np.poly(twin.poles()),
+        rtol=1e-6,
+        atol=1e-6 * abs(np.poly(twin.poles())[-1]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("place", "outside"), [(0.999, True), (1.0, False), (1.5, False), (2.0, False), (2.001, True)]
+)
+def test_a_limit_itself_is_allowed(place: float, outside: bool) -> None:
+    one = replace(quantities_of("quarter")[0], value=place, of=lambda value: value)
+    assert one.outside((1.0, 2.0)) == outside
+
+
+@pytest.mark.parametrize(
+    ("mode", "hz", "within"),
+    [("body", 0.5, 1.02), ("body", 5.0, 0.99), ("wheels", 5.0, 1.02), ("wheels", 25.0, 0.99)],
+)
+def test_natural_frequencies_are_usual_between_their_limits(mode: str, hz: float, within: float) -> None:
+    car = load_vehicle("quarter")
+    for factor, doubted in ((within, False), (2.0 - within, True)):
+        twin = _scaled(car, mode, factor * hz)
+        assert any(line.startswith(f"{mode} with natural") for line in doubts(twin)) == doubted
+
+
+def _scaled(car: Any, mode: str, frequency_hz: float) -> Any:
+    """The car with both stiffnesses scaled so that this mode has the frequency, unchecked."""
+    of = {"body": 0, "wheels": 1}[mode]
+    scale = (frequency_hz / natural_frequencies_hz(car)[of]) ** 2
+    twin = copy(car)
+    vars(twin).pop("corners", None)
+    for name in ("spring_n_m", "tyre_n_m"):
+        object.__setattr__(twin, name, scale * getattr(car, name))
+    return twin

@@ -9,7 +9,13 @@ from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import wheel_profile
 from foreride.vehicle.load import load_vehicle
 from foreride.vehicle.plant.plant import Plant
-from foreride.vehicle.plant.sensors import NO_NOISE, SensorInterface, SensorNoise, Sensors
+from foreride.vehicle.plant.sensors import (
+    CATALOGUE_RESOLUTION,
+    NO_NOISE,
+    SensorInterface,
+    SensorNoise,
+    Sensors,
+)
 from foreride.vehicle.state import VehicleState, observe
 
 
@@ -131,3 +137,43 @@ def test_an_impossible_interface_is_refused() -> None:
         SensorInterface(dropout=1.0)
     with pytest.raises(InputError, match="rattle_step_m must lie in 0"):
         SensorInterface(rattle_step_m=-1.0)
+
+
+def test_offsets_and_resolutions_are_those_of_the_parts_that_are_named() -> None:
+    """3 mg, 50 mg, 1 mm, 0.05 °/s, 0.3 %; 0.244 mg, 49 mg, 200 mm in 12 bits, 0.0038 °/s, 1 cm/s."""
+    noise, g = SensorNoise(), 9.80665
+    offsets = noise.body_offset_m_s2, noise.wheel_offset_m_s2, noise.rattle_offset_m, noise.speed_scale
+    np.testing.assert_allclose(offsets, [3e-3 * g, 50e-3 * g, 1e-3, 3e-3])
+    gyros = noise.pitch_rate_offset_rad_s, noise.roll_rate_offset_rad_s
+    np.testing.assert_allclose(gyros, np.radians([0.05, 0.05]))
+    steps = [getattr(CATALOGUE_RESOLUTION, name) for name in vars(CATALOGUE_RESOLUTION) if "_step_" in name]
+    gyro = np.radians(0.0038)
+    np.testing.assert_allclose(steps, [0.244e-3 * g, 49e-3 * g, 0.2 / 4096, gyro, gyro, 0.01])
+    assert noise.interface == SensorInterface()
+    assert (SensorInterface().delay_readings, SensorInterface().dropout) == (0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["quarter", "half", "full"])
+def test_a_reading_goes_through_the_vector_of_channels_and_back(name: str) -> None:
+    state = moving_car(name)
+    reading = Sensors(len(state.rattle_m), np.random.default_rng(0), SensorNoise()).measure(state)
+    again = type(reading).of_channels(reading.time_s, reading.channels())
+    for field, value in vars(reading).items():
+        np.testing.assert_array_equal(getattr(again, field), value)
+
+
+def test_each_channel_has_its_own_step() -> None:
+    state = moving_car("full")
+    steps = {
+        "body_acc": 0.7,
+        "wheel_acc": 3.0,
+        "rattle": 0.003,
+        "pitch_rate": 0.02,
+        "roll_rate": 0.011,
+        "speed": 0.3,
+    }
+    units = {"body_acc": "m_s2", "wheel_acc": "m_s2", "rattle": "m", "speed": "m_s"}
+    interface = {f"{name}_step_{units.get(name, 'rad_s')}": step for name, step in steps.items()}
+    found = readings(state, quiet(**interface), 0, 1)[0]
+    sizes = np.array([*[0.7] * 4, *[3.0] * 4, *[0.003] * 4, 0.02, 0.3, 0.011])
+    np.testing.assert_allclose(found, sizes * np.round(truth(state) / sizes), atol=1e-12)
