@@ -13,15 +13,18 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.mutation.machine_code import copy_code
+
 LIBRARIES = ("numpy", "scipy.signal", "scipy.optimize", "casadi", "mujoco", "numba", "pytest", "hypothesis")
 
 
 def copied(root: Path, folder: Path) -> Path:
-    """Copy of the files that git tracks."""
+    """Copy of the files that git tracks, with their machine code."""
     listing = subprocess.run(["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True, text=True)
     for name in filter(None, listing.stdout.split("\0")):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, folder / name)
+    copy_code(root, folder)
     return folder
 
 
@@ -31,16 +34,15 @@ def preload() -> None:
         importlib.import_module(name)
 
 
-def verdict(folder: Path, tests: Sequence[str], limit_s: float, cache: Path | None = None) -> str:
+def verdict(folder: Path, tests: Sequence[str], limit_s: float, compiled: bool = True) -> str:
     """`killed` where a test fails, `timeout` beyond the limit, `survived` where all pass.
 
-    cache: folder of Numba's machine code.
+    compiled: whether Numba compiles, otherwise its functions run as they are written.
     """
     child = os.fork()
     if child == 0:
         os.setsid()
-        os.environ |= {"NUMBA_CACHE_DIR": str(cache)} if cache else {}
-        os._exit(_run(folder, tests))
+        os._exit(_run(folder, tests, compiled))
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         done, status = os.waitpid(child, os.WNOHANG)
@@ -52,9 +54,12 @@ def verdict(folder: Path, tests: Sequence[str], limit_s: float, cache: Path | No
     return "timeout"
 
 
-def _run(folder: Path, tests: Sequence[str]) -> int:
+def _run(folder: Path, tests: Sequence[str], compiled: bool) -> int:
     """Exit code of pytest in the copy, without its output."""
+    import numba
     import pytest
+
+    numba.config.DISABLE_JIT = not compiled  # type: ignore[attr-defined]
 
     for name in [name for name in sys.modules if name.split(".")[0] in ("foreride", "benchmarks")]:
         del sys.modules[name]  # the checkout's; the copy's are imported in their place

@@ -1,8 +1,7 @@
-"""Numba's machine code of the unchanged copy and of mutants.
+"""Numba's machine code in the copy: of the unchanged functions, for all mutants but those that change them.
 
 Numba checks the file of a compiled function, not those of the functions that it calls: a mutant of a called
-function would be judged by the code of the unchanged one. Each such mutant has a cache of its own, without
-the code of the modules that import it.
+function would be judged by the code of the unchanged one.
 """
 
 import re
@@ -12,33 +11,54 @@ from contextlib import contextmanager
 from pathlib import Path
 
 COMPILED = re.compile(r"^@njit", re.MULTILINE)
+CODE = "__pycache__/*.nb[ic]"
+
+
+def copy_code(root: Path, folder: Path) -> None:
+    """Copy the machine code that a checkout has, for sources copied with their time stamps."""
+    for path in root.glob(f"[!.b]*/**/{CODE}"):
+        place = folder / path.relative_to(root)
+        if place.parent.parent.is_dir():
+            place.parent.mkdir(exist_ok=True)
+            shutil.copy2(path, place)
+
+
+def is_compiled(folder: Path, file: str) -> bool:
+    """Whether a file has compiled functions."""
+    return COMPILED.search((folder / file).read_text()) is not None
 
 
 @contextmanager
-def cache_of(folder: Path, cache: Path, file: str) -> Iterator[Path]:
-    """Cache for the tests of a mutant of this file, relative to the copy `folder`; `cache` is the common one.
-
-    A mutant without compiled functions uses the common one, and fills it.
-    """
-    if not COMPILED.search((folder / file).read_text()):
-        yield cache
+def code_aside(folder: Path, file: str) -> Iterator[None]:
+    """Without the machine code of a file and of those that import it; back as it was afterwards."""
+    if not is_compiled(folder, file):
+        yield
         return
-    own = cache.with_name("of_mutant")
-    shutil.copytree(cache, own)
+    aside = folder.with_name("aside")
+    moved = {code: aside / str(i) for i, code in enumerate(_code_of(folder, file))}
+    aside.mkdir()
+    for code, place in moved.items():
+        code.rename(place)
     try:
-        for name in importers(folder, file):
-            for code in own.rglob(f"{Path(name).stem}.*"):
-                code.unlink()
-        yield own
+        yield
     finally:
-        shutil.rmtree(own)
+        for code in _code_of(folder, file):
+            code.unlink()
+        for code, place in moved.items():
+            place.rename(code)
+        aside.rmdir()
+
+
+def _code_of(folder: Path, file: str) -> list[Path]:
+    paths = [folder / name for name in sorted(importers(folder, file))]
+    return [code for path in paths for code in path.parent.glob(f"__pycache__/{path.stem}.*.nb[ic]")]
 
 
 def importers(folder: Path, file: str) -> set[str]:
     """Files with compiled functions that import a file, through others or directly, and the file itself."""
     sources = {
         str(path.relative_to(folder)): text
-        for path in sorted(folder.rglob("*.py"))
+        for path in folder.rglob("*.py")
         if COMPILED.search(text := path.read_text()) or str(path.relative_to(folder)) == file
     }
     found, new = {file}, {file}
