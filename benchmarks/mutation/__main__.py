@@ -59,10 +59,9 @@ def _result(folder: Path, tests: Sequence[str], limit_s: float, compiled: bool) 
     """
     if not tests:
         return "untested"
-    if verdict(folder, tests[:1], limit_s / 4.0, compiled=not compiled) == "killed":
-        return "killed"
-    rest = tests if compiled else tests[1:]
-    return verdict(folder, rest, limit_s) if rest else "survived"
+    nearest = verdict(folder, tests[:1], limit_s / 4.0, compiled=not compiled)
+    rest = tests if compiled or nearest == "timeout" else tests[1:]
+    return verdict(folder, rest, limit_s) if rest and nearest != "killed" else nearest
 
 
 def check_tests(folder: Path, mutants: Sequence[Mutant]) -> None:

@@ -6,11 +6,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
+from foreride.vehicle.dampers.actuator import FullyActive
 from foreride.vehicle.dampers.damper import DamperModel
 from foreride.vehicle.load import Car, QuarterCar
 from foreride.vehicle.plant.engines import build_engine
 from foreride.vehicle.plant.mujoco_engine import RolloutEngine, SubsteppedEngine
 from foreride.vehicle.plant.plant import Plant
+from foreride.vehicle.speed_profile import SpeedProfile
 from tests.vehicle.plant.short_drives import HALF, QUARTER, Haversine, drive
 from tests.vehicle.plant.test_plant import reference
 
@@ -77,3 +79,48 @@ def test_a_tick_asks_for_the_force_twice_unless_the_damper_wants_substeps() -> N
     before = Linear.forces_asked
     plant.step(np.array([1500.0]), 50)
     assert Linear.forces_asked - before == 2 * 50
+
+
+@dataclass(frozen=True)
+class Fine(Progressive):
+    """The progressive law in eight substeps."""
+
+    kind: ClassVar[str] = "fine"
+    substeps: ClassVar[int] = 8
+
+
+@dataclass(frozen=True)
+class Finest(Progressive):
+    """The progressive law in 64 substeps."""
+
+    kind: ClassVar[str] = "finest"
+    substeps: ClassVar[int] = 64
+
+
+def test_a_law_hardening_with_the_rate_is_integrated_to_second_order() -> None:
+    """An eighth of the step, about a 64th of the error; by a method of first order an eighth."""
+    dives = [
+        drive(with_damper(QUARTER, law), [BUMP], 10.0, 250, 3000.0)
+        for law in (Progressive(), Fine(), Finest())
+    ]
+    for name in ("heave_m", "wheel_z"):
+        coarse, fine = (np.abs(getattr(one, name) - getattr(dives[2], name)).max() for one in dives[:2])
+        assert coarse > 50.0 * fine, name
+
+
+def test_braking_and_actuators_act_as_on_the_ideal_damper() -> None:
+    car = replace(HALF, actuator=FullyActive(force_limit_n=800.0))
+    braking = SpeedProfile((0.0, 0.1, 0.4), (10.0, 10.0, 7.0))
+    found = []
+    for each in (car, with_damper(car, Linear())):
+        plant = Plant(each)
+        plant.reset([BUMP] * 2, 0.0, braking)
+        for k in range(4):
+            plant.step(np.array([800.0, 3000.0, 500.0 * (-1) ** k, 900.0]), 100)
+        found.append(plant.signals)
+    ideal, ours = found
+    np.testing.assert_allclose(ours.actuator_force, ideal.actuator_force, rtol=1e-6, atol=1e-6)
+    assert np.abs(ideal.actuator_force).max() == pytest.approx(800.0)
+    for name in ("heave_m", "pitch_rad", "wheel_z"):
+        scale = np.abs(getattr(ideal, name)).max()
+        assert np.abs(getattr(ours, name) - getattr(ideal, name)).max() < 2e-3 * scale, name
