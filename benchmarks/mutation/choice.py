@@ -60,4 +60,4 @@ def files_elsewhere(root: Path, file: str) -> list[str]:
 
 
 def _name(file: str) -> str:
-    return "foreride." + ".".join(Path(file).with_suffix("").parts)
+    return "foreride." + ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")

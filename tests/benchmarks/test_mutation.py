@@ -3,9 +3,16 @@
 import ast
 from pathlib import Path
 
-from benchmarks.mutation.choice import Mutant, drawn, files_judging
+import yaml
+
+from benchmarks.mutation.__main__ import judged, lines
+from benchmarks.mutation.choice import Mutant, drawn, files_elsewhere, files_judging
+from benchmarks.mutation.equivalent import LISTED, reason
 from benchmarks.mutation.judge import verdict
+from benchmarks.mutation.machine_code import code_aside, importers
 from benchmarks.mutation.operators import mutated, mutations
+
+ROOT = Path(__file__).parents[2]
 
 SOURCE = '''"""Module."""
 
@@ -74,3 +81,53 @@ def test_verdict_tells_killed_from_survived(tmp_path: Path) -> None:
     path = root / Mutant("springs/spring.py", 0).file
     path.write_text(mutated(path.read_text(), 0)[0])
     assert verdict(root, tests, 60.0) == "killed"
+
+
+def test_a_file_is_as_before_after_a_mutant_down_to_its_time_stamp(tmp_path: Path) -> None:
+    root = repository(tmp_path)
+    path = root / "springs" / "spring.py"
+    text, stamp = path.read_text(), path.stat().st_mtime_ns
+    row = judged(root, Mutant("springs/spring.py", 0), 60.0)
+    assert (row["line"], row["change"], row["result"]) == (2, "2.0 * x -> 2.0 / x", "killed")
+    assert (path.read_text(), path.stat().st_mtime_ns) == (text, stamp)
+
+
+def test_survivors_are_tried_against_the_tests_that_reach_the_module_through_another(tmp_path: Path) -> None:
+    root = repository(tmp_path)
+    (root / "car.py").write_text("from foreride.springs.spring import force\n")
+    (root / "tests" / "test_drive.py").write_text("from foreride.car import force\n")
+    assert files_elsewhere(root, "springs/spring.py") == ["tests/test_drive.py"]
+
+
+COMPILED = "from foreride.springs.spring import force\n\n@njit\ndef twice(x):\n    return 2 * force(x)\n"
+
+
+def test_machine_code_that_contains_a_mutated_function_is_set_aside(tmp_path: Path) -> None:
+    """Of the file itself and of those that call it, not of others."""
+    root = repository(tmp_path)
+    own, calling, other = (root / "springs" / name for name in ("spring.py", "pair.py", "bar.py"))
+    own.write_text("@njit\ndef force(x):\n    return 2.0 * x\n")
+    calling.write_text(COMPILED)
+    other.write_text("@njit\ndef half(x):\n    return x / 2\n")
+    assert importers(root, "springs/spring.py") == {"springs/spring.py", "springs/pair.py"}
+    cache = root / "springs" / "__pycache__"
+    cache.mkdir()
+    names = ["spring.force-2.nbi", "pair.twice-4.nbc", "bar.half-2.nbi"]
+    for name in names:
+        (cache / name).write_text("unchanged")
+    with code_aside(root / ".", "springs/spring.py"):
+        assert [path.name for path in cache.iterdir()] == ["bar.half-2.nbi"]
+        (cache / "spring.force-2.nbi").write_text("mutated")
+    assert {path.name: path.read_text() for path in cache.iterdir()} == dict.fromkeys(names, "unchanged")
+
+
+def test_equivalent_mutants_are_found_in_the_code_and_counted_apart() -> None:
+    for entry in yaml.safe_load(LISTED.read_text()):
+        numbered = enumerate((ROOT / entry["file"]).read_text().splitlines(), 1)
+        row = entry | {"line": next(n for n, line in numbered if line.strip() == entry["text"])}
+        assert reason(ROOT, row) == entry["reason"]
+        assert reason(ROOT, row | {"change": "1 -> 2"}) is None
+    rows = [{"file": "comfort/a.py", "line": 1, "change": "", "result": result}
+            for result in ("killed", "killed", "equivalent", "timeout", "elsewhere")]  # fmt: skip
+    assert lines(rows)[1].split() == ["comfort", "4", "2", "50.0%", "75.0%"]
+    assert len(lines(rows)) == 4
