@@ -17,6 +17,7 @@ import numpy as np
 
 from foreride.controller.observer.filter_layout import filter_layout
 from foreride.controller.observer.filter_model import filter_model
+from foreride.controller.observer.filter_steps import corrected, predicted, propagated, taken_in
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorNoise
 
@@ -55,7 +56,7 @@ class KinematicFilter:
         self.state, self.covariance = np.zeros(self.rows.size), self.model.start
         readings = len(self.model.output)
         self.innovation, self.innovation_covariance = np.zeros(readings), np.eye(readings)
-        self._samples: tuple[np.ndarray, np.ndarray] | None = None
+        self._samples: np.ndarray | None = None
 
     def predict(self, acceleration: np.ndarray, variance: np.ndarray) -> None:
         """Move on to this sample (2w,) of the accelerations; the first sample only begins.
@@ -64,16 +65,13 @@ class KinematicFilter:
         (Adams-Moulton).
         """
         if self._samples is None:
-            self._samples = acceleration, acceleration
+            self._samples = np.array([acceleration] * 3)
             return
-        previous, before = self._samples
-        self._samples = acceleration, previous
-        model, transition = self.model, self.model.transition
-        unseen = ALIASING * (acceleration - 2.0 * previous + before)
-        mean = (5.0 * acceleration + 8.0 * previous - before) / 12.0
-        self.state = transition @ self.state + model.drive @ mean
-        self.covariance = transition @ self.covariance @ transition.T + model.process
-        self.covariance += (model.drive * (variance + unseen**2)) @ model.drive.T
+        samples, model = self._samples, self.model
+        samples[2], samples[1], samples[0] = samples[1], samples[0], acceleration
+        before, motion = (self.state, self.covariance), (model.transition, model.drive)
+        self.state, self.covariance = predicted(*before, samples, variance, ALIASING, *motion)
+        self.covariance += model.process
 
     def reading_variance(self, speed_m_s: float) -> np.ndarray:
         """Variance of a reading of sound sensors; a plane under a standing car does not accelerate."""
@@ -84,9 +82,8 @@ class KinematicFilter:
 
     def correct(self, reading: np.ndarray, variance: np.ndarray) -> np.ndarray:
         """Take in a reading; return the corrections to the plane, which the caller's plane takes over."""
-        innovation = reading - self.model.output @ self.state
-        self.innovation = innovation
-        self.innovation_covariance = self._update(self.model.output, innovation, variance)
+        step = corrected(self.state, self.covariance, self.model.output, reading, variance)
+        self.state, self.covariance, self.innovation, self.innovation_covariance = step
         return self._corrections()
 
     def balance(self, innovation: np.ndarray, variance: np.ndarray) -> np.ndarray:
@@ -120,15 +117,8 @@ class KinematicFilter:
         self._update(np.eye(rows.size)[chosen], -self.state[chosen], variance)
         return self._corrections()
 
-    def _update(self, output: np.ndarray, innovation: np.ndarray, variance: np.ndarray) -> np.ndarray:
-        """Kalman update; returns the innovation's covariance."""
-        cross = output @ self.covariance
-        expected = cross @ output.T + np.diag(variance)
-        gain = np.linalg.solve(expected, cross)
-        self.state = self.state + innovation @ gain
-        covariance = self.covariance - cross.T @ gain
-        self.covariance = 0.5 * (covariance + covariance.T)
-        return expected
+    def _update(self, output: np.ndarray, innovation: np.ndarray, variance: np.ndarray) -> None:
+        self.state, self.covariance = taken_in(self.state, self.covariance, output, innovation, variance)
 
     def _corrections(self) -> np.ndarray:
         corrections = self.state[self.rows.plane].copy()
@@ -144,6 +134,6 @@ class KinematicFilter:
         """
         self.state[self.rows.body_velocity] -= change
         self.state[self.rows.wheel_velocity] -= change
-        step = self.model.frame[follows] + faster * self.model.faster
-        drive = self.model.frame_drive[follows]
-        self.covariance = step @ self.covariance @ step.T + (drive * deflection_variance) @ drive.T
+        model = self.model
+        step = model.frame[follows] + faster * model.faster
+        self.covariance = propagated(self.covariance, step, model.frame_drive[follows], deflection_variance)

@@ -7,6 +7,7 @@ from foreride.controller.observer.filter_layout import gyros
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
+from foreride.vehicle.arithmetic import FLOATS
 from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.equations import body_acceleration, forces, rest_state
 from foreride.vehicle.load import Car
@@ -189,9 +190,9 @@ class Observer:
 
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
-        level = np.zeros(self._wheels)
-        struts = forces(self._vehicle, self._vehicle_state(), level, level)
-        return np.asarray(struts.spring + struts.damper + struts.stop + struts.actuator)
+        level = [0.0] * self._wheels
+        struts = forces(self._vehicle, self._vehicle_state().tolist(), level, level, FLOATS)
+        return np.sum([struts.spring, struts.damper, struts.stop, struts.actuator], axis=0)
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])

@@ -7,8 +7,11 @@ grade as a filter state: Bae, Ryu & Gerdes, IEEE Intelligent Transportation Syst
 Schmidtbauer, Vehicle System Dynamics 37 suppl., 2002).
 """
 
+from typing import Any
+
 import numpy as np
 
+from foreride.files.jit import njit
 from foreride.vehicle.equations import rest_per_road_height
 from foreride.vehicle.load import Car
 from foreride.vehicle.state_layout import state_layout
@@ -32,6 +35,11 @@ LEAST_SPEED_M_S = 1.0
 """Speed below which the grade is learnt more slowly, as a standing car says nothing of it."""
 
 
+def _row(name: str, row: int) -> Any:
+    """Property of a row of an array, which a step replaces by a new one."""
+    return property(lambda plane: getattr(plane, name)[row])
+
+
 class RoadPlane:
     """Filter of the road's plane in the coordinates of the body: heave, pitch, roll, as the car has them.
 
@@ -53,24 +61,25 @@ class RoadPlane:
 
     def reset(self) -> None:
         """Start anew from a level road."""
-        size = len(self._body_of_road)
-        self.level, self.slope = np.zeros(size), np.zeros(size)
-        self.rate = np.zeros(size)
-        self.offset, self.acceleration = np.zeros(size), np.zeros(size)
-        self.obstacle_m = self._base_m = np.zeros(len(self.kinematic_rows))
-        self._elapsed_s, self._passed, self._usual_m = 0.0, 0.0, LEAST_ROUGHNESS_M
+        self._motion = np.zeros((5, len(self._body_of_road)))
+        self._wheels = np.zeros((2, len(self.kinematic_rows)))
+        self._memory = np.array([0.0, 0.0, LEAST_ROUGHNESS_M])
+
+    level, slope, rate, offset, acceleration = (_row("_motion", row) for row in range(5))
+    obstacle_m = _row("_wheels", 0)
 
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:
         """Begin in equilibrium on a road of these heights (wheels,), the body moving along its plane."""
         self.reset()
-        self.level = self._body_of_road @ road_m
-        self.slope = body_velocity / max(speed_m_s, LEAST_SPEED_M_S)
-        self.rate = body_velocity.copy()
+        self._motion[0] = self._body_of_road @ road_m
+        self._motion[1] = body_velocity / max(speed_m_s, LEAST_SPEED_M_S)
+        self._motion[2] = body_velocity
 
     def advance(self, elapsed_s: float) -> None:
         """Move the frame on at its present velocity."""
-        self._elapsed_s = elapsed_s
-        self.level = self.level + elapsed_s * self.rate
+        self._memory[0] = elapsed_s
+        self._motion = self._motion.copy()
+        self._motion[0] += elapsed_s * self._motion[2]
 
     def correct(
         self, road_over_plane_m: np.ndarray, speed_m_s: float, obstacle: bool | None = None
@@ -81,46 +90,84 @@ class RoadPlane:
 
         Returns the change (body,) of the frame's velocity, to be subtracted from velocities relative to it.
         """
-        elapsed_s, previous_rate = self._elapsed_s, self.rate
-        departure = road_over_plane_m - self.road_m
-        own = self._is_obstacle(departure, speed_m_s * elapsed_s)
-        self.obstacle_m = departure if (own if obstacle is None else obstacle) else np.zeros_like(departure)
-        innovation = self._body_of_road @ (departure - self.obstacle_m)
-        self.offset = self.offset + 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
-        change = elapsed_s * (self.acceleration + 2.0 * BANDWIDTH_RAD_S**2 * innovation)
-        self.acceleration = self.acceleration + BANDWIDTH_RAD_S**3 * elapsed_s * innovation
-        self.slope = self.slope + change / max(speed_m_s, LEAST_SPEED_M_S)
-        self.rate = self.slope * speed_m_s
-        return self.rate - previous_rate
+        self._motion, self._wheels = self._motion.copy(), self._wheels.copy()
+        own, maps = (self._motion, self._wheels, self._memory), (self.kinematic_rows, self._body_of_road)
+        given = -1 if obstacle is None else int(obstacle)
+        return np.asarray(_correct(*own, *maps, road_over_plane_m, float(speed_m_s), given))
 
     def adjust(self, corrections: np.ndarray, speed_m_s: float) -> None:
         """Add the observer's corrections to offset, acceleration and rate, one after the other."""
-        offset, acceleration, rate = np.split(corrections, 3)
-        self.offset = self.offset + offset
-        self.acceleration = self.acceleration + acceleration
-        self.rate = self.rate + rate
-        self.slope = self.slope + rate / max(speed_m_s, LEAST_SPEED_M_S)
+        self._motion = self._motion.copy()
+        _adjust(self._motion, corrections, speed_m_s)
 
     @property
     def road_m(self) -> np.ndarray:
         """Heights of the plane over the frame under the wheels, (wheels,); zero on a constant grade."""
         return self.kinematic_rows @ self.offset
 
-    def _is_obstacle(self, departure: np.ndarray, travelled_m: float) -> bool:
-        """Whether the road has risen or fallen unusually far and steeply, but not farther than obstacles do.
 
-        A departure that has turned out to be none is learnt until the plane has come up to it.
-        """
-        usual_m = ROUGHNESSES * self._usual_m
-        rise_m = float(np.abs(departure - self._base_m).max())
-        if self._passed < 1.0 and rise_m >= usual_m:
-            passing = max(travelled_m / OBSTACLE_LENGTH_M, self._elapsed_s / OBSTACLE_TIME_S)
-            self._passed = self._passed + passing if rise_m < OBSTACLE_HEIGHT_M else 1.0
-            if self._passed < 1.0:
-                return True
-        elif self._passed < 1.0 or np.abs(departure).max() < usual_m:
-            self._passed = 0.0
-        self._base_m = self._base_m + min(1.0, travelled_m / FOOT_M) * (departure - self._base_m)
-        share = min(1.0, travelled_m / MEMORY_M)
-        self._usual_m += share * (max(rise_m, LEAST_ROUGHNESS_M) - self._usual_m)
-        return False
+@njit
+def _adjust(motion: Any, corrections: Any, speed_m_s: float) -> None:
+    _, slope, rate, offset, acceleration = motion
+    size = len(slope)
+    for i in range(size):
+        offset[i] += corrections[i]
+        acceleration[i] += corrections[size + i]
+        rate[i] += corrections[2 * size + i]
+        slope[i] += corrections[2 * size + i] / max(speed_m_s, LEAST_SPEED_M_S)
+
+
+@njit
+def _correct(
+    motion: Any,
+    wheels: Any,
+    memory: Any,
+    kinematic_rows: Any,
+    body_of_road: Any,
+    road_m: Any,
+    speed_m_s: float,
+    given: int,
+) -> Any:
+    """`RoadPlane.correct`; motion: level, slope, rate, offset and acceleration. given: -1 for None."""
+    _, slope, rate, offset, acceleration = motion
+    elapsed_s, obstacle_m, size = memory[0], wheels[0], len(slope)
+    departure, change = road_m.copy(), np.empty(size)
+    for w in range(len(departure)):
+        for i in range(size):
+            departure[w] -= kinematic_rows[w, i] * offset[i]
+    own = _is_obstacle(departure, wheels[1], memory, speed_m_s * elapsed_s)
+    is_obstacle = own if given < 0 else given > 0
+    for w in range(len(departure)):
+        obstacle_m[w] = departure[w] if is_obstacle else 0.0
+    for i in range(size):
+        innovation, previous_rate = 0.0, rate[i]
+        for w in range(len(departure)):
+            innovation += body_of_road[i, w] * (departure[w] - obstacle_m[w])
+        offset[i] += 2.0 * BANDWIDTH_RAD_S * elapsed_s * innovation
+        turn = elapsed_s * (acceleration[i] + 2.0 * BANDWIDTH_RAD_S**2 * innovation)
+        acceleration[i] += BANDWIDTH_RAD_S**3 * elapsed_s * innovation
+        slope[i] += turn / max(speed_m_s, LEAST_SPEED_M_S)
+        rate[i] = slope[i] * speed_m_s
+        change[i] = rate[i] - previous_rate
+    return change
+
+
+@njit
+def _is_obstacle(departure: Any, base_m: Any, memory: Any, travelled_m: float) -> bool:
+    """Whether the road has risen or fallen unusually far and steeply, but not farther than obstacles do.
+
+    A departure that has turned out to be none is learnt until the plane has come up to it.
+    memory: elapsed time, share of the longest obstacle that has passed, mean departure.
+    """
+    elapsed_s, passed, mean_m = memory
+    usual_m, rise_m = ROUGHNESSES * mean_m, np.abs(departure - base_m).max()
+    if passed < 1.0 and rise_m >= usual_m:
+        passing = max(travelled_m / OBSTACLE_LENGTH_M, elapsed_s / OBSTACLE_TIME_S)
+        memory[1] = passed + passing if rise_m < OBSTACLE_HEIGHT_M else 1.0
+        if memory[1] < 1.0:
+            return True
+    elif passed < 1.0 or np.abs(departure).max() < usual_m:
+        memory[1] = 0.0
+    base_m += min(1.0, travelled_m / FOOT_M) * (departure - base_m)
+    memory[2] += min(1.0, travelled_m / MEMORY_M) * (max(rise_m, LEAST_ROUGHNESS_M) - mean_m)
+    return False
