@@ -1,11 +1,16 @@
 """Ride cost of road pieces: their sum is the cost of the whole drive, however the road is cut."""
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
+from foreride.comfort.weighting import wk_second_order
 from foreride.controller.speed.ride_cost import PIECE_M, RideCost, _system, expected_heights
 from foreride.preview.road_preview import RoadPreview, distance_grid
-from tests.vehicle.plant.short_drives import HALF
+from foreride.vehicle.equations import derivative, forces, rest_state
+from foreride.vehicle.load import Car
+from foreride.vehicle.state_layout import state_layout
+from tests.vehicle.plant.short_drives import CARS, HALF
 
 SPEEDS = np.array([4.0, 9.0])
 
@@ -56,3 +61,36 @@ def test_expected_heights_have_the_expected_square() -> None:
     one = np.ones((2, len(grid)))
     preview = RoadPreview(0.0, grid, -0.08 * one, 0.0 * one, 0.06 * one, 0.25 * one)
     np.testing.assert_allclose(expected_heights(preview, 10.0), -0.05)
+
+
+@pytest.mark.parametrize("car", CARS)
+def test_the_linear_system_is_that_of_the_equations_and_of_the_objective(car: Car) -> None:
+    """Rates of car and filters, and squared residuals, for one small motion on one road."""
+    wheels, layout, rng = car.wheels, state_layout(car), np.random.default_rng(3)
+    a, c = _system(car, 3.0)
+    seats = np.array(car.seat_kinematic_rows)
+    motion, height, rate = rng.normal(size=layout.motion.stop), *rng.normal(size=(2, wheels))
+    filters, small = rng.normal(size=2 * len(seats)), 1e-4
+    x = rest_state(car)
+    x[layout.motion] += small * motion
+    rates = derivative(car, x, x[layout.damping], small * height, small * rate) / small
+    filter_a, filter_b, filter_c = wk_second_order().state_space()
+    acc = seats @ rates[layout.body_velocity]
+    filtered = filters.reshape(-1, 2)
+    expected = np.concatenate([
+        rates[layout.motion], (filtered @ filter_a.T + np.outer(acc, filter_b)).ravel(), rate, 0.0 * rate,
+    ])  # fmt: skip
+    z = np.concatenate([motion, filters, height, rate])
+    np.testing.assert_allclose(a @ z, expected, rtol=1e-7, atol=1e-7)
+    static = np.array([corner.static_tyre_n for corner in car.corners])
+    load = (forces(car, x, small * height, small * rate).tyre / static - 1.0) / small
+    cost = np.mean((filtered @ filter_c) ** 2) + 3.0 * np.mean(load**2)
+    np.testing.assert_allclose(np.sum((c @ z) ** 2), cost, rtol=1e-7)
+
+
+def test_pieces_are_a_decimetre_and_the_road_ahead_is_read_at_their_ends() -> None:
+    grid = distance_grid(ahead_m=12.0)
+    one = np.ones((2, len(grid)))
+    heights = np.stack([0.01 * grid, 0.02 * grid])
+    found = expected_heights(RoadPreview(0.0, grid, heights, 0.0 * one, 0.0 * one, one), 1.0)
+    np.testing.assert_allclose(found, np.outer([0.01, 0.02], 0.1 * np.arange(11)), atol=1e-12)
