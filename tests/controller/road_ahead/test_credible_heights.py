@@ -87,3 +87,38 @@ def test_moving_means_equal_those_of_scipy(window: int) -> None:
     values, found = np.random.default_rng(3).normal(size=60), np.empty(60)
     moving_mean(values, window, found)
     assert np.array_equal(found, uniform_filter1d(values, window, mode="nearest"))
+
+
+def test_heights_and_existence_are_those_of_their_formulas_at_every_point() -> None:
+    """Errors correlated over 5 m; sigmas over a metre about each point; odds times the measured ratio."""
+    rng = np.random.default_rng(4)
+    grid, shape = preview().distance_m, (1, len(preview().distance_m))
+    height, existence = 0.05 * rng.normal(size=shape), rng.uniform(0.05, 1.0, shape)
+    sigma = 0.03 * np.abs(rng.normal(size=shape))
+    seen = replace(preview(), height_m=height, height_sigma_m=sigma, existence=existence)
+    match, sigmas, belief = PreviewMatch(gain=0.8, gain_sigma=0.25, log_ratio=1.5), 0.7, 0.9
+    found = credible(seen, 0, match, sigmas, belief)
+    correlation = np.exp(-np.abs(grid) / 5.0)
+    window = round(1.0 / (grid[1] - grid[0]))
+    means = [uniform_filter1d(row**2, window, mode="nearest") for row in (sigma[0], height[0])]
+    prior = np.minimum(np.sqrt(means[0] / means[1]), 1.0)
+    spread = np.hypot(
+        np.sqrt(1.0 - correlation**2) * prior, correlation * np.minimum(match.gain_sigma, prior)
+    )
+    factor = 1.0 + correlation * (0.8 - 1.0) - np.where(height[0] > 0.0, sigmas * spread, 0.0)
+    np.testing.assert_allclose(found[0], np.maximum(factor, 0.0) * height[0], rtol=1e-9, atol=1e-12)
+    likely = np.minimum(belief * existence[0], 0.98)
+    odds = likely / (1.0 - likely) * np.exp(1.5 * correlation)
+    np.testing.assert_allclose(found[1], np.minimum(odds / (1.0 + odds), existence[0]), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("log_ratio", "value"), [(4.9, 0.6), (5.1, 0.8)])
+def test_a_likelihood_of_e_to_the_fifth_confirms(log_ratio: float, value: float) -> None:
+    credibility = Credibility(0.6)
+    credibility.update(0, PreviewMatch(log_ratio=log_ratio))
+    assert credibility.value == pytest.approx(value)
+
+
+def test_a_certain_existence_is_taken_for_98_percent_before_it_is_weighed() -> None:
+    _, existence = credible(preview(), 0, PreviewMatch(log_ratio=-np.log(49.0)), 0.0, 1.0)
+    assert at(existence, EDGE_M + 0.0) == pytest.approx(1.0 / (1.0 + 49.0 ** (np.exp(-0.2) - 1.0)), rel=1e-6)
