@@ -41,3 +41,84 @@ def test_roughness_is_the_running_mean_square_of_the_rise(memory_s: float, share
     for road in (0.0, 0.001):
         body.level(np.array([-road]), 0.1)
     assert body.roughness_m**2 == pytest.approx((1.0 - share) * before**2 + share * 0.001**2)
+
+
+def test_the_first_uncertainty_is_that_of_the_settings() -> None:
+    """Vertical speed: ten times the heave per second, as bodies bounce at one to two hertz."""
+    sigma = np.sqrt(np.diag(HeavePitchFilter(np.array([1.0, -1.4]), SETTINGS).covariance))
+    np.testing.assert_allclose(sigma, [0.01, 0.1, *np.deg2rad([0.5, 0.1]), 0.03])
+
+
+@pytest.mark.parametrize("axles", [np.array([1.1, -1.5]), QUARTER_CAR], ids=["two axles", "one axle"])
+def test_a_prediction_integrates_readings_less_their_offsets(axles: np.ndarray) -> None:
+    """Constant readings over one step, and the covariance of a first-order transition."""
+    body, step = HeavePitchFilter(axles, SETTINGS), 0.02
+    body.state[:] = 0.01, 0.2, 0.03, 0.004, 0.05
+    root = np.random.default_rng(1).normal(size=(5, 5))
+    body.covariance[:] = root @ root.T
+    before, covariance = body.state.copy(), body.covariance.copy()
+    body.predict(step, 1.5, 0.3)
+    acceleration, rate = 1.5 - 0.05, 0.3 - 0.004 if len(axles) > 1 else 0.0
+    moved = [0.2 * step + 0.5 * acceleration * step**2, acceleration * step, rate * step, 0.0, 0.0]
+    np.testing.assert_allclose(body.state - before, moved)
+    slope = np.zeros((5, 5))
+    slope[0, 1], slope[1, 4], slope[2, 3] = 1.0, -1.0, -1.0
+    transition = np.eye(5) + step * slope
+    noise = np.diag([0.0, 0.003**2, np.deg2rad(0.01) ** 2, 0.0, 0.0]) * step
+    np.testing.assert_allclose(body.covariance, transition @ covariance @ transition.T + noise)
+
+
+def test_readings_over_both_axles_are_one_least_squares_problem() -> None:
+    """Posterior of prior and heights over the axles, by information; pitch lowers what is ahead."""
+    axles = np.array([1.1, -1.5])
+    body = HeavePitchFilter(axles, SETTINGS)
+    prior = np.diag(1.0 / np.diag(body.covariance))
+    rows = np.array([[1.0, 0.0, -1.1, 0.0, 0.0], [1.0, 0.0, 1.5, 0.0, 0.0]])
+    sigma, heights = 40.0 * 0.0005, np.array([0.012, -0.004])
+    body.level(heights, 0.0)
+    covariance = np.linalg.inv(prior + rows.T @ rows / sigma**2)
+    np.testing.assert_allclose(body.covariance, covariance, rtol=1e-9, atol=1e-18)
+    np.testing.assert_allclose(body.state, covariance @ rows.T @ heights / sigma**2, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(body.road_m(heights), rows @ body.state - heights)
+
+
+def test_a_rise_counts_as_at_most_two_and_a_half_usual_ones() -> None:
+    body = HeavePitchFilter(QUARTER_CAR, Settings(roughness_memory_s=1.0))
+    body.covariance[:], body.roughness_m = 0.0, 0.002
+    for road in (0.0, 0.015):
+        body.level(np.array([-road]), 0.1)
+    assert body.roughness_m**2 == pytest.approx(0.9 * 0.002**2 + 0.1 * (2.5 * 0.002) ** 2)
+
+
+def test_the_grade_ahead_is_uncertain_by_two_percent_while_the_plane_settles() -> None:
+    """A change of grade at 10 m/s: 2 cm and 1 % at first, then three tenths of these every 50 ms."""
+    body = HeavePitchFilter(np.array([1.1, -1.5]), SETTINGS)
+    body.covariance[:] = 0.0
+    assert body.grade_sigma == 0.0
+    grown = []
+    for _ in range(20):
+        before = body.covariance.copy()
+        turn = body.level(np.array([-0.08, -0.08]), 0.005, 10.0)
+        if turn is not None:
+            grown.append(body.covariance - before)
+            assert body.grade_sigma > 0.0
+    assert len(grown) == 2
+    body = HeavePitchFilter(np.array([1.1, -1.5]), SETTINGS)
+    body.covariance[:] = 0.0
+    sigmas = []
+
+    def recorded(deflection: np.ndarray, sigma_m: float) -> None:
+        sigmas.append((np.sqrt(np.diag(body.covariance)).tolist(), sigma_m))
+
+    body._correct = recorded  # type: ignore[method-assign]
+    for _ in range(10):
+        body.level(np.array([-0.08, -0.08]), 0.005, 10.0)
+    added, sigma_m = sigmas[-2]
+    np.testing.assert_allclose(added, [0.02, 0.1, 0.01, 0.0, 0.0])
+    assert sigma_m == pytest.approx(4.0 * 0.0005)
+    assert body.grade_sigma == pytest.approx(0.02)
+    body.covariance[:] = 0.0
+    for _ in range(10):
+        body.level(np.zeros(2), 0.005, 10.0)
+    np.testing.assert_allclose(sigmas[-2][0], np.multiply(0.3, [0.02, 0.1, 0.01, 0.0, 0.0]))
+    assert body.grade_sigma == pytest.approx(0.02 * 0.95**2)

@@ -78,3 +78,40 @@ def test_a_strip_weighs_its_columns_by_information() -> None:
     (row,) = np.flatnonzero(np.isfinite(variance))
     assert height[row] == pytest.approx(0.01)
     assert variance[row] == pytest.approx(1.0 / (1e4 + 1e4 / 9))
+
+
+@pytest.mark.parametrize("departure_m", [0.0169, 0.0171, -0.0171])
+def test_beyond_three_sigmas_a_cell_is_as_uncertain_as_it_is_contradicted(departure_m: float) -> None:
+    """Both heights known to 4 mm: three times the root of both variances is 17.0 mm."""
+    heights = new_map()
+    insert(heights, at((3.01, 0.52, 0.0), 0.004), at((3.01, 0.52, departure_m), 0.004))
+    seen = np.isfinite(heights.variance_m2)
+    known = 0.004**2 + (departure_m**2 if abs(departure_m) > 0.017 else 0.0)
+    gain = known / (known + 0.004**2)
+    assert heights.height_m[seen] == pytest.approx(gain * departure_m)
+    assert heights.variance_m2[seen] == pytest.approx(gain * 0.004**2)
+
+
+def test_cells_lie_where_their_middles_say() -> None:
+    heights = HeightMap(2.02, 3.0, -0.33, 0.31, SETTINGS)
+    assert heights.height_m.shape == (60, 6)
+    assert heights.x_m[[0, -1]] == pytest.approx([2.025, 4.975])
+    assert heights.y_m == pytest.approx(-0.01 + 0.1 * (np.arange(6) - 2.5))
+    for row, column in ((0, 0), (31, 2), (59, 5)):
+        heights.variance_m2[:] = np.inf
+        insert(heights, at((float(heights.x_m[row]) + 0.024, float(heights.y_m[column]) - 0.049, 0.2)))
+        assert np.argwhere(np.isfinite(heights.variance_m2)).tolist() == [[row, column]]
+
+
+def test_a_cell_has_roughness_of_its_own() -> None:
+    heights = new_map()
+    cells = heights.cells_of(*at((3.01, 0.52, 0.1), 0.01, 4), 0.003**2)
+    assert cells.variance_m2 == pytest.approx([0.01**2 / 4 + 0.003**2])
+
+
+def test_a_strip_narrower_than_its_columns_is_the_nearest_one() -> None:
+    heights = new_map()
+    insert(heights, at((3.0, 0.05, 0.01)), at((3.0, 0.15, 0.5)))
+    height, variance = heights.strip(0.06, 0.02)
+    assert height[np.isfinite(variance)] == pytest.approx([0.01])
+    assert heights.strip(0.1, 0.11)[0][np.isfinite(heights.strip(0.1, 0.11)[1])] == pytest.approx([0.255])

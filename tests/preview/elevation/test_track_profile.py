@@ -47,3 +47,51 @@ def test_the_line_goes_through_the_measured_cells_alone() -> None:
     variance[150:], height[150:] = np.inf, 0.0
     assert fitted_line(height, variance, SETTINGS) == pytest.approx(0.1 + 0.02 * X)
     assert not fitted_line(height, np.full(300, np.inf), SETTINGS).any()
+
+
+def em(measured: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Means and variances after four passes: Gaussian inference on the whole chain by dense matrices.
+
+    Each pass takes the variance of a step for the expected square that the pass before has left.
+    """
+    n, factor, stationary = len(measured), np.exp(-0.05 / 2.0), 0.02**2
+    least, steps = 2e-5 * 0.05, np.full(n, (1.0 - factor**2) * stationary)
+    seen = np.isfinite(variance)
+    for _ in range(4):
+        difference = np.eye(n) - factor * np.eye(n, k=-1)
+        prior = np.array([stationary, *steps[1:]])
+        precision = difference.T @ np.diag(1.0 / prior) @ difference
+        precision += np.diag(np.where(seen, 1.0 / variance, 0.0))
+        covariance = np.linalg.inv(precision)
+        mean = covariance @ np.where(seen, measured / variance, 0.0)
+        jumps = difference[1:] @ mean
+        spread = np.diag(difference[1:] @ covariance @ difference[1:].T)
+        steps = np.array([steps[0], *np.maximum(least, jumps**2 + spread)])
+    return mean, np.diag(covariance)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_smoother_is_expectation_maximisation_over_the_steps(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    measured = np.where((np.arange(40) > 12) & (np.arange(40) < 20), 0.05, 0.0) + 0.004 * rng.normal(size=40)
+    variance = np.full(40, 0.004**2)
+    variance[[0, 5, 6, 25, 39]] = np.inf
+    measured[~np.isfinite(variance)] = 0.0
+    for ours, expected in zip(smoothed(measured, variance, SETTINGS), em(measured, variance), strict=True):
+        np.testing.assert_allclose(ours, expected, rtol=1e-6, atol=1e-12)
+
+
+def test_the_line_is_weighted_by_what_is_uncertain_of_a_cell_and_of_the_road() -> None:
+    """Least squares with inverse standard deviations of both, on two cells or more."""
+    rng = np.random.default_rng(2)
+    height, variance = rng.normal(size=30), rng.uniform(1e-4, 1e-2, 30)
+    variance[4:9] = np.inf
+    known = np.isfinite(variance)
+    root = 1.0 / np.sqrt(variance[known] + 0.02**2)
+    design = np.stack([np.ones(30), np.arange(30)], axis=1)
+    solved = np.linalg.lstsq(design[known] * root[:, None], height[known] * root, rcond=None)[0]
+    np.testing.assert_allclose(fitted_line(height, variance, SETTINGS), design @ solved, rtol=1e-9)
+    variance[2:] = np.inf
+    assert fitted_line(height, variance, SETTINGS)[:2] == pytest.approx(height[:2])
+    variance[1:] = np.inf
+    assert not fitted_line(height, variance, SETTINGS).any()
