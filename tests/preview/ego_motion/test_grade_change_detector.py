@@ -55,3 +55,15 @@ def test_the_plane_settles_for_a_second():
     assert unsettled[SPAN - 1] == 1.0
     assert np.all(np.diff(unsettled[SPAN:]) <= 0.0)
     assert unsettled[-1] == 0.0
+
+
+@pytest.mark.parametrize(("spans", "found"), [(5, True), (6, False)])
+def test_the_least_roughness_of_the_last_six_spans_counts(spans, found):
+    """A road that has become rough was smooth in the first of six spans of 50 ms, or has been rough in all."""
+    watch = GradeChangeDetector(SETTINGS)
+    for _ in range(8 * SPAN):
+        watch.add(np.zeros(2), STEP, 0.003)
+    for _ in range((spans - 1) * SPAN):
+        watch.add(np.zeros(2), STEP, 0.02)
+    answers = [watch.add(np.full(2, 0.05), STEP, 0.02) for _ in range(SPAN)]
+    assert (answers[-1] is not None) == found

@@ -78,3 +78,47 @@ def test_the_rear_wheel_profits_from_the_front_wheel(feature):
     shots = [drive(Road(60.0, (feature,)), Drive(seed=s), before_m=-1.5)[0][0] for s in range(5)]
     assert max(abs(shot.error_m) for shot in shots) < 0.05
     assert max(shot.sigma_m for shot in shots) < 0.03
+
+
+@pytest.mark.parametrize(("height", "found"), [(0.5, False), (0.55, True)])
+def test_a_match_explains_three_fifths_of_the_measured_squares(height, found):
+    """A bump of half the expected height explains 0.47 of them at the best shift, of 0.55 of it 0.65."""
+    lower = type(BUMP)(**(vars(BUMP) | {"height_m": 0.02}))
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
+    at, profile = tyre_profile(lower, lower.length_m, 0.02)
+    for x in np.arange(17.0, 23.0, 0.01):
+        wheel.update(x, height * float(np.interp(x - 20.0, at, profile)))
+    expected = track(BUMP, 20.0)
+    expected.fits = [fit._replace(kind=lower, state=np.where(np.arange(6) == 4, 0.02, fit.state))
+                     for fit in expected.fits]  # fmt: skip
+    assert (wheel.compare(expected) is not None) == found
+
+
+def test_the_correction_is_as_certain_as_the_settings_say():
+    measurement = driven_over(BUMP, 20.0).compare(track(BUMP, 19.95))
+    assert (measurement.entry, measurement.sigma) == (0, SETTINGS.hit_sigma_m)
+
+
+@pytest.mark.parametrize(("beyond_m", "due"), [(-0.01, False), (0.01, True)])
+def test_the_wheel_must_be_half_a_metre_past_the_near_flank(beyond_m, due):
+    """The flank is half of the length, and 0.6 m at most."""
+    for kind in (BUMP, TABLE):
+        wheel, assumed = WheelStrikeDetector(0.75, SETTINGS), track(kind, 20.0)
+        wheel.update(20.0 + min(0.5 * kind.length_m, 0.6) + SETTINGS.hit_gate_m + beyond_m, 0.0)
+        assert wheel.due(assumed) == due
+
+
+def test_twelve_metres_of_road_are_kept():
+    wheel = WheelStrikeDetector(0.75, SETTINGS)
+    for x in np.arange(0.0, 30.0, 0.5):
+        wheel.update(x, 0.0)
+    assert wheel._path[0][0] == pytest.approx(29.5 - 12.0)
+
+
+def test_a_track_beside_the_wheel_is_not_compared():
+    wheel = driven_over(BUMP, 20.0)
+    beside = track(BUMP, 20.0)
+    beside.right.y_m, beside.left.y_m = 0.8, 1.8
+    assert wheel.compare(beside) is None
+    beside.right.y_m = 0.7
+    assert wheel.compare(beside) is not None

@@ -287,3 +287,23 @@ def test_a_braking_car_dives_by_the_moment_of_its_inertia(car: Car) -> None:
     moment = car.generalised_mass[0] * 3.0 * car.inertial_lever_arm_m[1]
     assert state.pitch_rad == pytest.approx(moment / (turn - coupling**2 / bounce), rel=0.01)
     assert state.forward_acc == pytest.approx(-3.0)
+
+
+def test_a_braking_quarter_car_has_nothing_to_pitch() -> None:
+    plant = Plant(QUARTER)
+    plant.reset([FLAT], 0.0, SpeedProfile((0.0, 1.0), (10.0, 7.0)))
+    plant.step([1500.0], 500)
+    np.testing.assert_allclose(plant.signals.x[:-1], 0.0, atol=1e-12)
+    assert plant.state.forward_acc == pytest.approx(-3.0)
+
+
+def test_the_last_ticks_are_the_end_of_all_signals() -> None:
+    plant = Plant(HALF)
+    plant.reset([Haversine(0.08, 0.5)] * 2, 0.0, 12.0)
+    for ticks in (30, 1, 1100, 20):
+        plant.step([800.0, 3000.0], ticks)
+    whole = plant.signals
+    for ticks in (1, 20, 21, 1000, 1152):
+        recent = plant.recent(ticks)
+        for name, value in vars(recent).items():
+            np.testing.assert_array_equal(value, getattr(whole, name)[..., -ticks:], err_msg=name)
