@@ -59,7 +59,7 @@ def test_the_plane_settles_for_a_second():
 
 @pytest.mark.parametrize(("spans", "found"), [(5, True), (6, False)])
 def test_the_least_roughness_of_the_last_six_spans_counts(spans, found):
-    """A road that has become rough was smooth in the first of six spans of 50 ms, or has been rough in all."""
+    """A road that has become rough was smooth in the first of six spans of 50 ms, or rough in all of them."""
     watch = GradeChangeDetector(SETTINGS)
     for _ in range(8 * SPAN):
         watch.add(np.zeros(2), STEP, 0.003)
