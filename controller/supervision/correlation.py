@@ -18,6 +18,8 @@ WIDTH_M = 0.1
 ENERGY_M, FORGOTTEN_M = 0.002, 0.0006
 """RMS previewed difference from which on the correlation is tested, and below which it is cleared."""
 HYSTERESIS = 0.15
+SIGMAS = 2.0
+"""Tolerated standard deviations of the correlation due to the stated error."""
 
 
 class Claim(NamedTuple):
@@ -31,9 +33,10 @@ class Claim(NamedTuple):
 class Correlation:
     """Test with forgetting, distance constant `memory_m`, and hysteresis from `least` upwards.
 
-    The error that a preview states for its heights adds to their energy but not to what they have in common
-    with the measured road, so that it is subtracted (correction for attenuation, Spearman, American Journal
-    of Psychology 15(1), 1904).
+    Where the previewed heights vary more than the measured road, the error that the preview states for them
+    explains it, as far as it is large enough. What it explains is subtracted, as it has nothing in common
+    with the road (correction for attenuation, Spearman, American Journal of Psychology 15(1), 1904), and the
+    correlation may be lower by its standard deviation over so short a distance.
     """
 
     def __init__(self, memory_m: float, least: float):
@@ -51,13 +54,15 @@ class Correlation:
         if contact:
             self._past.append((self._travelled_m, felt_m, claim))
             self._add_difference(1.0 - keep)
-        felt, joint, told, stated_error = self._moments
-        claimed = max(told - stated_error, 0.0)
+        felt, joint, told, stated = self._moments
+        error = min(stated, max(told - felt, 0.0))
+        claimed = told - error
         least = self._least * np.exp(-0.5 * (claim.position_sigma_m / WIDTH_M) ** 2)
         both = np.sqrt(felt * claimed)
-        if claimed > ENERGY_M**2 and joint < least * both:
+        doubtful = joint + SIGMAS * np.sqrt(felt * error * LAG_M / (2.0 * self._memory_m))
+        if claimed > ENERGY_M**2 and doubtful < least * both:
             self.alike = False
-        elif claimed < FORGOTTEN_M**2 or joint > (least + HYSTERESIS) * both:
+        elif claimed < FORGOTTEN_M**2 or doubtful > (least + HYSTERESIS) * both:
             self.alike = True
         return self.alike
 

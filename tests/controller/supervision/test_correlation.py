@@ -83,9 +83,10 @@ def test_heights_that_err_as_they_state_are_no_contradiction(stated_m: float, al
     assert all(verdicts) == alike
 
 
-@pytest.mark.parametrize("stated_m", [0.0, 0.003])
-def test_waves_higher_than_the_stated_error_are_compared(stated_m: float) -> None:
-    test = Correlation(MEMORY_M, 0.4)
+@pytest.mark.parametrize("stated_m", [0.0, 0.003, 0.01])
+def test_a_stated_error_excuses_no_other_road_as_rough_as_this_one(stated_m: float) -> None:
+    """Waves that do not vary more than the measured ones need no error as their explanation."""
+    test = Correlation(3.0, 0.4)
     for phase in 2 * np.pi * np.arange(0.0, 100.0, STEP_M) / WAVE_M:
-        test.feel(-0.006 * np.sin(phase), True, Claim(0.006 * np.sin(phase), stated_m, 0.0), STEP_M)
+        test.feel(0.006 * np.sin(0.7 * phase), True, Claim(0.006 * np.sin(phase), stated_m, 0.0), STEP_M)
     assert not test.alike
