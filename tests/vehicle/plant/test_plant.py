@@ -273,30 +273,6 @@ def test_following_a_motion_piece_by_piece_is_the_same_as_in_one() -> None:
     np.testing.assert_allclose(other.x, one.x, atol=1e-8)
 
 
-@pytest.mark.parametrize("car", CARS[1:])
-def test_a_braking_car_dives_by_the_moment_of_its_inertia(car: Car) -> None:
-    """Steady deceleration a: nose down by m a h over the pitch stiffness of springs and tyres in series."""
-    plant = Plant(car)
-    plant.reset([FLAT] * car.wheels, 0.0, SpeedProfile((0.0, 4.0), (30.0, 18.0)))
-    plant.step(np.full(car.wheels, 3000.0), 3900)
-    state = plant.state
-    rates = [1.0 / (1.0 / c.spring_n_m + 1.0 / c.tyre_n_m) for c in car.corners]
-    bounce, coupling, turn = (
-        sum(k * c.x_m**n for k, c in zip(rates, car.corners, strict=True)) for n in range(3)
-    )
-    moment = car.generalised_mass[0] * 3.0 * car.inertial_lever_arm_m[1]
-    assert state.pitch_rad == pytest.approx(moment / (turn - coupling**2 / bounce), rel=0.01)
-    assert state.forward_acc == pytest.approx(-3.0)
-
-
-def test_a_braking_quarter_car_has_nothing_to_pitch() -> None:
-    plant = Plant(QUARTER)
-    plant.reset([FLAT], 0.0, SpeedProfile((0.0, 1.0), (10.0, 7.0)))
-    plant.step([1500.0], 500)
-    np.testing.assert_allclose(plant.signals.x[:-1], 0.0, atol=1e-12)
-    assert plant.state.forward_acc == pytest.approx(-3.0)
-
-
 def test_the_last_ticks_are_the_end_of_all_signals() -> None:
     plant = Plant(HALF)
     plant.reset([Haversine(0.08, 0.5)] * 2, 0.0, 12.0)
