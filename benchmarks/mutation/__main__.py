@@ -1,10 +1,10 @@
 """Mutation score of packages: `python -m benchmarks.mutation --mutants 300 --seed 0 --json FILE`.
 
-Each mutant is judged by the tests of its module and room alone, so the score is a lower bound of what the
-whole suite notices; `--wider` tries the survivors against the tests elsewhere that reach the module and
-against those that drive. Mutants that are provably the same code are counted apart (`equivalent.yaml`). A
-result is written per mutant; an interrupted run goes on from its file. Tests that take longer than the limit
-count as not noticing.
+All mutants are judged by the nearest tests of their module, the survivors by those of its room, and with
+`--until suite` by those elsewhere that reach the module and by those that drive: a lower bound of what the
+whole suite notices. Tests that take longer than the limit count as not noticing. Mutants that are provably
+the same code are counted apart (`equivalent.yaml`). A result is written per mutant and stage; an interrupted
+run goes on from its file.
 """
 
 import argparse
@@ -15,6 +15,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from benchmarks.command import command
 from benchmarks.mutation.choice import Mutant, drawn, files_elsewhere, files_judging
@@ -27,41 +29,38 @@ from foreride.files.errors import InputError
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("controller", "vehicle", "preview", "comfort")
 CHECK_LIMIT_S = 3600.0
-NOTICED = ("killed", "elsewhere", "equivalent")
+STAGES = ("nearest", "room", "suite")
+"""Tests that judge: the module's own, those of its room, and those elsewhere that reach it or drive."""
 
 
-def judged(folder: Path, mutant: Mutant, limit_s: float, wider: bool = False) -> dict[str, Any]:
-    """Result of one mutant, by its own tests or by those elsewhere; the copy is as before afterwards."""
+def judged(folder: Path, mutant: Mutant, limit_s: float, stage: str = "nearest") -> dict[str, Any]:
+    """Result of one mutant by the tests of a stage; the copy is as before afterwards."""
     path = folder / mutant.file
     original, status = path.read_text(), path.stat()
     text, line, words = mutated(original, mutant.number)
-    row = {"file": mutant.file, "number": mutant.number, "line": line, "change": words}
+    row = {"file": mutant.file, "number": mutant.number, "line": line, "change": words, "by": stage}
     if reason(folder, row) is not None:
         return row | {"result": "equivalent"}
-    tests = (files_elsewhere if wider else files_judging)(folder, mutant.file)
-    compiled = is_compiled(folder, mutant.file)
     with code_aside(folder, mutant.file):
         path.write_text(text)
         try:
-            result = _result(folder, tests, limit_s, compiled)
+            return row | {"result": _result(folder, mutant.file, limit_s, stage)}
         finally:
             path.write_text(original)
             os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
-    if wider:
-        return row | {"result": "elsewhere" if result == "killed" else "survived", "wider": True}
-    return row | {"result": result}
 
 
-def _result(folder: Path, tests: Sequence[str], limit_s: float, compiled: bool) -> str:
-    """Verdict of the nearest test file, which most often settles it, then of the others.
+def _result(folder: Path, file: str, limit_s: float, stage: str) -> str:
+    """Verdict of a stage's tests.
 
-    The first is asked without compilation, which takes longer than most tests of a single function.
+    The nearest ones are asked without compilation, which takes longer than most tests of a single function.
     """
-    if not tests:
-        return "untested"
-    nearest = verdict(folder, tests[:1], limit_s / 4.0, compiled=not compiled)
-    rest = tests if compiled or nearest == "timeout" else tests[1:]
-    return verdict(folder, rest, limit_s) if rest and nearest != "killed" else nearest
+    compiled, nearest = is_compiled(folder, file), files_judging(folder, file)
+    if stage == "nearest":
+        return verdict(folder, nearest[:1], limit_s, compiled=not compiled) if nearest else "untested"
+    room = nearest if compiled else nearest[1:]
+    tests = room if stage == "room" else files_elsewhere(folder, file)
+    return verdict(folder, tests, limit_s) if tests else "survived"
 
 
 def check_tests(folder: Path, mutants: Sequence[Mutant]) -> None:
@@ -78,23 +77,27 @@ def check_tests(folder: Path, mutants: Sequence[Mutant]) -> None:
 
 
 def lines(rows: Sequence[dict[str, Any]]) -> list[str]:
-    """Table per package, without equivalent mutants, then every mutant that no test noticed."""
-    table = [f"{'package':12s} {'mutants':>8s} {'noticed':>8s} {'share':>6s} {'by suite':>8s}"]
+    """Table per package, without equivalent mutants, then every mutant that no test noticed.
+
+    Shares are of mutants that the tests of a stage and of those before it have noticed.
+    """
+    table = [f"{'package':12s} {'mutants':>8s} " + " ".join(f"{stage:>8s}" for stage in STAGES)]
     for package in (*PACKAGES, "all"):
-        of = Counter(row["result"] for row in rows if package in ("all", row["file"].split("/")[0]))
-        seen = of["killed"]
-        if count := of.total() - of.pop("equivalent", 0):
-            suite = (seen + of["elsewhere"]) / count
-            table.append(f"{package:12s} {count:8d} {seen:8d} {seen / count:6.1%} {suite:8.1%}")
-    left = [row for row in rows if row["result"] not in NOTICED]
+        chosen = [row for row in rows if package in ("all", row["file"].split("/")[0])]
+        count = sum(row["result"] != "equivalent" for row in chosen)
+        by = Counter(row["by"] for row in chosen if row["result"] == "killed")
+        if count:
+            shares = np.cumsum([by[stage] for stage in STAGES]) / count
+            table.append(f"{package:12s} {count:8d} " + " ".join(f"{share:8.1%}" for share in shares))
+    left = [row for row in rows if row["result"] not in ("killed", "equivalent")]
     return table + [f"{row['file']}:{row['line']}: {row['change']} ({row['result']})" for row in left]
 
 
-def _is_open(row: dict[str, Any] | None, wider: bool) -> bool:
-    """Whether a mutant is still to be judged: unseen, or in the second pass a survivor of the first."""
-    if wider:
-        return row is not None and row["result"] in ("survived", "untested") and not row.get("wider")
-    return row is None
+def _is_open(row: dict[str, Any] | None, stage: int) -> bool:
+    """Whether a mutant is still to be judged in a stage: unseen, or left over by the stage before."""
+    if row is None:
+        return stage == 0
+    return row["result"] not in ("killed", "equivalent") and STAGES.index(row["by"]) == stage - 1
 
 
 def _lines(path: Path) -> list[str]:
@@ -111,7 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--limit-s", type=float, default=120.0, help="time of a mutant's tests")
     parser.add_argument("--json", type=Path, required=True, help="file of results, one line a mutant")
     parser.add_argument("--unchecked", action="store_true", help="leave out the tests of the unchanged code")
-    parser.add_argument("--wider", action="store_true", help="judge survivors by tests elsewhere and drives")
+    parser.add_argument("--until", choices=STAGES, default="room", help="last stage of the tests")
     options = parser.parse_args(arguments)
     rows = {(row["file"], row["number"]): row for row in map(json.loads, _lines(options.json))}
     preload()
@@ -120,11 +123,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         mutants = drawn(folder, options.packages, options.mutants, options.seed)
         if not options.unchecked:
             check_tests(folder, mutants)
-        for wider in (False, True)[: 1 + options.wider]:
+        for stage, name in enumerate(STAGES[: STAGES.index(options.until) + 1]):
             for mutant in mutants:
                 key = mutant.file, mutant.number
-                if _is_open(rows.get(key), wider):
-                    rows[key] = judged(folder, mutant, options.limit_s, wider)
+                if _is_open(rows.get(key), stage):
+                    rows[key] = judged(folder, mutant, options.limit_s, name)
                     print(json.dumps(rows[key]), file=out, flush=True)
     print("\n".join(lines(list(rows.values()))))
 

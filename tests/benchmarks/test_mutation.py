@@ -5,7 +5,7 @@ from pathlib import Path
 
 import yaml
 
-from benchmarks.mutation.__main__ import judged, lines
+from benchmarks.mutation.__main__ import _is_open, judged, lines
 from benchmarks.mutation.choice import Mutant, drawn, files_elsewhere, files_judging
 from benchmarks.mutation.equivalent import LISTED, reason
 from benchmarks.mutation.judge import verdict
@@ -127,7 +127,15 @@ def test_equivalent_mutants_are_found_in_the_code_and_counted_apart() -> None:
         row = entry | {"line": next(n for n, line in numbered if line.strip() == entry["text"])}
         assert reason(ROOT, row) == entry["reason"]
         assert reason(ROOT, row | {"change": "1 -> 2"}) is None
-    rows = [{"file": "comfort/a.py", "line": 1, "change": "", "result": result}
-            for result in ("killed", "killed", "equivalent", "timeout", "elsewhere")]  # fmt: skip
-    assert lines(rows)[1].split() == ["comfort", "4", "2", "50.0%", "75.0%"]
+    results = [("killed", "nearest"), ("killed", "nearest"), ("equivalent", "nearest"), ("timeout", "suite"),
+               ("killed", "room")]  # fmt: skip
+    rows = [{"file": "comfort/a.py", "line": 1, "change": "", "result": one, "by": by} for one, by in results]
+    assert lines(rows)[1].split() == ["comfort", "4", "50.0%", "75.0%", "75.0%"]
     assert len(lines(rows)) == 4
+
+
+def test_survivors_of_a_stage_are_judged_in_the_next() -> None:
+    assert [_is_open(None, stage) for stage in range(3)] == [True, False, False]
+    left, killed = {"result": "timeout", "by": "nearest"}, {"result": "killed", "by": "nearest"}
+    assert [_is_open(left, stage) for stage in range(3)] == [False, True, False]
+    assert not any(_is_open(killed, stage) for stage in range(3))
