@@ -130,9 +130,7 @@ def test_the_frame_is_the_road_planes_correction(name: str, follows: bool) -> No
     before = 1e-3 * rng.normal(size=rows.size)
     deflection = 1e-3 * rng.normal(size=car.wheels)
     plane = RoadPlane(car)
-    plane.offset, plane.acceleration = before[rows.plane_offset], before[rows.plane_acceleration]
-    plane.rate = before[rows.plane_rate].copy()
-    plane.slope = plane.rate / speed_m_s
+    plane.adjust(before[rows.plane], speed_m_s)
     plane.advance(PERIOD_S)
     change = plane.kinematic_rows @ plane.correct(before[rows.wheel] + deflection, speed_m_s, not follows)
     after = before.copy()
