@@ -35,6 +35,8 @@ OBSTACLE_CLASSES = (
     ObstacleClass("pothole", "pothole", (255, 86, 60), -1.0),
 )
 CLASS_NAMES = tuple(obstacle.name for obstacle in OBSTACLE_CLASSES)
+AUXILIARY_NAMES = ("crossing", "arrow", "patch", "cover", "puddle", "stain")
+"""Classes of flat things that look like obstacles; the detector may tell them apart while it is trained."""
 HOLES = tuple(number for number, obstacle in enumerate(OBSTACLE_CLASSES) if obstacle.is_hole)
 """Numbers of the classes below the road."""
 

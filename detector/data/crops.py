@@ -13,9 +13,12 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from foreride.detector.data.yolo_folder import Sample
+from foreride.detector.detections import CLASS_NAMES
 
 PADDING_GREY = 114
 IGNORED = -1
+UNTOLD = -3
+"""Class of a part of an image in which objects of the auxiliary classes have no labels."""
 MIN_VISIBLE_HEIGHT = 0.6  # least visible share of the box height of an object to train on
 MIN_WIDTH_PX = 6.0
 ZOOM = 1.3
@@ -25,7 +28,7 @@ class TrainingView(NamedTuple):
     """Labelled training view.
 
     image (height, width, 3) uint8, classes (n,), boxes (n, 4) float32 x0 y0 x1 y1 in its pixels. Objects that
-    are too small or cut too far have class `IGNORED`.
+    are too small or cut too far have class `IGNORED`; classes from `len(CLASS_NAMES)` on are auxiliary.
     """
 
     image: NDArray[np.uint8]
@@ -75,7 +78,7 @@ def _window(
         scale = np.exp(rng.uniform(np.log(0.9 * fit_scale), np.log(zoom * max(fit_scale, 1.0))))
     w, h = round(width / scale), round(height / scale)
     centre = rng.random(2) * (columns, rows)
-    boxes = sample.boxes[sample.classes >= 0]
+    boxes = sample.boxes[(sample.classes >= 0) & (sample.classes < len(CLASS_NAMES))]
     if len(boxes) and rng.random() < 0.8:
         box = boxes[rng.integers(len(boxes))]
         centre = (box[:2] + rng.random(2) * (box[2:] - box[:2])) * (columns, rows)
@@ -124,6 +127,6 @@ def _boxes_in(
         size[:, 0] < np.minimum(MIN_WIDTH_PX, unclipped[:, 2] - unclipped[:, 0])
     )
     small = size[:, 1] < min_height_px
-    classes = np.where(cut_away | small, IGNORED, sample.classes)
+    classes = np.where((sample.classes >= 0) & (cut_away | small), IGNORED, sample.classes)
     visible = (size > 0).all(1)
     return classes[visible], boxes[visible].astype(np.float32)

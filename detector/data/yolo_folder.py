@@ -1,8 +1,9 @@
 """YOLO data set folders: labelled images in `images/*` and `labels/*.txt`.
 
 A label line is `class cx cy w h`, centre and size as fractions of the image. Optional files are
-`objects.jsonl` (distance and lane of each object, in the order of the label lines) and `lane/*.png`
-(white where the road is annotated; detections centred elsewhere are not counted).
+`objects.jsonl` (distance and lane of each object, in the order of the label lines), `lane/*.png`
+(white where the road is annotated; detections centred elsewhere are not counted) and `auxiliary/*.txt`
+(label lines of the classes `road.obstacle_classes.AUXILIARY_NAMES`, for training alone).
 """
 
 import hashlib

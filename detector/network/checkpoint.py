@@ -10,6 +10,7 @@ from torch import Tensor, nn
 
 from foreride.detector.calibration import read_calibration
 from foreride.detector.detections import CLASS_NAMES
+from foreride.detector.network.auxiliary import resized
 from foreride.detector.network.models import Network, build
 from foreride.files.errors import InputError, shown
 from foreride.files.reading.regular_file import read_bytes
@@ -79,11 +80,12 @@ def save_weights(path: Path, model: nn.Module, metadata: dict[str, Any]) -> None
 def load_weights(path: Path, model: nn.Module) -> dict[str, Any]:
     """Load a weights file, or the average of a checkpoint, into a model; returns the metadata.
 
+    The model may have auxiliary classes, which files of weights lack and checkpoints may have.
     Raises InputError if it does not fit.
     """
     weights, metadata = _weights_of(path)
     try:
-        model.load_state_dict(weights)
+        model.load_state_dict(resized(weights, model))
     except (RuntimeError, TypeError, ValueError, AttributeError):
         model_name = metadata.get("model", DEFAULT_MODEL)
         raise InputError(

@@ -20,7 +20,8 @@ class GroundTruth:
     """Ground-truth objects of a batch, as flat arrays.
 
     image: (G,) index of the image in the batch
-    classes: (G,) class index, or -1 for an object to ignore (too small: neither right nor wrong)
+    classes: (G,) class index, or IGNORED for an object to ignore (too small: neither right nor wrong), or
+        UNTOLD for a part without labels of the auxiliary classes (`detector.data.crops`)
     boxes: (G, 4) x0 y0 x1 y1 in pixels
     """
 

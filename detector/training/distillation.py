@@ -4,7 +4,7 @@ BCKD: Yang et al., Bridging Cross-task Protocol Inconsistency for Distillation i
 ICCV 2023. CWD: Shu et al., Channel-wise Knowledge Distillation for Dense Prediction, ICCV 2021.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor, nn
@@ -67,7 +67,9 @@ def bckd(
     Class: Σ |σ_t − σ_s| · BCE(s, σ_t) over all points and classes. Box: Σ (1 − CIoU(student, teacher)) ·
     max_c |σ_t − σ_s| over the student's foreground. Both over the sum of the target scores.
     """
-    truths = truths.where(truths.classes >= 0)
+    count = teacher.class_logits.shape[2]  # the student may have auxiliary classes, too
+    student = replace(student, class_logits=student.class_logits[..., :count])
+    truths = truths.where((truths.classes >= 0) & (truths.classes < count))
     matched = assign(student, points, stride, truths)
     total = matched.score.sum().clamp(min=1)
     logits, teacher_scores = student.class_logits.float(), teacher.class_logits.float().sigmoid()

@@ -13,7 +13,6 @@ import torch
 from foreride.detector.data.yolo_folder import Sample
 from foreride.detector.evaluation.annotated_images import KEY, png, sheet, tile
 from foreride.detector.evaluation.plots import read_history
-from foreride.detector.network.deployed import Deployed
 from foreride.detector.training.schedule import Stage
 from foreride.detector.training.trainer import TERMS, Trainer, match_whole_image, validate
 from foreride.files.errors import InputError
@@ -100,7 +99,7 @@ class TrainingLog:
 
 def predictions(trainer: Trainer, samples: Sequence[Sample], stage: Stage) -> np.ndarray:
     """Contact sheet of a few validation images, always the same, with true and detected boxes."""
-    deployed = Deployed(trainer.average.model)
+    deployed = trainer.deployed()
     chosen = np.linspace(0, len(samples) - 1, min(TILES, len(samples))).round().astype(int)
     tiles = []
     for sample in (samples[i] for i in chosen):

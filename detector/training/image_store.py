@@ -9,10 +9,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from foreride.detector.data.crops import IGNORED
+from foreride.detector.data.crops import IGNORED, UNTOLD
 from foreride.detector.data.image_io import read_image
-from foreride.detector.data.yolo_folder import Sample, read_samples, shrunk
+from foreride.detector.data.yolo_folder import Sample, read_labels, read_samples, shrunk
+from foreride.detector.detections import CLASS_NAMES
 from foreride.files.reading.images import read_pixels
+from foreride.road.obstacle_classes import AUXILIARY_NAMES
 
 MASK_BANDS = 12
 """Number of bands of rows in which the unannotated part of an image is covered by boxes."""
@@ -50,11 +52,12 @@ class CachedDataset(Sequence[Sample]):
 
 
 def load_cached_dataset(
-    folder: Path, longest: int, memory_mib: float, skip_bad: bool = False
+    folder: Path, longest: int, memory_mib: float, skip_bad: bool = False, auxiliary: bool = False
 ) -> CachedDataset:
     """Read and check a whole folder, keeping the first images, up to `memory_mib` of them, decoded.
 
-    A decoded 640 x 384 image takes 0.7 MiB, and reading one again 2 ms. Raises InputError as `read_samples`.
+    A decoded 640 x 384 image takes 0.7 MiB, and reading one again 2 ms. auxiliary: read the labels of the
+    auxiliary classes, too. Raises InputError as `read_samples`.
     """
     entries, bytes_left = [], memory_mib * 2**20
     for sample in read_samples(folder, longest, skip_bad):
@@ -62,9 +65,23 @@ def load_cached_dataset(
         bytes_left -= sample.image.nbytes
         image = sample.image if bytes_left >= 0 else None
         unlabelled = unannotated_parts(folder / "lane" / f"{path.stem}.png")
-        classes = np.append(sample.classes, np.full(len(unlabelled), IGNORED))
-        entries.append(Entry(path, image, classes, np.concatenate((sample.boxes, unlabelled))))
+        parts = [(sample.classes, sample.boxes), (np.full(len(unlabelled), IGNORED), unlabelled)]
+        if auxiliary:
+            parts.append(auxiliary_labels(folder / "auxiliary" / f"{path.stem}.txt"))
+        classes, boxes = (np.concatenate(part) for part in zip(*parts, strict=True))
+        entries.append(Entry(path, image, classes, boxes))
     return CachedDataset(entries, longest)
+
+
+def auxiliary_labels(path: Path) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Objects of the auxiliary classes, numbered from `len(CLASS_NAMES)` on.
+
+    Without the file, as of most photographs, they are UNTOLD in the whole image.
+    """
+    if not path.exists():
+        return np.array([UNTOLD]), np.array([[0.0, 0.0, 1.0, 1.0]], np.float32)
+    classes, boxes = read_labels(path, len(AUXILIARY_NAMES))
+    return classes + len(CLASS_NAMES), boxes
 
 
 def unannotated_parts(mask: Path) -> NDArray[np.float32]:

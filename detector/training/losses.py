@@ -17,6 +17,8 @@ from annotated_types import Interval
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
+from foreride.detector.data.crops import IGNORED, UNTOLD
+from foreride.detector.detections import CLASS_NAMES
 from foreride.detector.network.heads import BINS, Predictions, decode, encode
 from foreride.detector.network.iou import ciou, nwd
 from foreride.detector.training.assigner import Assignment, GroundTruth, assign, candidates
@@ -70,15 +72,16 @@ def _label_loss(logits: Tensor, matched: Assignment, truths: GroundTruth, ignore
     target[matched.image, matched.anchor, truths.classes[matched.truth]] = matched.score
     ignored[matched.image, matched.anchor] = False
     loss = binary_cross_entropy_with_logits(logits, target, reduction="none")
-    return loss.masked_fill(ignored[..., None], 0).sum()
+    return loss.masked_fill(ignored, 0).sum()
 
 
 def _ignored(truths: GroundTruth, points: Tensor, stride: Tensor, like: Tensor) -> Tensor:
-    """(B, N) bool: points around objects to ignore."""
-    ignored = torch.zeros(like.shape[:2], dtype=torch.bool, device=like.device)
-    small = truths.where(truths.classes < 0)
-    truth, anchor = candidates(small.boxes, points, stride).nonzero(as_tuple=True)
-    ignored[small.image[truth], anchor] = True
+    """(B, N, classes) bool: scores around objects to ignore, and auxiliary ones where no label tells."""
+    ignored = torch.zeros(like.shape, dtype=torch.bool, device=like.device)
+    for cls, first_class in ((UNTOLD, len(CLASS_NAMES)), (IGNORED, 0)):
+        parts = truths.where(truths.classes == cls)
+        truth, anchor = candidates(parts.boxes, points, stride).nonzero(as_tuple=True)
+        ignored[parts.image[truth], anchor, first_class:] = True
     return ignored
 
 

@@ -52,6 +52,11 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     p.add_argument(
         "--style", type=float, default=0.15, help="device views: share in the style of --mix images"
     )
+    p.add_argument(
+        "--auxiliary",
+        action="store_true",
+        help="learn the classes of auxiliary/*.txt, too, where images have them; weights are without them",
+    )
     p.add_argument("--plain-last", type=float, default=0.1, help="share of passes at the end without mosaic")
     p.add_argument("--teacher", type=Path, help="weights file of a larger model to learn from (BCKD and CWD)")
     p.add_argument("--distil-logits", type=float, default=0.5, help="weight of BCKD; 0 = none")

@@ -19,6 +19,7 @@ from foreride.detector.data.augment import Augmentation
 from foreride.detector.data.yolo_folder import dataset_hash
 from foreride.detector.detections import CLASS_NAMES
 from foreride.detector.evaluation.plots import write_curves
+from foreride.detector.network.auxiliary import obstacles_only
 from foreride.detector.network.checkpoint import save_weights
 from foreride.detector.training.batches import Batch, batches
 from foreride.detector.training.device.feed import DeviceAugmentation, DeviceFeed
@@ -73,6 +74,7 @@ def _settings(args: argparse.Namespace) -> Settings:
         loss=LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight),
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
         augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last, args.zoom),
+        auxiliary=args.auxiliary,
     )
 
 
@@ -89,7 +91,8 @@ def _mixture(args: argparse.Namespace, longest: int) -> Mixture:
             ) from None
         folders.append(Path(folder))
     memory_mib = args.memory_mib / len(folders)
-    return Mixture([load_cached_dataset(one, longest, memory_mib, args.skip_bad) for one in folders], shares)
+    how = longest, memory_mib, args.skip_bad, args.auxiliary
+    return Mixture([load_cached_dataset(one, *how) for one in folders], shares)
 
 
 def _feed(
@@ -161,7 +164,7 @@ def run(args: argparse.Namespace) -> None:
         "dataset": dataset_hash(args.data / "train"),
         "settings": json.dumps(asdict(settings)),
     }
-    save_weights(args.out / "weights.pt", trainer.average.model, metadata)
+    save_weights(args.out / "weights.pt", obstacles_only(trainer.average.model), metadata)
     write_curves(args.out)
 
 

@@ -11,6 +11,7 @@ from foreride.detector.data.augment import Augmentation
 from foreride.detector.data.crops import TrainingView, whole_view
 from foreride.detector.data.yolo_folder import Sample
 from foreride.detector.evaluation.average_precision import ImageResult, match_detections, summarise
+from foreride.detector.network.auxiliary import ALL_CLASSES, OBSTACLES, obstacles_only
 from foreride.detector.network.checkpoint import (
     DEFAULT_MODEL,
     Average,
@@ -50,6 +51,7 @@ class Settings:
     loss: LossWeights = field(default_factory=LossWeights)
     distillation: DistillationWeights = field(default_factory=DistillationWeights)
     augmentation: Augmentation = field(default_factory=Augmentation)
+    auxiliary: bool = False
 
 
 class Trainer:
@@ -60,7 +62,7 @@ class Trainer:
     ):
         torch.manual_seed(settings.seed)
         self.settings, self.device, self.passes = settings, device, 0
-        model = build(settings.model)
+        model = build(settings.model, ALL_CLASSES if settings.auxiliary else OBSTACLES)
         if init:
             load_weights(init, model)
         self.model = model.to(device).to(memory_format=torch.channels_last).train()  # type: ignore[call-overload]
@@ -109,6 +111,10 @@ class Trainer:
             self._grid[stage] = points.to(self.device), stride.to(self.device)
         return self._grid[stage]
 
+    def deployed(self) -> Deployed:
+        """The averaged model as it is deployed, without auxiliary classes."""
+        return Deployed(obstacles_only(self.average.model))
+
     def save(self, path: Path) -> None:
         """Write a checkpoint."""
         content = {
@@ -139,7 +145,7 @@ class Trainer:
         except (RuntimeError, ValueError, TypeError, KeyError, AttributeError):
             model_name = content.get("model_name", DEFAULT_MODEL)
             raise InputError(
-                f"{path}: the model must be {model_name}, with or without a teacher "
+                f"{path}: the model must be {model_name}, with or without a teacher and auxiliary classes "
                 "as in the run that wrote it"
             ) from None
         self.passes = content["passes"]
@@ -154,7 +160,7 @@ def _groups(model: nn.Module, weight_decay: float) -> list[dict]:
 
 def validate(trainer: Trainer, samples: Sequence[Sample], stage: Stage, confidence: float = 0.25) -> dict:
     """Metrics of the averaged model on whole images at a stage's size."""
-    deployed = Deployed(trainer.average.model)
+    deployed = trainer.deployed()
     return summarise(
         [match_whole_image(trainer, deployed, sample, stage)[1] for sample in samples], confidence
     )

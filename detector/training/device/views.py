@@ -11,6 +11,7 @@ from torch import Tensor
 from torch.nn.functional import avg_pool2d, grid_sample
 
 from foreride.detector.data.crops import IGNORED, MIN_VISIBLE_HEIGHT, MIN_WIDTH_PX, PADDING_GREY
+from foreride.detector.detections import CLASS_NAMES
 from foreride.detector.training.device.pool import NONE, Pool
 from foreride.detector.training.device.random_numbers import Random
 
@@ -60,7 +61,8 @@ def _windows(pool: Pool, index: Tensor, width: int, height: int, zoom: float, rn
 
 def _centres(pool: Pool, index: Tensor, rng: Random) -> Tensor:
     """(B, 2) points to be seen: in four of five views with objects inside one of them, else anywhere."""
-    size, valid, count = pool.size[index], pool.classes[index] >= 0, len(index)
+    size, classes, count = pool.size[index], pool.classes[index], len(index)
+    valid = (classes >= 0) & (classes < len(CLASS_NAMES))
     chosen = (rng.uniform(*valid.shape) + valid).argmax(1)  # one of the valid places, if any is
     box = pool.boxes[index, chosen]
     inside = box[:, :2] + rng.uniform(count, 2) * (box[:, 2:] - box[:, :2])
