@@ -1,7 +1,7 @@
 """Labelled views of one road of a data set."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from foreride.files.writing.atomic import write_bytes, write_text
 from foreride.road.camera.pinhole import Camera, CameraPose
+from foreride.road.dataset.auxiliary_labels import flat_boxes, has_labels
 from foreride.road.dataset.near_views import LARGE_HOLES, near_view
 from foreride.road.dataset.random_scenes import approach_positions, random_positions, random_road, random_view
 from foreride.road.features.feature import Feature
@@ -49,7 +50,9 @@ def render_road(job: Job) -> list[dict]:
     road = random_road(rng, appearance, *((LARGE_HOLES,) if job.near else ()))
     if job.plain:
         road, appearance = replace(road, features=()), with_distractors(appearance, rng)
+        appearance = replace(appearance, arrows=_arrows(job))
     scene = Scene(road, appearance, int(rng.integers(1 << 31)))
+    flat_objects = scene.flat_objects()
     roadside = static_objects(rng, appearance)
     rows = []
     for view, (x, camera, pose) in enumerate(_views(job, rng, road)):
@@ -60,6 +63,10 @@ def render_road(job: Job) -> list[dict]:
         quality = int(rng.integers(*_JPEG_QUALITY))
         jpeg = cv2.imencode(".jpg", frame.image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
         write_text(job.folder / "labels" / f"{Path(name).stem}.txt", label)
+        if has_labels(appearance):
+            flat = flat_boxes(flat_objects, road, appearance, camera, pose)
+            text = "".join(_label(cls, box, camera) for cls, box in zip(*flat, strict=True))
+            write_text(job.folder / "auxiliary" / f"{Path(name).stem}.txt", text)
         write_bytes(job.folder / "images" / name, jpeg)
         rows.append(
             {
@@ -73,6 +80,11 @@ def render_road(job: Job) -> list[dict]:
             }
         )
     return rows
+
+
+def _arrows(job: Job) -> float:
+    """Density of arrows on one road, from a generator of its own."""
+    return float(max(0.0, np.random.default_rng((job.seed, job.split, job.road, 1)).uniform(-0.5, 1.0)))
 
 
 def _views(job: Job, rng: np.random.Generator, road: Road) -> Iterator[tuple[float, Camera, CameraPose]]:
@@ -125,7 +137,7 @@ def _objects(road: Road, frame: Frame, pose: CameraPose) -> Iterator[dict]:
         }
 
 
-def _label(cls: int, box: list[float], camera: Camera) -> str:
+def _label(cls: int, box: Iterable[float], camera: Camera) -> str:
     x0, y0, x1, y1 = box
     w, h = camera.width_px, camera.height_px
     return f"{cls} {(x0 + x1) / 2 / w:.6f} {(y0 + y1) / 2 / h:.6f} {(x1 - x0) / w:.6f} {(y1 - y0) / h:.6f}\n"

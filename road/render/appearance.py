@@ -43,8 +43,8 @@ class Appearance(Checked):
     night; `glare` is the glare of a low sun in the image; `motion_blur_px` is the distance that a point at
     the lower edge of the image travels during the exposure; `distortion` is the radial coefficient of the
     lens, negative for barrel distortion; `fatigue` is the density of alligator cracking, around potholes
-    and elsewhere. Fields from `paint_wear` on are 0 by default. Raises InputError for
-    values out of range.
+    and elsewhere; `arrows` is the density of arrows on the lanes. Fields from `paint_wear` on are 0 by
+    default. Raises InputError for values out of range.
     """
 
     light: str = "overcast"
@@ -80,6 +80,7 @@ class Appearance(Checked):
     motion_blur_px: Annotated[float, Interval(ge=0.0, le=12.0), "px"] = 0.0
     distortion: Annotated[float, Interval(ge=-0.15, le=0.1), "1"] = 0.0
     fatigue: Share = 0.0
+    arrows: Share = 0.0
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():

@@ -17,7 +17,8 @@ from foreride.road.render.map_tile import (
     empty_height_map,
 )
 from foreride.road.render.noise import fractal
-from foreride.road.render.paint import damage, deposits, fatigue, markings, obstacles, pavement
+from foreride.road.render.paint import damage, deposits, fatigue, flat_objects, markings, obstacles, pavement
+from foreride.road.render.paint.flat_objects import FlatObject
 from foreride.road.render.raycast import COARSE_STEP_M
 from foreride.road.road import Road
 
@@ -66,7 +67,9 @@ class Surface:
         damaged = damage.plan(rng, appearance, self._edges, length)
         tired = fatigue.plan(np.random.default_rng((seed, 7)), appearance, road.features, self._edges, length)
         self._damage = replace(damaged, cracks=damaged.cracks + tired)
-        self._markings = markings.plan(rng, appearance, self._edges, length)
+        marks = markings.plan(rng, appearance, self._edges, length)
+        arrows = markings.plan_arrows(np.random.default_rng((seed, 8)), appearance, self._edges, length)
+        self._markings = replace(marks, arrows=arrows)
         self._cover = deposits.plan(np.random.default_rng((seed, 5)), appearance, self._edges, length)
         self._paint_seeds = [(seed, 2, number) for number in range(len(road.features))]
 
@@ -78,6 +81,10 @@ class Surface:
             self._filled = index + 1
             if index == 0:
                 self.strip[:] = self._levels[-1][: BLOCK_ROWS >> len(LEVEL_COLUMN_SHIFTS) - 1].mean(axis=0)
+
+    def flat_objects(self) -> tuple[FlatObject, ...]:
+        """Markings, repairs and stains of the whole road that look like obstacles."""
+        return flat_objects.outlined(self._damage, self._markings, self._cover)
 
     def height_range(self, low_m: float, high_m: float) -> tuple[float, float]:
         """Lowest and highest height (m) of the filled map between two x."""

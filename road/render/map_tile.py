@@ -65,6 +65,11 @@ class Block:
         first = min(int(first), len(self.x) - 1)
         return slice(first, max(int(last), first + 1))
 
+    def corners(self, outline: np.ndarray) -> np.ndarray:
+        """Columns and rows (n, 2) of corners x, y in 1/16 cell: fixed points of OpenCV drawing, `shift=4`."""
+        origin = np.array([self.y[0, 0], self.x[0, 0]])
+        return np.rint((outline[:, ::-1] - origin) / CELL_M * 16).astype(np.int32)
+
     def reaches(self, low_m: float, high_m: float, margin_m: float = 0.0) -> bool:
         """Test for overlap of the block with an interval of x."""
         return bool(high_m > self.x[0, 0] - margin_m and low_m < self.x[-1, 0] + margin_m)

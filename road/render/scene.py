@@ -18,6 +18,7 @@ from foreride.road.render.noise import grain
 from foreride.road.render.objects.props import Prop
 from foreride.road.render.optics.exposure import Sensor
 from foreride.road.render.optics.image_sensor import noise_pool
+from foreride.road.render.paint.flat_objects import FlatObject
 from foreride.road.render.raycast import FAR_M, CameraView, trace
 from foreride.road.render.shading import SKY_DISTANCE_M, Conditions, colour
 from foreride.road.render.visible_boxes import visible_boxes
@@ -89,6 +90,10 @@ class Scene:
         )
         self._sensor = Sensor(appearance, self._panorama.haze, noise_pool(rng), seed)
         self._outlines = np.array([_outline(f) for f in road.features]).reshape(-1, 5)
+
+    def flat_objects(self) -> tuple[FlatObject, ...]:
+        """Markings, repairs and stains that look like obstacles; none where snow hides them."""
+        return self._surface.flat_objects() if self.appearance.weather != "snow" else ()
 
     def render(
         self,

@@ -75,7 +75,7 @@ def paint(block: Block, damage: Damage) -> None:
     for crack in damage.cracks:
         if block.reaches(crack.line[:, 0].min(), crack.line[:, 0].max(), 0.1):
             width = max(1, round(crack.width_m / CELL_M))
-            cv2.polylines(gain, [_points(block, crack.line)], False, crack.factor, width, cv2.LINE_AA, 4)
+            cv2.polylines(gain, [block.corners(crack.line)], False, crack.factor, width, cv2.LINE_AA, 4)
     darkened = gain < 1
     block.albedo[darkened] *= gain[darkened][:, None]
     for centre in damage.manholes:
@@ -107,7 +107,7 @@ def _crack(rng: np.random.Generator, start: np.ndarray) -> Crack:
 def _paint_patch(block: Block, patch: Patch) -> None:
     rows = block.rows(patch.outline[:, 0].min() - 0.1, patch.outline[:, 0].max() + 0.1)
     cover = np.zeros(block.height[rows].shape, np.float32)
-    points = _points(block, patch.outline) - np.array([0, rows.start * 16], np.int32)
+    points = block.corners(patch.outline) - np.array([0, rows.start * 16], np.int32)
     cv2.fillPoly(cover, [points], 1.0, cv2.LINE_AA, 4)
     block.albedo[rows] *= (1 + (patch.factor - 1) * cover)[..., None]
     if patch.sealed:
@@ -131,9 +131,3 @@ def _paint_manhole(block: Block, centre: np.ndarray) -> None:
     albedo = block.albedo[rows]
     albedo[radius < MANHOLE_RADIUS_M] = iron[radius < MANHOLE_RADIUS_M]
     albedo[frame] = 0.05
-
-
-def _points(block: Block, outline: np.ndarray) -> np.ndarray:
-    """Columns and rows in 1/16 cell, the fixed-point format of OpenCV drawing with `shift=4`."""
-    origin = np.array([block.y[0, 0], block.x[0, 0]])
-    return np.rint((outline[:, ::-1] - origin) / CELL_M * 16).astype(np.int32)

@@ -1,12 +1,18 @@
-"""Road markings: lane lines, stop lines and pedestrian crossings, with their wear."""
+"""Road markings: lane lines, stop lines, pedestrian crossings and arrows, with their wear."""
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.map_tile import CELL_M, Block
 
+_ARROWS_PER_60_M = 4.0
+"""At a density of arrows of 1."""
+_STRAIGHT = ((0, -0.08), (3.2, -0.08), (3.2, -0.3), (5, 0), (3.2, 0.3), (3.2, 0.08), (0, 0.08))
+_TURN = ((0, -0.08), (2.6, -0.08), (3.4, 0.1), (4.4, 0.55), (3.4, 1.0), (3.4, 0.6), (2.3, 0.08), (0, 0.08))
+"""Outlines of arrows, x ahead and y to the left, m."""
 _COLOURS = {"white": (0.62, 0.62, 0.60), "yellow": (0.56, 0.38, 0.06)}
 
 
@@ -44,6 +50,7 @@ class Markings:
     bars: tuple[Bars, ...]
     colour: tuple[float, float, float]
     wear: float
+    arrows: tuple[np.ndarray, ...] = ()  # outlines (n, 2)
 
 
 def plan(
@@ -73,6 +80,21 @@ def plan(
     return Markings(tuple(lines), tuple(bars), _COLOURS[appearance.line_colour], appearance.wear)
 
 
+def plan_arrows(
+    rng: np.random.Generator, appearance: Appearance, edges: tuple[float, float], length_m: float
+) -> tuple[np.ndarray, ...]:
+    """Outlines of the arrows of a whole road, in the middle of either lane; none at a density of 0."""
+    right, left = edges
+    middle, arrows = _divider(right, left), []
+    for _ in range(rng.poisson(_ARROWS_PER_60_M * appearance.arrows * length_m / 60)):
+        direction, side = rng.choice((-1.0, 1.0), 2)
+        size = direction * rng.uniform(0.6, 1.2), side * rng.uniform(0.8, 1.4)
+        lane = (right + middle) / 2 if rng.random() < 0.7 else (middle + left) / 2
+        outline = np.array((_STRAIGHT, _TURN)[rng.integers(2)])
+        arrows.append(outline * size + (rng.uniform(4, length_m), lane))
+    return tuple(arrows)
+
+
 def paint(block: Block, marks: Markings) -> None:
     """Paint the markings into the block's albedo; edges are anti-aliased over one cell."""
     paint_left = np.clip(1.15 - 0.75 * marks.wear + (0.3 + 0.9 * marks.wear) * block.noise["wear"], 0.0, 1.0)
@@ -90,6 +112,12 @@ def paint(block: Block, marks: Markings) -> None:
             if bar.bar_m:
                 across = across * (np.mod(block.y - bar.y0_m, 2 * bar.bar_m) < bar.bar_m)
             _blend(block, part, along * across, paint_left, _COLOURS["white"])
+    for outline in marks.arrows:
+        if block.reaches(outline[:, 0].min(), outline[:, 0].max(), CELL_M):
+            cover = np.zeros(block.height.shape, np.float32)
+            cv2.fillPoly(cover, [block.corners(outline)], 1.0, cv2.LINE_AA, 4)
+            rows = block.rows(outline[:, 0].min() - CELL_M, outline[:, 0].max() + CELL_M)
+            _blend(block, (rows, slice(None)), cover[rows], paint_left, _COLOURS["white"])
 
 
 def _divider(right: float, left: float) -> float:
