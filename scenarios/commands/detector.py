@@ -15,6 +15,10 @@ MODULES = {
     "train": ("foreride.detector.training.train", "train SBP-YOLO or a rival (extra: training)"),
     "eval": ("foreride.detector.evaluation.evaluate", "precision, recall and mAP on a folder of images"),
     "show": ("foreride.scenarios.commands.inspect.show", "draw boxes and ranges into own images or a film"),
+    "mine": (
+        "foreride.scenarios.commands.inspect.mine",
+        "hard negatives: images with false boxes, to train on",
+    ),
     "export": ("foreride.detector.export.to_onnx", "write ONNX from trained weights (extra: training)"),
     "bench": (
         "foreride.detector.export.benchmark",

@@ -107,6 +107,7 @@ WRITERS: dict[str, Writer] = {
     "detector convert to COCO": Writer(("detector", "convert", "{}/images", "coco.json")),
     "detector eval": Writer(("detector", "eval", "--data", "{}/images", "--json", "a.json", "--out",
                              "scores")),
+    "detector mine": Writer(("detector", "mine", "{}/plain", "--out", "mined", "--confidence", "0.01")),
     "detector train": Writer(("detector", "train", "--data", "{}/split", "--out", "training", *_TRAIN)),
     "detector export": Writer(("detector", "export", "--weights", "{}/weights.pt", "--out", "a.onnx")),
 }  # fmt: skip
@@ -125,6 +126,8 @@ def place_inputs(folder: Path, version: str, speed_kmh: int) -> None:
     for split in ("train", "val"):
         write_images(folder / "split" / split, 2, seed=speed_kmh)
     _boards(folder, speed_kmh)
+    write_images(folder / "plain", 2, seed=speed_kmh)
+    shutil.rmtree(folder / "plain" / "labels")
 
 
 def _scenario(speed_kmh: int) -> dict[str, object]:

@@ -27,8 +27,8 @@ def outlined(damage: Damage, marks: Markings, cover: LooseCover) -> tuple[FlatOb
 
 def _outlines(damage: Damage, marks: Markings, cover: LooseCover) -> Iterator[tuple[str, np.ndarray]]:
     for bar in marks.bars:
-        x, y = (bar.x0_m, bar.x1_m), (bar.y0_m, bar.y1_m)
-        yield "crossing", np.array(((x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])))
+        near, far, right, left = bar.x0_m, bar.x1_m, bar.y0_m, bar.y1_m
+        yield "crossing", np.array(((near, right), (far, right), (far, left), (near, left)))
     for arrow in marks.arrows:
         yield "arrow", arrow
     for patch in damage.patches:

@@ -49,10 +49,7 @@ def execute(arguments: argparse.Namespace) -> int:
     detector = load_detector(scenario) if arguments.detect else None
     out = arguments.out or runs_folder(None) / component(f"render-{scenario.name}")
     check_folder(out, KIND)
-    end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
-    if (end - scenario.start_m) / arguments.every > MOST_IMAGES:
-        raise InputError(f"--every must give at most {MOST_IMAGES} images, got {arguments.every:g} m")
-    positions_m = np.arange(scenario.start_m, end, arguments.every)
+    positions_m = positions(scenario, arguments.every)
     scene = Scene(scenario.road, scenario.appearance, scenario.seed)
     boxes_by_image = {}
     with atomic_folder(out, KIND) as draft:
@@ -71,6 +68,14 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.json:
         write_text(arguments.json, to_json(boxes_by_image) + "\n")
     return 0
+
+
+def positions(scenario: Scenario, every_m: float) -> np.ndarray:
+    """Positions of the images, from the start to the end of the road. InputError for too many."""
+    end = scenario.road.length_m - max(scenario.vehicle.parameters.axle_x_m)
+    if (end - scenario.start_m) / every_m > MOST_IMAGES:
+        raise InputError(f"--every must give at most {MOST_IMAGES} images, got {every_m:g} m")
+    return np.arange(scenario.start_m, end, every_m)
 
 
 def _png(image: np.ndarray) -> bytes:

@@ -94,7 +94,7 @@ def show(source: Path, out: Path, detect: Detector, camera: CameraSetup | None) 
             found = detect(image)
             ranges = ranges_m(found, image, camera, caption)
             album.add(Picture(image, caption, found, ranges))
-            rows.append(label | _row(found, ranges))
+            rows.append(label | detection_row(found, ranges))
             progress.show(len(rows), "detecting")
     write_text(out / "boxes.jsonl", "".join(json.dumps(row) + "\n" for row in rows))
     return rows
@@ -155,7 +155,7 @@ def ranges_m(
     return np.where(distance <= MAX_RANGE_M, distance, np.nan)
 
 
-def _row(found: Detections, ranges: NDArray[np.float64]) -> dict[str, Any]:
+def detection_row(found: Detections, ranges: NDArray[np.float64]) -> dict[str, Any]:
     """Detections of an image for `boxes.jsonl`."""
     objects = zip(found.boxes, found.scores, found.classes, ranges, strict=True)
     return {
