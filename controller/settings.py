@@ -170,7 +170,8 @@ class MpcSettings(Checked):
     horizon_s: length of the plan with preview, s.
     blind_horizon_s: length of the plan without preview, s; its assumption of a flat road does not hold for
     longer.
-    fine_s: initial part of the horizon with intervals of one period, s; later intervals have two periods.
+    fine_s: initial part of the horizon with intervals of one period, s; from there to four times that they
+    have two periods, then four.
     rho: weight of the relative tyre load, as in the objective J, (m/s²)².
     input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
     move_weight: weight of the square of the change of c from one period to the next, c in kN·s/m.
@@ -179,9 +180,9 @@ class MpcSettings(Checked):
     road: fusion of preview and measurement.
     """
 
-    horizon_s: Horizon = 0.3
+    horizon_s: Horizon = 0.6
     blind_horizon_s: Horizon = 0.2
-    fine_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.2
+    fine_s: Annotated[float, Interval(ge=0.0, le=1.0), "s"] = 0.05
     rho: LoadWeight = 3.0
     input_weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/(kN·s/m)²"] = 1e-3
     move_weight: Annotated[float, Interval(ge=0.0, le=1e6), "(m/s²)²/(kN·s/m)²"] = 0.0

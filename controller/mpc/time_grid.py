@@ -45,7 +45,12 @@ class TimeGrid:
 
 
 def graded_grid(length_s: float, fine_s: float, period_s: float) -> TimeGrid:
-    """Grid of one-period intervals over the first `fine_s`, at least two, then of two-period intervals."""
+    """Grid of one-period intervals over the first `fine_s`, of two periods to four times that, then of four.
+
+    Far commands are planned again many times before they act, so that they need less resolution. The first
+    two intervals are always of one period.
+    """
     fine = max(2, round(min(fine_s, length_s) / period_s))
-    coarse = max(0, round((length_s - fine * period_s) / (2.0 * period_s)))
-    return TimeGrid((period_s,) * fine + (2.0 * period_s,) * coarse)
+    double = max(0, round((min(4.0 * fine_s, length_s) - fine * period_s) / (2.0 * period_s)))
+    fourfold = max(0, round((length_s - (fine + 2 * double) * period_s) / (4.0 * period_s)))
+    return TimeGrid((period_s,) * fine + (2.0 * period_s,) * double + (4.0 * period_s,) * fourfold)

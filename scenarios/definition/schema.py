@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Interval
 
 from foreride.controller.interface import Timing
+from foreride.controller.mpc.time_grid import graded_grid
 from foreride.controller.settings import ControllerSettings
 from foreride.controller.speed.settings import PreviewPlanner, SpeedPlanner
 from foreride.detector.box_errors import BoxErrors
@@ -34,7 +35,7 @@ from foreride.vehicle.plant.sensors import SensorNoise
 from foreride.vehicle.speed_profile import SpeedProfile
 
 MOST_INTERVALS = 400
-"""Most control periods in a horizon; the work of a plan grows with their cube."""
+"""Most intervals of a plan; its work grows with their cube."""
 LONGEST_S = 7200
 """Longest drive: its signals, one sample per millisecond, still fit into memory."""
 
@@ -135,12 +136,14 @@ class Control(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        longest_s = MOST_INTERVALS / self.rate_hz
+        mpc = self.settings.mpc
         for name in ("horizon_s", "blind_horizon_s"):
-            if getattr(self.settings.mpc, name) > longest_s:
+            grid = graded_grid(getattr(mpc, name), mpc.fine_s, 1.0 / self.rate_hz)
+            if len(grid.intervals_s) > MOST_INTERVALS:
                 raise InputError(
-                    f"settings.mpc.{name} must be <= {longest_s:g} s at {self.rate_hz} Hz, "
-                    f"got {getattr(self.settings.mpc, name):g}"
+                    f"settings.mpc.{name} must give at most {MOST_INTERVALS} intervals, got "
+                    f"{len(grid.intervals_s)} by {getattr(mpc, name):g} s at {self.rate_hz} Hz with fine_s = "
+                    f"{mpc.fine_s:g}"
                 )
 
     @property

@@ -41,14 +41,14 @@ EXACT_BOXES = {
     "boxes": {"pixel_sigma": 0, "miss_probability": 0, "min_height_px": 0},
     **{f"{block}.{edge}_bias_px": [0, 0] for block in ("boxes", "estimator") for edge in ("bottom", "top")},
 }
-LONG_PLAN = {"control.settings.mpc": {"horizon_s": 0.5, "fine_s": 0.5}}
+LONG_PLAN = {"control.settings.mpc": {"horizon_s": 0.6, "fine_s": 0.6}}
 SOURCES: dict[str, tuple[str, str, dict[str, Any]]] = {
     "detector": ("exact boxes of all objects in sight", "boxes", EXACT_BOXES),
     "distance": ("the true near edge of what was found", "camera", {"told": ["distance"]}),
     "shape": ("the true kind, length and height of what was found", "camera", {"told": ["shape"]}),
     "latency": ("boxes at the moment of exposure", "camera", {"camera.latency_s": 0}),
     "observer": ("the true state of the car", "camera", {"observer": "truth"}),
-    "solver": ("a plan of 0.5 s, each period of it planned", "camera", LONG_PLAN),
+    "solver": ("a plan of which each period is planned", "camera", LONG_PLAN),
 }
 """Error sources: description of the replacement, perception, and overridden fields."""
 EVENTS = ["hump_flat_30", "pothole_60x8_40", "bump_8x40_30"]

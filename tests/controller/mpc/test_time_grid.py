@@ -11,7 +11,8 @@ def test_intervals_are_cut_into_equal_short_steps() -> None:
     assert grid.step_s.max() <= LONGEST_STEP_S
 
 
-def test_a_growing_grid_doubles_its_intervals_after_the_fine_part() -> None:
+def test_a_growing_grid_doubles_its_intervals_after_the_fine_part_and_where_the_time_has_quadrupled() -> None:
+    assert graded_grid(0.24, 0.03, 0.01).intervals_s == (0.01,) * 3 + (0.02,) * 4 + (0.04,) * 3
     assert graded_grid(0.2, 0.2, 0.01).intervals_s == (0.01,) * 20
     assert graded_grid(0.1, 0.04, 0.01).intervals_s == (0.01,) * 4 + (0.02,) * 3
     assert graded_grid(0.001, 0.1, 0.01).intervals_s == (0.01,) * 2

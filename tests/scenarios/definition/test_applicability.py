@@ -58,9 +58,15 @@ def test_the_library_applies_to_each_shipped_car(model: str) -> None:
         assert load(name, [f"vehicle.model={model}"]).ticks > 0
 
 
-def test_a_horizon_has_a_most_of_control_periods() -> None:
-    with pytest.raises(InputError, match=r"control\.settings\.mpc\.horizon_s must be <= 0\.4 s at 1000 Hz"):
-        load("bump_8x40_30", ["control.rate_hz=1000", "control.settings.mpc.horizon_s=0.5"])
+@pytest.mark.parametrize("name", ["horizon_s", "blind_horizon_s"])
+def test_a_horizon_has_a_most_of_intervals(name: str) -> None:
+    mpc = {"horizon_s": 0.3, name: 0.8}
+    at_1000_hz = ["control.rate_hz=1000", f"control.settings.mpc={mpc}"]
+    load("bump_8x40_30", at_1000_hz)
+    with pytest.raises(
+        InputError, match=rf"control\.settings\.mpc\.{name} must give at most 400 intervals, got 800"
+    ):
+        load("bump_8x40_30", [*at_1000_hz, "control.settings.mpc.fine_s=0.8"])
 
 
 def test_a_drive_has_a_longest_duration() -> None:
