@@ -14,7 +14,7 @@ ROAD = {
     "credibility": 0.95, "blend_m": 0.2, "slope_decay_s": 0.01,
 }  # fmt: skip
 MPC = {
-    "horizon_s": 0.3, "blind_horizon_s": 0.2, "fine_s": 0.2, "rho": 3.0, "input_weight": 1e-3,
+    "horizon_s": 0.6, "blind_horizon_s": 0.2, "fine_s": 0.05, "rho": 3.0, "input_weight": 1e-3,
     "move_weight": 0.0, "force": {"weight": 1e-3, "rate_n_s": 1e6, "power_w": 5000.0},
     "limits": {"unloading": None, "travel": None, "penalty": 50.0}, "road": ROAD,
 }  # fmt: skip
