@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.interface import Estimate
-from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview
+from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, leading_wheels
 from foreride.files.errors import InputError
 from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
@@ -70,3 +70,35 @@ def test_reset_forgets_the_road_behind() -> None:
 def test_one_axle_has_no_wheelbase() -> None:
     with pytest.raises(InputError, match="mpc_wheelbase must have a car with two axles"):
         WheelbasePreview(load_vehicle("quarter"))
+
+
+def test_a_slow_car_measures_more_points_than_there_is_room_for_at_first() -> None:
+    """A millimetre a sample: 2 700 of them between the axles."""
+    source, climb = WheelbasePreview(HALF), 0.01
+    for k in range(6500):
+        now = replace(estimate(HALF, speed_m_s=0.2), time_s=0.005 * k)
+        preview = source.update(replace(now, road_height=np.array([climb * 1e-3 * k, 0.0])))
+        if k in (1500, 4200, 6499):
+            places = np.clip(1e-3 * k - WHEELBASE_M + preview.distance_m, 0.0, None)
+            np.testing.assert_allclose(preview.height_m[1], climb * places, atol=1e-9)
+
+
+def test_heights_are_known_to_3_mm_and_to_30_where_the_wheel_was_in_the_air() -> None:
+    source = WheelbasePreview(HALF)
+    for time in TIMES:
+        preview = source.update(at(float(time), contact=not 3.9 < SPEED * time < 4.6))
+    places = 6.0 - WHEELBASE_M + preview.distance_m
+    flown = (places > 3.96) & (places < 4.54)
+    np.testing.assert_allclose(preview.height_sigma_m[1][flown], 0.03)
+    np.testing.assert_allclose(preview.height_sigma_m[1][(places < 3.84) | (places > 4.66)], 0.003)
+    np.testing.assert_allclose(np.diff(preview.distance_m), 0.025)
+    assert preview.distance_m[0] == -0.5
+    assert preview.existence[1].all()
+    assert not preview.position_sigma_m.any()
+    assert preview.time_s == TIMES[-1]
+
+
+def test_wheels_follow_the_front_wheel_of_their_side() -> None:
+    assert leading_wheels(load_vehicle("full")) == [0, 1, 0, 1]
+    assert leading_wheels(HALF) == [0, 0]
+    assert leading_wheels(load_vehicle("quarter")) == [0]

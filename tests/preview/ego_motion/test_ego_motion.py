@@ -187,3 +187,5 @@ def test_the_history_reaches_back_once_to_twice_its_set_length():
         assert motion.at(oldest).x_m == pytest.approx(10.0 * oldest)
         with pytest.raises(InputError, match="start of the history"):
             motion.at(now - 0.5 - 1e-6)
+        if now == 0.5:
+            assert motion.at(0.0).x_m == 0.0
