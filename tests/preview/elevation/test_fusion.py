@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from foreride.preview.elevation.fusion import ElevationFusion
-from foreride.preview.elevation.range_sensor import Stereo30cm
+from foreride.preview.elevation.height_map import ScanCells
+from foreride.preview.elevation.range_sensor import Lidar64, Stereo30cm
 from foreride.preview.elevation.settings import ElevationSettings
 from foreride.road.tyre.tyre import Tyre
 
@@ -58,6 +59,8 @@ def test_what_no_scan_has_met_is_uncertain() -> None:
     assert preview.height_sigma_m[2][hidden].min() > 0.9 * SETTINGS.road_sigma_m
     assert preview.existence[2][hidden].max() < 0.2
     assert preview.age_s == pytest.approx(0.2)
+    known = np.maximum(1.0 - (preview.height_sigma_m / 0.02) ** 2, 0.0)
+    np.testing.assert_allclose(preview.existence, known)
 
 
 def test_before_the_first_scan_nothing_exists() -> None:
@@ -73,3 +76,50 @@ def test_position_becomes_less_certain_with_distance() -> None:
     sigma = scanned(0.0, scans=2).preview(0.2, 1.0).position_sigma_m[0]
     assert sigma[-1] == pytest.approx(np.hypot(0.025, 0.05), rel=1e-3)
     assert sigma.min() == pytest.approx(0.025)
+
+
+def test_heights_are_as_uncertain_as_ranges_and_elevations() -> None:
+    """A range's error along the ray, an elevation's across it, and a tenth of a millimetre."""
+    sensor = Lidar64()
+    fusion = ElevationFusion(sensor, AXLES, SIDES, SETTINGS, 0.0, Tyre())
+    points = np.array([[4.0, 0.5, -1.7], [9.0, -1.0, -1.6]])
+    tilted = np.array([[4.1, 0.5, -1.5], [9.1, -1.0, -1.2]])
+    distance = np.linalg.norm(points, axis=1)
+    along = 0.02 * tilted[:, 2] / distance
+    across = np.deg2rad(0.02) * np.linalg.norm(tilted[:, :2], axis=1)
+    assert fusion._variance_m2(points, tilted) == pytest.approx(along**2 + across**2 + 1e-8)
+
+
+def test_the_map_reaches_behind_the_rear_axle_and_beside_the_wheels() -> None:
+    """1.5 m behind, 0.6 m beside, and as far ahead of the front axle as the settings say."""
+    fusion = ElevationFusion(SENSOR, AXLES, SIDES, SETTINGS, 10.0, Tyre())
+    assert fusion.map.x_m[0] == pytest.approx(10.0 - 1.3 - 1.5, abs=0.05)
+    assert fusion.map.x_m[-1] == pytest.approx(10.0 + 1.2 + SETTINGS.reach_m, abs=0.05)
+    assert fusion.map.y_m[0] - 0.05 == pytest.approx(-0.75 - 0.6, abs=0.051)
+    assert fusion.map.y_m[-1] + 0.05 == pytest.approx(0.75 + 0.6, abs=0.051)
+    right = ElevationFusion(SENSOR, (0.0,), (-0.75,), SETTINGS, 0.0, Tyre())
+    assert right.map.y_m[-1] + 0.05 == pytest.approx(0.6, abs=0.051)
+
+
+def test_what_registration_leaves_uncertain_of_a_scan_widens_its_cells() -> None:
+    """Of the first scan nothing, of the second its heave, pitch and roll at each cell."""
+    fusion, rng = ElevationFusion(SENSOR, AXLES, SIDES, SETTINGS, 0.0, Tyre()), np.random.default_rng(1)
+    rows = np.arange(60, 90)
+    cells = ScanCells(rows, rows % 20, 0.01 * rng.normal(size=30), np.full(30, 0.004**2))
+    arms = np.stack([np.ones(30), rng.uniform(3.0, 9.0, 30), rng.uniform(-1.0, 1.0, 30)], axis=1)
+    fusion._insert(cells, arms)
+    np.testing.assert_allclose(fusion.map.known(cells)[1], 0.004**2)
+    np.testing.assert_allclose(fusion.map.known(cells)[0], cells.height_m)
+    fusion._insert(cells, arms)
+    left = np.einsum("ki,ij,kj->k", arms, fusion.registration.covariance, arms)
+    second = 0.004**2 + left
+    np.testing.assert_allclose(fusion.map.known(cells)[1], 1.0 / (1.0 / 0.004**2 + 1.0 / second))
+
+
+@pytest.mark.parametrize(("count", "taken"), [(19, False), (20, True)])
+def test_a_scan_of_less_than_twenty_cells_says_nothing(count: int, taken: bool) -> None:
+    fusion = ElevationFusion(SENSOR, AXLES, SIDES, SETTINGS, 0.0, Tyre())
+    points = np.stack([5.025 + 0.05 * np.arange(count), np.zeros(count), np.full(count, -1.3)], axis=1)
+    fusion.add(0.4, points, (np.array([0.0, 0.0, 1.3]), np.eye(3)), 0.0)
+    assert np.isfinite(fusion.map.variance_m2).any() == taken
+    assert fusion.preview(0.5, 0.0).age_s == pytest.approx(0.1)

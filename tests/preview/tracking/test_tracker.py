@@ -178,3 +178,31 @@ def test_sides_of_a_bump_are_those_of_its_box_at_the_distance_of_its_near_edge(a
     columns = near.boxes[0, [2, 0]] - near.camera.cx
     right, left = (-ahead_m * columns / near.camera.focal_px).tolist()
     assert [edge.y_m for edge in tracker._sides(track, near, 0)] == pytest.approx([right, left])
+
+
+@pytest.mark.parametrize(("right_off_m", "left_off_m", "same"), [
+    (0.59, -0.59, True), (-0.59, 0.59, True), (0.61, 0.0, False), (0.0, 0.61, False), (-0.61, 0.0, False),
+])  # fmt: skip
+def test_sides_are_the_same_within_a_quarter_of_the_width_and_a_decimetre(
+    right_off_m: float, left_off_m: float, same: bool
+) -> None:
+    """Of a box 2 m wide at the object's near edge."""
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    view, _ = looked_at(27.0)
+    ahead = track.start_m - view.pose.x
+    columns = view.camera.cx - np.array([1.0, -1.0]) * view.camera.focal_px / ahead
+    boxes = np.array([[columns[0], 200.0, columns[1], 220.0]])
+    track.right.y_m, track.left.y_m = -1.0 + right_off_m, 1.0 + left_off_m
+    assert tracker._same_sides(view._replace(boxes=boxes), track, 0) == same
+
+
+@pytest.mark.parametrize(("x_off_m", "part"), [(-0.29, True), (-0.31, False), (0.29, True), (0.31, False)])
+def test_parts_of_a_bump_lie_up_to_30_cm_before_and_behind_it(x_off_m: float, part: bool) -> None:
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    assert track.confirmed
+    view, _ = looked_at(27.0)
+    x_m = (track.start_m if x_off_m < 0.0 else track.end_m) + x_off_m
+    assert tracker._is_part(view, 0, 0, x_m) == part
+    assert not tracker._is_part(view, 0, 1, x_m)
