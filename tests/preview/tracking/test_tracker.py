@@ -3,12 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.detector.detections import Detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.geometry.cross_ratio import MARKS_M, distance, marks_of
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.object_state import GROUND, OFFSET
 from foreride.preview.tracking.observation import RectifiedFrame, predict_box, rectify_frame
+from foreride.preview.tracking.realness import mean_surplus, surplus
 from foreride.preview.tracking.tracker import Tracker
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
@@ -206,3 +208,17 @@ def test_parts_of_a_bump_lie_up_to_30_cm_before_and_behind_it(x_off_m: float, pa
     x_m = (track.start_m if x_off_m < 0.0 else track.end_m) + x_off_m
     assert tracker._is_part(view, 0, 0, x_m) == part
     assert not tracker._is_part(view, 0, 1, x_m)
+
+
+@pytest.mark.parametrize("score", [0.35, 0.8])
+def test_a_score_is_judged_by_the_height_of_its_box(score: float) -> None:
+    """Of a first box, and not of one of the other class."""
+    tracker = Tracker(SETTINGS, Camera().focal_px)
+    view, seen = looked_at(20.0)
+    tracker.update(view, Detections(seen.boxes, np.array([score]), seen.classes))
+    (track,) = tracker.tracks
+    height_px = float(view.boxes[0, 3] - view.boxes[0, 1])
+    expected = mean_surplus(0.0, surplus(score, height_px, DEFAULT_CALIBRATION[0]))
+    assert track.score_surplus == pytest.approx(expected)
+    tracker._rate(track, view, 0, Detections(seen.boxes, np.zeros(1), 1 - seen.classes))
+    assert track.score_surplus == pytest.approx(expected)
