@@ -82,6 +82,17 @@ def test_packages_with_compiled_functions_are_known() -> None:
     assert {source.relative_to(ROOT).parts[0] for source in compiling} == set(compiled.PACKAGES)
 
 
+def test_the_sources_of_all_compiled_functions_count() -> None:
+    """Machine code of a function that they call would otherwise outlive its change."""
+    compiling = {
+        package
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*.py")
+        if "from foreride.files.jit import njit" in path.read_text()
+    }
+    assert compiling <= set(compiled.PACKAGES)
+
+
 @pytest.fixture(scope="module")
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Copy as a wheel lays it, in which no folder `__pycache__` can be created, for any user."""
