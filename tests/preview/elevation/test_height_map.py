@@ -73,7 +73,7 @@ def test_the_map_moves_with_the_car_and_forgets_what_is_behind() -> None:
 
 def test_a_strip_weighs_its_columns_by_information() -> None:
     heights = new_map()
-    insert(heights, at((3.0, 0.05, 0.0), 0.01), at((3.0, -0.05, 0.1), 0.03), at((3.0, 0.8, 9.0)))
+    insert(heights, at((3.0, 0.05, 0.0), 0.01), at((3.0, -0.05, 0.1), 0.03), at((3.0, 0.15, 9.0)))
     height, variance = heights.strip(0.0, 0.2)
     (row,) = np.flatnonzero(np.isfinite(variance))
     assert height[row] == pytest.approx(0.01)

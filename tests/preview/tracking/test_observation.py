@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from foreride.detector.detections import exact
+from foreride.preview.settings import Settings
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.observation import (
     RectifiedFrame,
+    box_sides,
+    edge_bearings,
     ground_position_of_box,
     predict_box,
     rectify_frame,
@@ -110,3 +113,59 @@ def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit
     assert predicted.bottom_sigma == pytest.approx(sigma, rel=0.01)
     top_only = np.sqrt(predicted.top_sigma**2 - sigma**2)  # a shape unknown to a quarter, and 2 px
     assert top_only == pytest.approx(2.0 + 0.25 * (predicted.bottom - predicted.top), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("box", "cut"),
+    [
+        ((100.0, 200.0, 300.0, 220.0), (False, False, False, False)),
+        ((2.0, 200.0, 300.0, 220.0), (True, False, False, False)),
+        ((2.1, 2.1, 637.9, 297.9), (False, False, False, False)),
+        ((100.0, 2.0, 300.0, 220.0), (False, True, False, False)),
+        ((100.0, 200.0, 638.0, 220.0), (False, False, True, False)),
+        ((100.0, 200.0, 300.0, 298.0), (False, False, False, True)),
+        ((100.0, 298.0, 300.0, 299.0), (False, True, False, True)),
+    ],
+)
+def test_edges_within_two_pixels_of_border_or_bonnet_are_cut(
+    box: tuple[float, ...], cut: tuple[bool, ...]
+) -> None:
+    """640 columns; the bonnet begins at row 300."""
+    pose, settings = pose_of(CameraMount(), 10.0, 0.0, 0.0), unbiased(bonnet_row_px=300.0)
+    seen = exact(np.array([box]), np.zeros(1, int))
+    view = rectify_frame(0.5, CAMERA, pose, seen, settings)
+    assert tuple(view.cut[0].tolist()) == cut
+    assert (view.limit_row, view.time_s) == (pytest.approx(300.0), 0.5)
+    bearings = edge_bearings(view, 0)
+    assert (np.isnan(bearings.top), np.isnan(bearings.bottom)) == (cut[1], cut[3])
+    for side, is_cut in zip(box_sides(view, 0, 8.0), (cut[2], cut[0]), strict=True):
+        assert np.isinf(side.variance) == is_cut
+
+
+def test_known_biases_are_subtracted_and_bearings_are_as_certain_as_pixels_and_pitch() -> None:
+    """Box of 20 px: 0.8 px and 2 % of its height; pitch 0.04 degrees."""
+    settings = Settings(top_bias_px=(1.5, 0.0), bottom_bias_px=(-2.0, 0.0))
+    pose = pose_of(CameraMount(), 10.0, 0.0, 0.0)
+    seen = exact(np.array([[100.0, 201.5, 300.0, 218.0]]), np.zeros(1, int))
+    view = rectify_frame(0.0, CAMERA, pose, seen, settings)
+    np.testing.assert_allclose(view.boxes, [[100.0, 200.0, 300.0, 220.0]])
+    bearings = edge_bearings(view, 0)
+    pixels = np.hypot(0.8, 0.02 * 20.0)
+    for row, angle, sigma in (
+        (220.0, bearings.bottom, bearings.bottom_sigma), (200.0, bearings.top, bearings.top_sigma),
+    ):  # fmt: skip
+        slope = (row - CAMERA.cy) / CAMERA.focal_px
+        assert angle == pytest.approx(np.arctan(slope) + pose.pitch)
+        by_pixel = pixels / CAMERA.focal_px / (1.0 + slope**2)
+        assert sigma == pytest.approx(np.hypot(by_pixel, np.deg2rad(0.04)))
+    assert (bearings.camera_x, bearings.camera_z) == (pose.x, pose.z)
+
+
+def test_sides_are_as_certain_as_two_pixels_at_their_distance_and_the_drift_of_the_car() -> None:
+    view = seen_at(replace(pose_of(CameraMount(), 10.0, 0.0, 0.0), y=0.3), (22.0, 1.1, 0.0))
+    right, left = box_sides(view, 0, 8.0)
+    scale = 8.0 / CAMERA.focal_px
+    columns = view.boxes[0, [2, 0]]
+    assert [right.y_m, left.y_m] == pytest.approx((0.3 + scale * (CAMERA.cx - columns)).tolist())
+    variance = (2.0 * SETTINGS.pixel_sigma * scale) ** 2 + 0.02**2
+    assert right.variance == left.variance == pytest.approx(variance)
