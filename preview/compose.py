@@ -1,7 +1,7 @@
 """Composition of the road preview of each wheel from confirmed tracks."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -56,19 +56,47 @@ def compose(
     return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)
 
 
+class Shape(NamedTuple):
+    """Probable shape of an object under the tyre: profile from its start on, probability, its mean square."""
+
+    start_m: float
+    profile_x: np.ndarray
+    profile: np.ndarray
+    share: float
+    variance: float
+
+
 def mixture(track: Track, y_m: float, x_m: np.ndarray, tyre: Tyre) -> tuple[np.ndarray, np.ndarray]:
     """Height under the tyre (n,) at positions `x_m` on the line y = `y_m`, and its standard deviation.
 
     Mean and spread of all probable kinds of shape, each with its own uncertainty of height.
     """
     mean, square = np.zeros((2, len(x_m)))
-    for share, candidate in track.probable:
-        section = track.section(y_m, candidate)
-        profile_x, profile = tyre_profile(candidate.kind, section.length_m, section.height_m, tyre)
-        shape_variance = share * (1.0 + relative_height_sigma(candidate) ** 2)
-        _add_shape(x_m, section.start_m, profile_x, profile, share, shape_variance, mean, square)
+    for shape in _kept_shapes(track, y_m, tyre):
+        _add_shape(x_m, *shape, mean, square)
     _spread(mean, square)
     return mean, square
+
+
+def _kept_shapes(track: Track, y_m: float, tyre: Tyre) -> list[Shape]:
+    """`_shapes` of the track, formed anew only when its fits or edges have changed."""
+    state = *map(id, track.fits), track.left.y_m, track.right.y_m, tyre
+    kept = track.shapes.get(y_m)
+    if kept is None or kept[0] != state:
+        # The fits are kept too, so that no new one has the identity of an old one.
+        kept = track.shapes[y_m] = state, list(track.fits), _shapes(track, y_m, tyre)
+    return kept[2]
+
+
+def _shapes(track: Track, y_m: float, tyre: Tyre) -> list[Shape]:
+    """All probable shapes of an object on the line y = `y_m`, each with its own uncertainty of height."""
+    shapes = []
+    for share, candidate in track.probable:
+        section = track.section(y_m, candidate)
+        profile = tyre_profile(candidate.kind, section.length_m, section.height_m, tyre)
+        variance = share * (1.0 + relative_height_sigma(candidate) ** 2)
+        shapes.append(Shape(section.start_m, *profile, share, variance))
+    return shapes
 
 
 @njit

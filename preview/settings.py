@@ -1,6 +1,7 @@
 """Settings of the estimator: sensor error model, object priors and thresholds."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Annotated, Literal, get_args
 
 from annotated_types import Interval
@@ -108,7 +109,7 @@ class Settings(Checked):
         bottom_px = self.bottom_bias_px or tuple(one.bottom_bias_px for one in calibration)
         return replace(self, top_bias_px=top_px, bottom_bias_px=bottom_px)
 
-    @property
+    @cached_property
     def edge_bias_px(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Edge bias of each class, top and bottom; that of the shipped weights where none is set."""
         known = self.calibrated(DEFAULT_CALIBRATION)

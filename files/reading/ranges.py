@@ -72,8 +72,10 @@ class Checked:
 def check(values: Any) -> None:
     """Raise InputError, naming the field, unless all numbers of a dataclass lie in their ranges."""
     cls: Any = type(values)
-    for name, hint in _ranged(cls):
-        _check(name, getattr(values, name), hint)
+    for name, hint, number in _ranged(cls):
+        value = getattr(values, name)
+        if number is None or not number.in_range(value):
+            _check(name, value, hint)
 
 
 def number_of(hint: Any) -> Number | None:
@@ -117,9 +119,11 @@ def numbers_in(hint: Any) -> Iterator[Number]:
 
 
 @cache
-def _ranged(cls: Any) -> tuple[tuple[str, Any], ...]:
+def _ranged(cls: Any) -> tuple[tuple[str, Any, Number | None], ...]:
+    """Names and annotations of the fields that hold numbers, with the range of a single one."""
     hints = get_type_hints(cls, include_extras=True)
-    return tuple((f.name, hints[f.name]) for f in fields(cls) if any(True for _ in numbers_in(hints[f.name])))
+    named = [(f.name, hints[f.name]) for f in fields(cls)]
+    return tuple((name, hint, number_of(hint)) for name, hint in named if any(True for _ in numbers_in(hint)))
 
 
 def _check(name: str, value: Any, hint: Any) -> None:

@@ -87,7 +87,7 @@ class EgoMotion:
         if len(axles) not in (1, 2):
             raise InputError(f"axle_x_m must name 1 or 2 axles, got {len(axles)}")
         self.axle_x_m = np.asarray(axles, dtype=float)
-        self._wheels_of_axle = [np.flatnonzero(np.asarray(axle_x_m) == x) for x in axles]
+        self._wheels_of_axle = [[wheel for wheel, at in enumerate(axle_x_m) if at == x] for x in axles]
         self.settings = settings
         self.x_m = x_m
         self._tyre_compliance = (facts or VehicleFacts.typical(len(axle_x_m))).tyre_compliance
@@ -211,4 +211,5 @@ class EgoMotion:
         return float((front * axle_values[1] - rear * axle_values[0]) / (front - rear))
 
     def _over_axles(self, values: np.ndarray) -> list[float]:
-        return [values[wheels].mean() for wheels in self._wheels_of_axle]
+        listed = values.tolist()
+        return [sum(listed[wheel] for wheel in wheels) / len(wheels) for wheels in self._wheels_of_axle]

@@ -9,10 +9,11 @@ frame does not follow the roughness under the wheels. Where the grade changes it
 """
 
 from collections import deque
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from foreride.files.jit import njit
 from foreride.preview.ego_motion.grade_change_detector import GradeChangeDetector
 from foreride.preview.settings import Settings
 
@@ -67,17 +68,10 @@ class HeavePitchFilter:
 
     def predict(self, step: float, acceleration: float, pitch_rate: float) -> None:
         """Prediction over `step` seconds with mean readings at the centre of gravity (m/s², rad/s)."""
-        s, settings = self.state, self.settings
-        body_acceleration = acceleration - s[ACCELEROMETER]
-        s[HEAVE] += step * (s[RATE] + 0.5 * step * body_acceleration)
-        s[RATE] += step * body_acceleration
-        s[PITCH] += step * (pitch_rate - s[GYRO]) if len(self._observation) > 1 else 0.0
-        transition = np.eye(5)
-        transition[HEAVE, RATE] = step
-        transition[RATE, ACCELEROMETER] = transition[PITCH, GYRO] = -step
-        self.covariance = transition @ self.covariance @ transition.T
-        self.covariance[RATE, RATE] += settings.accelerometer_noise_m_s2**2 * step
-        self.covariance[PITCH, PITCH] += np.deg2rad(settings.gyro_noise_deg_s) ** 2 * step
+        settings, has_pitch = self.settings, len(self._observation) > 1
+        noises = settings.accelerometer_noise_m_s2, np.deg2rad(settings.gyro_noise_deg_s)
+        readings = acceleration, pitch_rate if has_pitch else 0.0
+        _predict(self.state, self.covariance, step, *readings, *noises, has_pitch)
 
     def level(self, deflection: np.ndarray, step: float, speed_m_s: float = 0.0) -> PlaneUpdate | None:
         """Correction of the road heights under the axles to the road plane.
@@ -123,12 +117,56 @@ class HeavePitchFilter:
         return PlaneUpdate(float(correction[HEAVE]), float(correction[PITCH]))
 
     def _correct(self, deflection: np.ndarray, sigma_m: float) -> None:
-        for row, measured in zip(self._observation, deflection, strict=True):
-            cross_covariance = self.covariance @ row
-            gain = cross_covariance / (row @ cross_covariance + sigma_m**2)
-            self.state += gain * (measured - row @ self.state)
-            self.covariance -= np.outer(gain, cross_covariance)
+        _correct(self.state, self.covariance, self._observation, deflection, sigma_m)
 
     def road_m(self, deflection: np.ndarray) -> np.ndarray:
         """Height of the road under each axle, m."""
         return self._observation @ self.state - deflection
+
+
+@njit
+def _predict(
+    s: Any,
+    covariance: Any,
+    step: float,
+    acceleration: float,
+    pitch_rate: float,
+    acceleration_noise: float,
+    rate_noise: float,
+    has_pitch: bool,
+) -> None:
+    body_acceleration = acceleration - s[ACCELEROMETER]
+    s[HEAVE] += step * (s[RATE] + 0.5 * step * body_acceleration)
+    s[RATE] += step * body_acceleration
+    if has_pitch:
+        s[PITCH] += step * (pitch_rate - s[GYRO])
+    for k in range(len(s)):
+        covariance[HEAVE, k] += step * covariance[RATE, k]
+        covariance[RATE, k] -= step * covariance[ACCELEROMETER, k]
+        covariance[PITCH, k] -= step * covariance[GYRO, k]
+    for k in range(len(s)):
+        covariance[k, HEAVE] += step * covariance[k, RATE]
+        covariance[k, RATE] -= step * covariance[k, ACCELEROMETER]
+        covariance[k, PITCH] -= step * covariance[k, GYRO]
+    covariance[RATE, RATE] += acceleration_noise**2 * step
+    covariance[PITCH, PITCH] += rate_noise**2 * step
+
+
+@njit
+def _correct(s: Any, covariance: Any, observation: Any, measured: Any, sigma_m: float) -> None:
+    """Take in the heights of the axles one after the other."""
+    size = len(s)
+    cross = np.empty(size)
+    for axle in range(len(observation)):
+        row, variance, rest = observation[axle], sigma_m**2, measured[axle]
+        for i in range(size):
+            cross[i] = 0.0
+            for k in range(size):
+                cross[i] += covariance[i, k] * row[k]
+            variance += row[i] * cross[i]
+            rest -= row[i] * s[i]
+        for i in range(size):
+            gain = cross[i] / variance
+            s[i] += gain * rest
+            for k in range(size):
+                covariance[i, k] -= gain * cross[k]

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -68,6 +68,7 @@ class Track:
     variance_ratio: of the residuals, see `preview.tracking.plane_residual`. turned_rad: total rotation of the
     road plane since the first detection. wheel_compared: whether the wheel's profile was compared with it.
     mark_position: near edge and sigma by `preview.geometry.cross_ratio`, which then replace those of the fit.
+    shapes: cache of `preview.compose`, by lateral position.
     """
 
     identity: int
@@ -91,6 +92,7 @@ class Track:
     class_log_odds: float = 0.0
     mark_position: tuple[float, float] | None = None
     turned_rad: float = 0.0
+    shapes: dict[float, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def best(self) -> Fit:

@@ -34,6 +34,18 @@ def test_equal_evidence_gives_the_mean_of_both_and_their_difference_as_doubt() -
     assert sigma[apart] > 1.05 * relative * mean[apart]
 
 
+def test_a_new_fit_and_a_moved_edge_give_new_shapes() -> None:
+    hump = track(HUMP)
+    before = mixture(hump, 0.7, X_M, Tyre())[0]
+    hump.fits[0] = hump.fits[0]._replace(state=1.02 * hump.fits[0].state)
+    after = mixture(hump, 0.7, X_M, Tyre())[0]
+    assert np.abs(after - before).max() > 1e-3
+    hole = Track(0, 1, 0.0, 5.0, Edge(-2.0, 1e-4), Edge(2.0, 1e-4), first_fits(1, 30.0, 0.05, KNOWN)[:1])
+    before = mixture(hole, 0.7, X_M, Tyre())[0]
+    hole.left.update(1.0, 1e-5)
+    assert np.abs(mixture(hole, 0.7, X_M, Tyre())[0] - before).max() > 1e-4
+
+
 def test_clear_evidence_leaves_one_kind() -> None:
     both = track(HUMP, SINUSOIDAL, costs=(1.0, 9.0))
     assert [one.kind for _, one in both.probable] == [HUMP]

@@ -15,6 +15,7 @@ Bosch's SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerome
 
 from collections import deque
 from dataclasses import dataclass, field, fields
+from functools import lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -133,6 +134,7 @@ class ChannelLayout(NamedTuple):
     acceleration: slice
 
 
+@lru_cache(maxsize=64)
 def channel_layout(wheels: int) -> ChannelLayout:
     """Return the layout of the channels for this number of wheels."""
     body_acc, wheel_acc, rattle = (slice(i * wheels, (i + 1) * wheels) for i in range(3))
