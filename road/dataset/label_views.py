@@ -50,7 +50,8 @@ def render_road(job: Job) -> list[dict]:
     road = random_road(rng, appearance, *((LARGE_HOLES,) if job.near else ()))
     if job.plain:
         road, appearance = replace(road, features=()), with_distractors(appearance, rng)
-        appearance = replace(appearance, arrows=_arrows(job))
+    if job.plain or job.near:
+        appearance = replace(appearance, **_more_to_see(job))
     scene = Scene(road, appearance, int(rng.integers(1 << 31)))
     flat_objects = scene.flat_objects()
     roadside = static_objects(rng, appearance)
@@ -82,9 +83,11 @@ def render_road(job: Job) -> list[dict]:
     return rows
 
 
-def _arrows(job: Job) -> float:
-    """Density of arrows on one road, from a generator of its own."""
-    return float(max(0.0, np.random.default_rng((job.seed, job.split, job.road, 1)).uniform(-0.5, 1.0)))
+def _more_to_see(job: Job) -> dict[str, float]:
+    """Densities of arrows, delaminations and floods on one road, from a generator of its own."""
+    rng = np.random.default_rng((job.seed, job.split, job.road, 1))
+    arrows, delamination, flooding = (float(max(0.0, v)) for v in rng.uniform(-0.5, (1.0, 1.0, 0.8)))
+    return {"arrows": arrows} if job.plain else {"delamination": delamination, "flooding": flooding}
 
 
 def _views(job: Job, rng: np.random.Generator, road: Road) -> Iterator[tuple[float, Camera, CameraPose]]:

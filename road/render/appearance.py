@@ -43,8 +43,9 @@ class Appearance(Checked):
     night; `glare` is the glare of a low sun in the image; `motion_blur_px` is the distance that a point at
     the lower edge of the image travels during the exposure; `distortion` is the radial coefficient of the
     lens, negative for barrel distortion; `fatigue` is the density of alligator cracking, around potholes
-    and elsewhere; `arrows` is the density of arrows on the lanes. Fields from `paint_wear` on are 0 by
-    default. Raises InputError for values out of range.
+    and elsewhere; `arrows` is the density of arrows on the lanes; `delamination` is the share of the shallow
+    potholes that are lost top layers, `flooding` that of all potholes under water. Fields from `paint_wear`
+    on are 0 by default. Raises InputError for values out of range.
     """
 
     light: str = "overcast"
@@ -81,6 +82,8 @@ class Appearance(Checked):
     distortion: Annotated[float, Interval(ge=-0.15, le=0.1), "1"] = 0.0
     fatigue: Share = 0.0
     arrows: Share = 0.0
+    delamination: Share = 0.0
+    flooding: Share = 0.0
 
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():

@@ -8,7 +8,7 @@ from foreride.road.features.feature import Bump, Fitting, Pothole, RoadFeature
 from foreride.road.render.appearance import Appearance
 from foreride.road.render.map_tile import CELL_M, Block
 from foreride.road.render.noise import fractal
-from foreride.road.render.paint import crumbled_potholes
+from foreride.road.render.paint import crumbled_potholes, worn_potholes
 from foreride.road.render.paint.joints_and_covers import fitting_albedo
 
 MARGIN_M = 0.6  # reach of the debris around a pothole
@@ -168,16 +168,28 @@ def _rubber(
 def _pothole(
     block: Block, spot: FeatureCells, hole: Pothole, rng: np.random.Generator, appearance: Appearance
 ) -> None:
+    shallow = hole.depth_m <= worn_potholes.LAYER_DEPTH_M
+    if shallow and appearance.delamination and rng.random() < appearance.delamination:
+        worn_potholes.delaminate(block, spot.part, hole, _pothole_cells(hole, spot, rng), rng)
+    else:
+        _broken_pothole(block, spot, hole, rng, appearance)
+    if appearance.flooding and rng.random() < appearance.flooding:
+        worn_potholes.flood(block, spot.part, hole, _pothole_cells(hole, spot, rng), rng)
+
+
+def _pothole_cells(
+    hole: Pothole, spot: FeatureCells, rng: np.random.Generator
+) -> crumbled_potholes.PotholeCells:
+    lumps, stones = (_noise_at(hole, spot, octaves, rng) for octaves in ((0.5, 0.5, 0.5, 0.4), (1.0,)))
+    return crumbled_potholes.PotholeCells(spot.x, spot.y, spot.inside, lumps, stones)
+
+
+def _broken_pothole(
+    block: Block, spot: FeatureCells, hole: Pothole, rng: np.random.Generator, appearance: Appearance
+) -> None:
     if appearance.decay and rng.random() < 0.35 + 0.5 * appearance.decay:
-        lumps, stones = (_noise_at(hole, spot, octaves, rng) for octaves in ((0.5, 0.5, 0.5, 0.4), (1.0,)))
-        crumbled_potholes.paint(
-            block,
-            spot.part,
-            hole,
-            crumbled_potholes.PotholeCells(spot.x, spot.y, spot.inside, lumps, stones),
-            rng,
-            appearance,
-        )
+        cells = _pothole_cells(hole, spot, rng)
+        crumbled_potholes.paint(block, spot.part, hole, cells, rng, appearance)
         return
     relative_depth = np.clip(-np.asarray(hole.height(spot.x, spot.y)) / hole.depth_m, 0, 1).astype(np.float32)
     lumps = _noise_at(hole, spot, (0.5, 0.5, 0.5, 0.5), rng)
