@@ -51,7 +51,7 @@ def render_road(job: Job) -> list[dict]:
     if job.plain:
         road, appearance = replace(road, features=()), with_distractors(appearance, rng)
     if job.plain or job.near:
-        appearance = replace(appearance, **_more_to_see(job))
+        appearance = _with_more_to_see(appearance, job)
     scene = Scene(road, appearance, int(rng.integers(1 << 31)))
     flat_objects = scene.flat_objects()
     roadside = static_objects(rng, appearance)
@@ -83,11 +83,13 @@ def render_road(job: Job) -> list[dict]:
     return rows
 
 
-def _more_to_see(job: Job) -> dict[str, float]:
-    """Densities of arrows, delaminations and floods on one road, from a generator of its own."""
+def _with_more_to_see(appearance: Appearance, job: Job) -> Appearance:
+    """The same appearance with arrows, or delaminated and flooded potholes, from a generator of its own."""
     rng = np.random.default_rng((job.seed, job.split, job.road, 1))
     arrows, delamination, flooding = (float(max(0.0, v)) for v in rng.uniform(-0.5, (1.0, 1.0, 0.8)))
-    return {"arrows": arrows} if job.plain else {"delamination": delamination, "flooding": flooding}
+    if job.plain:
+        return replace(appearance, arrows=arrows)
+    return replace(appearance, delamination=delamination, flooding=flooding)
 
 
 def _views(job: Job, rng: np.random.Generator, road: Road) -> Iterator[tuple[float, Camera, CameraPose]]:

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("torch")
 
 from benchmarks.paper import training
-from benchmarks.paper.ladder import main
+from benchmarks.paper.ladder import ALL, main
 from tests.detector import roads
 
 
@@ -62,3 +62,41 @@ def test_a_folder_that_does_not_tell_how_it_was_trained_is_refused(
 def test_an_unknown_row_is_told_the_known_ones(words: list[str], capsys: pytest.CaptureFixture) -> None:
     assert main([*words, "--rows", "ciou,nwd2"]) == 2
     assert "--rows: must be of ciou, alpha 0.75" in capsys.readouterr().err
+
+
+def test_the_whole_ladder_is_one_command_and_trains_no_row_twice(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Training is replaced by its last line of history; the options are those of the rows."""
+    asked: dict[str, list[str]] = {}
+
+    def train(words: list[str]) -> int:
+        out = Path(words[words.index("--out") + 1])
+        out.mkdir(parents=True)
+        asked[out.name] = words
+        seed = int(words[words.index("--seed") + 1])
+        line = {
+            "passes": 4,
+            "size": "96x64",
+            "map50": 0.1 * seed,
+            "map50_95": 0.1,
+            "precision": 0,
+            "recall": 0,
+        }
+        (out / "history.jsonl").write_text(json.dumps(line) + "\n")
+        return 0
+
+    monkeypatch.setattr(training, "train", train)
+    out = tmp_path / "rows.json"
+    words[words.index("nwd")] = "all"
+    assert main([*words, "--seeds", "0,1", "--rate", "0.004", "--json", str(out)]) == 0
+    rows = {row["row"]: row for row in json.loads(out.read_text())}
+    assert len(rows) == len(ALL) == 16
+    assert set(asked) == {*ALL, *(f"{name} seed 1" for name in ALL)}
+    assert all((row["map50"], row["map50_sigma"]) == (0.05, 0.05) for row in rows.values())
+    options = [
+        [w for w in words[words.index("--seed") + 2 :] if "teacher" not in w] for words in asked.values()
+    ]
+    assert len({tuple(o) for o in options}) == len(ALL)  # no two rows with the same options
+    taught = {name for name, words in asked.items() if "--teacher" in words}
+    assert taught == {f"{name}{seed}" for name in ("+bckd", "+cwd", "+bckd+cwd") for seed in ("", " seed 1")}
