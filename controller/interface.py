@@ -16,6 +16,21 @@ ALL_SILENT = "all sensors silent"
 
 
 @dataclass(frozen=True)
+class Identified:
+    """Car as identified in the drive, over the known one: see `controller.identification`.
+
+    mass: of the body, with its inertias. damper: of the dampers' force. *_sigma: standard deviations.
+    delay_s: of the commands, beyond the known delay.
+    """
+
+    mass: float = 1.0
+    damper: float = 1.0
+    mass_sigma: float = 0.3
+    damper_sigma: float = 0.3
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True)
 class Estimate:
     """Estimated state of the vehicle and the road under its wheels at one instant.
 
@@ -28,6 +43,7 @@ class Estimate:
     faults: names of the present faults (sensors, timing); empty if there are none.
     forward_acc: commanded forward acceleration, m/s²; 0 where the controllers do not know it.
     contact: (wheels,) False while a wheel is off the ground; its `road_height` is then an upper bound.
+    identified: the car as identified so far.
     """
 
     time_s: float
@@ -38,6 +54,7 @@ class Estimate:
     contact: np.ndarray
     faults: tuple[str, ...] = ()
     forward_acc: float = 0.0
+    identified: Identified = Identified()
 
     def is_finite(self) -> bool:
         """Whether all numbers of the estimate are finite."""

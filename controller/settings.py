@@ -175,6 +175,8 @@ class MpcSettings(Checked):
     rho: weight of the relative tyre load, as in the objective J, (m/s²)².
     input_weight: weight of (c − 1)², c in kN·s/m; keeps the program definite at rest.
     move_weight: weight of the square of the change of c from one period to the next, c in kN·s/m.
+    adapts: whether predictions are those of the car as identified in the drive (body mass, damper strength,
+    delay of the commands) once it differs significantly from the car as known.
     force: use of the actuators, if the car has any.
     limits: soft limits of tyre load and travel.
     road: fusion of preview and measurement.
@@ -186,6 +188,7 @@ class MpcSettings(Checked):
     rho: LoadWeight = 3.0
     input_weight: Annotated[float, Interval(ge=1e-9, le=1e6), "(m/s²)²/(kN·s/m)²"] = 1e-3
     move_weight: Annotated[float, Interval(ge=0.0, le=1e6), "(m/s²)²/(kN·s/m)²"] = 0.0
+    adapts: bool = True
     force: ForceSettings = field(default_factory=ForceSettings)
     limits: LimitSettings = field(default_factory=LimitSettings)
     road: RoadSettings = field(default_factory=RoadSettings)

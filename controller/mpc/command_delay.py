@@ -17,17 +17,21 @@ class DelayedCommand(NamedTuple):
 
 
 class CommandDelayLine:
-    """Delay line of issued commands, each of which acts `delay_s` after its issue until the next one acts."""
+    """Delay line of issued commands, each of which acts `delay_s` after its issue until the next one acts.
 
-    def __init__(self, timing: Timing, initial: np.ndarray):
+    delay_s: at first that of the timing; at most `longest_s` longer.
+    """
+
+    def __init__(self, timing: Timing, initial: np.ndarray, longest_s: float = 0.0):
         self._timing = timing
-        self._count = int(np.ceil(timing.delay_s / timing.period_s - 1e-9))
+        self._longest = _periods(timing.delay_s + longest_s, timing.period_s)
         self._initial = initial
         self.reset()
 
     def reset(self) -> None:
         """Fill the line with the initial command."""
-        self._issued = deque([self._initial] * self._count, maxlen=self._count)
+        self.delay_s = self._timing.delay_s
+        self._issued = deque([self._initial] * self._longest, maxlen=self._longest)
 
     def issue(self, command: np.ndarray) -> None:
         """Append the command issued now."""
@@ -41,8 +45,14 @@ class CommandDelayLine:
     def pending(self) -> list[DelayedCommand]:
         """Return the commands that act from now until one issued now would act; empty without delay."""
         period, pending, start = self._timing.period_s, [], 0.0
-        for i, command in enumerate(self._issued):
-            end = self._timing.delay_s - (self._count - 1 - i) * period
+        count = min(_periods(self.delay_s, period), self._longest)
+        for i, command in enumerate(list(self._issued)[self._longest - count :]):
+            end = self.delay_s - (count - 1 - i) * period
             pending.append(DelayedCommand(start, end - start, command))
             start = end
         return pending
+
+
+def _periods(delay_s: float, period_s: float) -> int:
+    """Number of commands under way."""
+    return int(np.ceil(delay_s / period_s - 1e-9))

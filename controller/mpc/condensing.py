@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from foreride.controller.mpc.prediction_model import PredictionModel
+from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.files.jit import njit
@@ -40,7 +40,7 @@ class Condenser:
         input_weights: np.ndarray,
     ):
         steps, intervals, inputs = len(grid.step_s), len(grid.intervals_s), input_size(model.vehicle)
-        self._model, self._terminal, self._steps = model, terminal, steps
+        self._model, self._steps = model, steps
         self._interval = grid.interval
         self._weights = grid.step_s / period_s
         lengths = np.array(grid.intervals_s) / period_s
@@ -50,14 +50,20 @@ class Condenser:
         padded = -(-steps // lanes) * lanes
         # One column per step; the state reached by a step is written where the next step starts.
         self._points = np.zeros((model.linearise.rows_in, padded + 1))
-        self._points[-1] = grid.step_s[-1]
-        self._points[-1, :steps] = grid.step_s
+        self._points[-len(KNOWN) - 1] = grid.step_s[-1]
+        self._points[-len(KNOWN) - 1, :steps] = grid.step_s
+        self.adapt(KNOWN, terminal)
         self._results = np.zeros((model.linearise.rows_out, padded))
         self._advance = model.advance.bind(self._points, self._points[:, 1:], steps)
         self._linearise = model.linearise.bind(self._points, self._results, padded)
         self._entries = _entries(model)
         self._hessian = np.zeros((intervals * inputs, intervals * inputs))
         self._gradient = np.zeros(intervals * inputs)
+
+    def adapt(self, ratios: tuple[float, float], terminal: TerminalCost) -> None:
+        """Predict for a car with these ratios of the model, with its own terminal cost."""
+        self._points[-len(KNOWN) :] = np.array(ratios)[:, None]
+        self._terminal = terminal
 
     @property
     def states(self) -> np.ndarray:

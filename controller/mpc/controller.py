@@ -9,11 +9,12 @@ from typing import Literal
 import numpy as np
 
 from foreride.controller.command_limits import KILO, command_limits, passive_command, plan_limits
-from foreride.controller.interface import BaseController, Estimate, Timing
+from foreride.controller.identification.car_identifier import LONGEST_DELAY_S
+from foreride.controller.interface import BaseController, Estimate, Identified, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
 from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
-from foreride.controller.mpc.terminal_cost import terminal_cost
+from foreride.controller.mpc.terminal_cost import TerminalCosts
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
@@ -47,7 +48,8 @@ class PredictiveController(BaseController):
         self._wheelbase = WheelbasePreview(vehicle) if measures else None
         period = self._timing.period_s
         self._model = prediction_model(vehicle, self._settings.rho)
-        terminal = terminal_cost(self._model, period)
+        self._terminal = TerminalCosts(self._model, period)
+        terminal = self._terminal.of()
 
         def program(length_s: float) -> Program:
             return Program(vehicle, self._model, terminal, self._settings, self._timing, length_s)
@@ -60,7 +62,8 @@ class PredictiveController(BaseController):
         self._command_min, self._command_max = command_limits(vehicle)
         self._plan_min, self._plan_max = plan_limits(vehicle)
         self._filter = ComfortFilter(vehicle, period)
-        self._delay_line = CommandDelayLine(self._timing, self._passive)
+        longest_s = LONGEST_DELAY_S if self._settings.adapts else 0.0
+        self._delay_line = CommandDelayLine(self._timing, self._passive, longest_s)
         self._road = RoadReference(vehicle.wheels, self._settings.road, leading_wheels(vehicle))
         self.reset()
 
@@ -74,6 +77,7 @@ class PredictiveController(BaseController):
         self._road.reset()
         if self._wheelbase is not None:
             self._wheelbase.reset()
+        self._adapt(Identified())
         self.problem, self.active = None, ()
 
     def step(self, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
@@ -81,6 +85,8 @@ class PredictiveController(BaseController):
 
         If `problem` is set afterwards, the solver failed and the command is that of the last valid plan.
         """
+        if self._settings.adapts and estimate.identified is not self._identified:
+            self._adapt(estimate.identified)
         self._plan = self._program.shift @ self._plan
         measured = self._wheelbase.update(estimate) if self._wheelbase is not None else None
         previewed = preview if self._preview_source == "preview" else None
@@ -99,6 +105,15 @@ class PredictiveController(BaseController):
         self._delay_line.replace_last(command)
         self._issued = command
 
+    def _adapt(self, identified: Identified) -> None:
+        """Predict for the car as identified."""
+        self._identified = identified
+        self._ratios = identified.mass, identified.damper
+        self._delay_line.delay_s = self._timing.delay_s + identified.delay_s
+        terminal = self._terminal.of(identified.mass)
+        for program in (self._reactive_program, self._preview_program):
+            program.adapt(self._ratios, terminal)
+
     def _use(self, program: Program) -> None:
         """Continue the plan on the horizon of this program."""
         self._plan = program.adopted(self._plan, self._program.grid)
@@ -108,7 +123,7 @@ class PredictiveController(BaseController):
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
-        roads = road.roads(program.node_times_s)
+        roads = road.roads(program.node_times_s + self._identified.delay_s)
         cost = program.condensed(state, self._plan, roads, road.weights)
         states = program.condense.states
         rows = program.constraints.rows(self._plan, states)
@@ -136,5 +151,5 @@ class PredictiveController(BaseController):
             heights = self._road.heights(start + grid.nodes_s)
             for i, step_s in enumerate(grid.step_s):
                 ends = heights[:, i], heights[:, i + 1]
-                state = np.array(self._model.step(state, command / KILO, *ends, step_s))[:, 0]
+                state = np.array(self._model.step(state, command / KILO, *ends, step_s, self._ratios))[:, 0]
         return state

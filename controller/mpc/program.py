@@ -44,6 +44,10 @@ class Program:
         # The program of one wheel is small enough as it is.
         self._blocks = MoveBlocks(len(self.shift), vehicle.wheels, forces) if forces > 1 else None
 
+    def adapt(self, ratios: tuple[float, float], terminal: TerminalCost) -> None:
+        """Predict for a car with these ratios of the model, with its own terminal cost."""
+        self.condense.adapt(ratios, terminal)
+
     def condensed(
         self, state: np.ndarray, plan: np.ndarray, roads: np.ndarray, weights: np.ndarray
     ) -> Condensed:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_continuous_lyapunov
 
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import PredictionModel, derivative
+from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel, derivative
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.state_layout import state_layout
@@ -24,38 +24,54 @@ class TerminalCost:
     rest: np.ndarray
 
 
+class TerminalCosts:
+    """Terminal costs of a model's car with constant damping (None: passive), for any ratio of its mass.
+
+    Dampers are taken as linear even if those of the car are not, and as strong as known: weaker ones will be
+    set harder.
+    """
+
+    def __init__(
+        self, model: PredictionModel, period_s: float, damping_ns_m: np.ndarray | None = None
+    ) -> None:
+        vehicle = model.vehicle
+        settings = state_layout(vehicle).damping
+        damping = DampingLimits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
+        self._slopes, self._at = _slopes(model, damping), np.zeros(model.n_x)
+        self._at[settings] = damping
+        self._rows, self._period_s = np.r_[0 : settings.start, settings.stop : model.n_x], period_s
+        self._rest = np.zeros((model.n_x, vehicle.wheels))
+        self._rest[: equations.state_size(vehicle)] = equations.rest_per_road_height(vehicle)
+
+    def of(self, mass: float = 1.0) -> TerminalCost:
+        """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest.
+
+        C gives the weighted outputs of the cost; P is divided by the period, the unit of time of the cost.
+        Bump stops and lift-off play no part; the damper states have no weight, as they have no effect at
+        rest.
+        """
+        rows, size = self._rows, len(self._at)
+        a, c = (np.array(slope) for slope in self._slopes(self._at, (mass, 1.0)))
+        outputs = c[:, rows].T @ c[:, rows]
+        p = solve_continuous_lyapunov(a[np.ix_(rows, rows)].T, -outputs) / self._period_s
+        root = np.zeros((size, size))
+        root[np.ix_(rows, rows)] = cholesky(p + 1e-9 * np.eye(len(rows)))
+        return TerminalCost(root, self._rest)
+
+
 def terminal_cost(
     model: PredictionModel, period_s: float, damping_ns_m: np.ndarray | None = None
 ) -> TerminalCost:
-    """Solve AᵀP + PA + CᵀC = 0 for the car linearised at rest with constant damping (None: passive).
-
-    Dampers are taken as linear even if those of the car are not. C gives the weighted outputs of the cost; P
-    is divided by `period_s`, the unit of time of the cost. Bump stops and lift-off play no part; the damper
-    states have no weight, as they have no effect at rest.
-    """
-    vehicle = model.vehicle
-    damping = DampingLimits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
-    a, c = _linear(model, damping)
-    settings = state_layout(vehicle).damping
-    state_rows = np.r_[0 : settings.start, settings.stop : model.n_x]
-    p = (
-        solve_continuous_lyapunov(a[np.ix_(state_rows, state_rows)].T, -c[:, state_rows].T @ c[:, state_rows])
-        / period_s
-    )
-    root = np.zeros((model.n_x, model.n_x))
-    root[np.ix_(state_rows, state_rows)] = cholesky(p + 1e-9 * np.eye(len(state_rows)))
-    rest = np.zeros((model.n_x, vehicle.wheels))
-    rest[: equations.state_size(vehicle)] = equations.rest_per_road_height(vehicle)
-    return TerminalCost(root, rest)
+    """Terminal cost of the car as known: see `TerminalCosts`."""
+    return TerminalCosts(model, period_s, damping_ns_m).of()
 
 
-def _linear(model: PredictionModel, damping_ns_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _slopes(model: PredictionModel, damping_ns_m: np.ndarray) -> casadi.Function:
+    """(state, ratios) → Jacobians of its rate of change and of the outputs."""
     vehicle = replace(model.vehicle, damper=IdealDamper())
-    x = casadi.SX.sym("x", model.n_x)
+    x, ratios = casadi.SX.sym("x", model.n_x), casadi.SX.sym("ratios", len(KNOWN))
     flat = casadi.SX.zeros(vehicle.wheels)
-    rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat)
-    slopes = casadi.Function("f", [x], [casadi.jacobian(e, x) for e in (rates, model.outputs(x))])
-    rest = np.zeros(model.n_x)
-    rest[state_layout(vehicle).damping] = damping_ns_m
-    a, c = slopes(rest)
-    return np.array(a), np.array(c)
+    rates = derivative(vehicle, x, casadi.SX(damping_ns_m / KILO), flat, flat, ratios)
+    return casadi.Function(
+        "f", [x, ratios], [casadi.jacobian(e, x) for e in (rates, model.outputs(x, ratios))]
+    )

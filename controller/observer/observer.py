@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
@@ -9,7 +10,7 @@ from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
 from foreride.vehicle.arithmetic import FLOATS
 from foreride.vehicle.corner_inertia import corner_inertia
-from foreride.vehicle.equations import body_acceleration, forces, rest_state
+from foreride.vehicle.equations import body_acceleration, forces
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
 from foreride.vehicle.state_layout import state_layout
@@ -53,15 +54,14 @@ class Observer:
         self._mass = corner_inertia(vehicle)
         arms = np.array(vehicle.inertial_lever_arm_m)
         self._balance_floor = np.array([1.0, *np.full(len(arms) - 1, 3.0)]) ** 2 * BALANCE_SIGMA_M_S2**2
-        self._body_load = vehicle.generalised_mass[0] * arms
+        self._body_mass = np.array(vehicle.generalised_mass)
+        self._body_load = self._body_mass[0] * arms
         self._load_transfer = force_distribution @ self._body_load
         self._static = np.array([corner.static_tyre_n for corner in corners])
         self._stiffness = np.array([corner.tyre_n_m for corner in corners])
         self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
-        lags = np.array([corner.damper_lag_s for corner in corners])
-        self._damper_gain = -np.expm1(-timing.period_s / lags)
+        self._identifier = CarIdentifier(vehicle, timing.period_s)
         self._state, self._channels = state_layout(vehicle), channel_layout(vehicle.wheels)
-        self._passive = rest_state(vehicle)[self._state.damping]
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
         self.reset()
 
@@ -70,7 +70,7 @@ class Observer:
         self._count = self._balances = 0
         self._filter.reset()
         self._plane.reset()
-        self._damping = self._passive.copy()
+        self._identifier.reset()
         self._force = np.zeros(len(self._actuators))
         self._deflection = np.zeros(self._wheels)
         self._road = np.zeros(self._wheels)
@@ -99,10 +99,12 @@ class Observer:
         previous_speed, speed_m_s = self._speed, self._smooth_speed(float(measurement.speed_m_s), forward_acc)
         faster = self._relative_change(previous_speed, speed_m_s)
         acceleration, deflection_variance = self._follow_motion(checked, speed_m_s)
-        self._damping = self._damping + self._damper_gain * (command[:w] - self._damping)
+        self._identifier.follow(command[:w])
         if self._actuators:
             self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
         self._count += 1
+        if not any(checked.lost):
+            self._identify(acceleration)
         if self._count % max(round(BALANCE_PERIOD_S / self._period_s), 1) == 0 and not any(checked.lost):
             self._balance_forces(acceleration, speed_m_s)
         previous_road = self._road
@@ -120,6 +122,7 @@ class Observer:
             contact=contact,
             faults=checked.faults,
             forward_acc=forward_acc or 0.0,
+            identified=self._identifier.result,
         )
 
     def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
@@ -179,20 +182,42 @@ class Observer:
 
         The first comparisons tell sensors that are as specified from others, of which less is believed.
         """
-        own, inertial = self._filter, self._body_load * self._forward_acc
-        modelled = (self._plane.kinematic_rows.T @ self._struts() - inertial) / self._vehicle.generalised_mass
-        measured = self._body @ (acceleration - own.state[own.rows.offset])[: self._wheels]
+        own, mass = self._filter, self._identifier.result.mass
+        modelled = self._plane.kinematic_rows.T @ self._struts() / (mass * self._body_mass) - self._inertial
+        measured = self._measured(acceleration)
         excess, variance = measured - modelled, self._balance_floor + (BALANCE_SHARE * modelled) ** 2
         self._plane.adjust(own.balance(excess, variance), speed_m_s)
         self._balances += 1
         if self._balances == FIRST_BALANCES and np.abs(own.unspecified()).max() < BELIEVED_SIGMAS:
             self._plane.adjust(own.confirm(), speed_m_s)
 
+    def _measured(self, acceleration: np.ndarray) -> np.ndarray:
+        """Measured acceleration of the body's motions, (body,)."""
+        return np.asarray(
+            self._body @ (acceleration - self._filter.state[self._filter.rows.offset])[: self._wheels]
+        )
+
+    @property
+    def _inertial(self) -> np.ndarray:
+        """Acceleration (body,) against that by the longitudinal inertial force."""
+        return np.asarray(self._body_load * self._forward_acc / self._body_mass)
+
+    def _identify(self, acceleration: np.ndarray) -> None:
+        """Compare the body's acceleration by springs and dampers with that of the known ones."""
+        rows, s = self._filter.rows, self._filter.state
+        by_struts = self._measured(acceleration) + self._inertial
+        if self._actuators:
+            mass = self._identifier.result.mass * self._body_mass
+            by_struts -= self._plane.kinematic_rows.T @ self._force / mass
+        travel, rate = s[rows.body] - s[rows.wheel], s[rows.body_velocity] - s[rows.wheel_velocity]
+        self._identifier.update(by_struts, travel, rate)
+
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
         level = [0.0] * self._wheels
         struts = forces(self._vehicle, self._vehicle_state().tolist(), level, level, FLOATS)
-        return np.sum([struts.spring, struts.damper, struts.stop, struts.actuator], axis=0)
+        damper = self._identifier.result.damper * np.array(struts.damper)
+        return np.sum([struts.spring, damper, struts.stop, struts.actuator], axis=0)
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])
@@ -211,7 +236,9 @@ class Observer:
         Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
         the forces that cancels in the body is taken from the strut model.
         """
-        force = self._mass @ acceleration + self._load_transfer * self._forward_acc
+        ratio, w = self._identifier.result.mass, self._wheels
+        force = ratio * (self._mass[:, :w] @ acceleration[:w] + self._load_transfer * self._forward_acc)
+        force = force + self._mass[:, w:] @ acceleration[w:]
         if self._residual_projection is not None:
             force = force + self._residual_projection @ self._struts()
         rate = self._tyre_damping / self._period_s
@@ -226,7 +253,7 @@ class Observer:
         x[layout.body] = self._body @ s[rows.body]
         x[layout.body_velocity] = self._body @ s[rows.body_velocity]
         x[layout.wheel], x[layout.wheel_velocity] = s[rows.wheel], s[rows.wheel_velocity]
-        x[layout.damping], x[layout.force] = self._damping, self._force
+        x[layout.damping], x[layout.force] = self._identifier.settings, self._force
         return x
 
     @staticmethod

@@ -80,6 +80,8 @@ class MultirateLoop:
         self._rate_hz, self._total = control.rate_hz, scenario.ticks
         self._command = np.array([corner.damping_passive_ns_m for corner in car.corners])
         self._waiting: deque[tuple[int, np.ndarray]] = deque()
+        self._known_delay, self._believed = ticks(control.delay_s), self._command
+        self._expected: deque[tuple[int, np.ndarray]] = deque()
         self._open_loop = False
         self._speed: SpeedControl | None = None
         if scenario.speed_planner:
@@ -126,11 +128,13 @@ class MultirateLoop:
             state = self._plant.state
             self._perception.expose(tick, state)
             asked = not self._open_loop and due(tick, self._rate_hz)
-            estimate = self._sense(state) if asked else None
+            estimate = self._sense(tick, state) if asked else None
             self.events += self._perception.receive(tick)
             if estimate is not None:
                 command = yield self._decision(tick, estimate, state)
-                self._waiting.append((tick + self._delay, np.asarray(command, dtype=float)))
+                issued = np.asarray(command, dtype=float)
+                self._waiting.append((tick + self._delay, issued))
+                self._expected.append((tick + self._known_delay, issued))
             while self._waiting and self._waiting[0][0] <= tick:
                 self._command = self._waiting.popleft()[1]
             following = self._next_event(tick)
@@ -146,7 +150,7 @@ class MultirateLoop:
         for _ in range(count):
             self._plant.step(self._valves.advance(self._command, STEP_S))
 
-    def _sense(self, state: VehicleState) -> Estimate:
+    def _sense(self, tick: int, state: VehicleState) -> Estimate:
         """Read the sensors, before boxes of the same tick, which need the pose at their exposure."""
         reading = self._faults.reading(self.sensors.measure(state))
         self._controller.sensed(reading)
@@ -156,8 +160,10 @@ class MultirateLoop:
         if self.observer is None:
             estimate = self._exact.update(replace(state, x=state.x[: self._states]))
             return replace(estimate, forward_acc=forward_acc or 0.0)
+        while self._expected and self._expected[0][0] < tick:
+            self._believed = self._expected.popleft()[1]
         known, period_s = self._known_valves, 1.0 / self._rate_hz
-        acting = self._command if known.ideal else known.advance(self._command, period_s)
+        acting = self._believed if known.ideal else known.advance(self._believed, period_s)
         estimate = self.observer.update(checked, acting, forward_acc)
         self.estimates.add(estimate)
         return estimate

@@ -55,11 +55,12 @@ def test_slopes_of_the_car_are_the_same_to_the_last_bit(name: str) -> None:
     model = prediction_model(load_vehicle(name))
     rng = np.random.default_rng(0)
     points = rng.normal(size=(model.linearise.rows_in, 8))
-    points[-1] = 0.005
+    points[-3] = 0.005
+    points[-2:] = [[1.2], [0.8]]
     results = np.empty((model.linearise.rows_out, 8))
     model.linearise(points, results, 8)
     wheels = model.vehicle.wheels
-    parts = np.split(points, np.cumsum([model.n_x, wheels, wheels, wheels]))
+    parts = np.split(points, np.cumsum([model.n_x, wheels, wheels, wheels, 1]))
     for point in range(8):
         outputs = model.slopes(*(part[:, point] for part in parts))
         expected = np.concatenate([output.nonzeros() for output in outputs])

@@ -42,3 +42,14 @@ def test_reset_puts_the_first_command_back() -> None:
     pipeline.issue(command(2.0))
     pipeline.reset()
     assert told(pipeline) == [(0.0, 0.01, 1.5)]
+
+
+def test_a_longer_delay_that_turns_out_later_finds_the_earlier_commands() -> None:
+    pipeline = CommandDelayLine(Timing(0.01, 0.0), command(1.5), longest_s=0.03)
+    for value in (1.0, 2.0, 3.0, 4.0):
+        pipeline.issue(command(value))
+    assert told(pipeline) == []
+    pipeline.delay_s = 0.015
+    assert told(pipeline) == [(0.0, 0.005, 3.0), (0.005, 0.01, 4.0)]
+    pipeline.reset()
+    assert told(pipeline) == []

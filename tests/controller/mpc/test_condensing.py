@@ -8,7 +8,7 @@ import pytest
 
 from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.mpc.condensing import Condenser
-from foreride.controller.mpc.prediction_model import PredictionModel, prediction_model
+from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel, prediction_model
 from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.terminal_cost import TerminalCost, terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
@@ -59,8 +59,8 @@ def rollout(
     """Residuals of all intervals, without the condenser."""
     parts = [np.sqrt(input_weights(model)) * (plan.ravel() - nominal(model))]
     for k, (u, h) in enumerate(zip(plan[GRID.interval], GRID.step_s, strict=True)):
-        residuals, *_ = model.slopes(state, u, road[:, k], road[:, k + 1], h)
-        state = np.array(model.step(state, u, road[:, k], road[:, k + 1], h))[:, 0]
+        residuals, *_ = model.slopes(state, u, road[:, k], road[:, k + 1], h, KNOWN)
+        state = np.array(model.step(state, u, road[:, k], road[:, k + 1], h, KNOWN))[:, 0]
         parts.append(np.sqrt(h / PERIOD_S) * np.array(residuals)[:, 0])
     parts.append(terminal.root @ (state - terminal.rest @ road[:, -1]))
     return np.concatenate(parts)
@@ -137,7 +137,7 @@ def sparse_correction(
     opti.subject_to(opti.bounded(bounds[0].T, du, bounds[1].T))
     cost = casadi.sumsqr(np.sqrt(input_weights(model)) * (casadi.vec(du) + plan.ravel() - nominal(model)))
     for k, (i, h) in enumerate(zip(GRID.interval, GRID.step_s, strict=True)):
-        inputs = (state, plan[i], road[:, k], road[:, k + 1], h)
+        inputs = (state, plan[i], road[:, k], road[:, k + 1], h, KNOWN)
         r, a, b, c = (np.array(value) for value in model.slopes(*inputs))
         change = a @ (scale * dx[:, k]) + b @ du[:, i]
         opti.subject_to(dx[:, k + 1] == change / scale)

@@ -10,6 +10,7 @@ import foreride.controller.mpc.program as program
 from foreride.controller.command_limits import plan_limits
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.controller import PredictiveController
+from foreride.controller.mpc.prediction_model import KNOWN
 from foreride.controller.mpc.qp import Solution
 from foreride.controller.settings import MpcSettings, RoadSettings
 from foreride.vehicle.equations import rest_state
@@ -109,7 +110,7 @@ def test_with_delay_it_plans_from_the_state_at_which_its_command_acts() -> None:
     start = np.concatenate([moving(), np.zeros(2)])
     later = start
     for _ in range(4):
-        later = np.array(model.step(later, 1.5, 0.0, 0.0, 0.005))[:, 0]
+        later = np.array(model.step(later, 1.5, 0.0, 0.0, 0.005, KNOWN))[:, 0]
     np.testing.assert_allclose(planned_from(late, start[:5]), later[:5], rtol=1e-9)
 
 
@@ -156,5 +157,5 @@ def test_an_entry_of_the_plan_at_its_limit_still_acts() -> None:
     for limit in plan_limits(QUARTER):
         for correction in (0.0, 0.1, 0.7, 1.3, -2.1):
             rounded = (limit - correction) + correction
-            by_command = np.array(model.slopes(state, rounded, 0.0, 0.0, 0.005)[2])
+            by_command = np.array(model.slopes(state, rounded, 0.0, 0.0, 0.005, KNOWN)[2])
             assert np.abs(by_command).max() > 0.0

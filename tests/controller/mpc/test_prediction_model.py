@@ -1,5 +1,7 @@
 """Tests of the prediction model against independent integration of equations and comfort filter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -8,8 +10,9 @@ from scipy.signal import StateSpace, lsim
 from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import prediction_model
+from foreride.controller.mpc.prediction_model import KNOWN, prediction_model
 from foreride.vehicle import equations
+from foreride.vehicle.dampers.damper import ScaledDamper
 from foreride.vehicle.load import Car, load_vehicle
 
 
@@ -39,7 +42,7 @@ def test_step_agrees_with_an_adaptive_integrator(name: str, jounce_m: float) -> 
     exact = solve_ivp(f, (0.0, 0.01), x, rtol=1e-10, atol=1e-12, max_step=1e-4).y[:, -1]
     ours = np.concatenate([x, np.zeros(model.n_x - len(x))])
     for start, end in ((0.0, 0.01), (0.01, 0.02)):
-        ours = np.array(model.step(ours, command, start, end, 0.005))[:, 0]
+        ours = np.array(model.step(ours, command, start, end, 0.005, KNOWN))[:, 0]
     ours = ours[: len(x)]
     scale = np.where(equations.rest_state(vehicle) > 0, KILO, 1.0)
     np.testing.assert_allclose(ours / scale, exact / scale, atol=6e-3)
@@ -51,8 +54,8 @@ def test_two_half_steps_make_a_whole_one(name: str) -> None:
     model = prediction_model(vehicle)
     start = np.concatenate([strike(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
     command = np.full(vehicle.wheels, 2.0)
-    half = model.step(model.step(start, command, 0.0, 0.0, 0.0025), command, 0.0, 0.0, 0.0025)
-    whole = model.step(start, command, 0.0, 0.0, 0.005)
+    half = model.step(model.step(start, command, 0.0, 0.0, 0.0025, KNOWN), command, 0.0, 0.0, 0.0025, KNOWN)
+    whole = model.step(start, command, 0.0, 0.0, 0.005, KNOWN)
     np.testing.assert_allclose(np.array(half), np.array(whole), rtol=5e-3, atol=5e-3)
 
 
@@ -65,8 +68,8 @@ def test_comfort_states_follow_the_second_order_filter() -> None:
     felt, weighted = [], []
     for _ in range(400):
         felt.append(equations.body_acceleration(vehicle, state[:5], rest, rest)[0])
-        weighted.append(float(model.outputs(state)[0]))
-        state = np.array(model.step(state, command, 0.0, 0.0, 0.001))[:, 0]
+        weighted.append(float(model.outputs(state, KNOWN)[0]))
+        state = np.array(model.step(state, command, 0.0, 0.0, 0.001, KNOWN))[:, 0]
     a, b, c = wk_second_order().state_space()
     reference = lsim(StateSpace(a, b[:, None], c[None], 0.0), felt, 0.001 * np.arange(400))[1]
     np.testing.assert_allclose(weighted, reference, atol=0.01 * np.abs(reference).max())
@@ -93,8 +96,8 @@ def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> Non
                 equations.body_acceleration(vehicle, x, fine[:, i], rate, vehicle.seat_kinematic_rows)
             )
             tyres.append(equations.forces(vehicle, x, fine[:, i], rate).tyre)
-            inner = np.array(model.step(inner, passive, fine[:, i], fine[:, i + 1], 0.001))[:, 0]
-        residuals = np.array(model.slopes(state, passive, nodes[:, k], nodes[:, k + 1], 0.005)[0])
+            inner = np.array(model.step(inner, passive, fine[:, i], fine[:, i + 1], 0.001, KNOWN))[:, 0]
+        residuals = np.array(model.slopes(state, passive, nodes[:, k], nodes[:, k + 1], 0.005, KNOWN)[0])
         total += float(np.sum(residuals**2))
         state = inner
     metrics = ride_metrics(
@@ -107,3 +110,19 @@ def test_sum_of_residuals_is_the_objective_of_the_ride_metrics(name: str) -> Non
         stop_gap_m=0.08,
     )
     assert total / n == pytest.approx(metrics["objective"], rel=0.15)
+
+
+def test_ratios_predict_the_car_that_has_them() -> None:
+    """Body mass and damper force in the model as in a car with those parameters."""
+    vehicle = load_vehicle("half")
+    changed = replace(
+        vehicle,
+        body_mass_kg=1.25 * vehicle.body_mass_kg,
+        pitch_inertia_kg_m2=1.25 * vehicle.pitch_inertia_kg_m2,
+        damper=ScaledDamper(0.75, 0.75),
+    )
+    model, other = prediction_model(vehicle), prediction_model(changed)
+    state = np.concatenate([strike(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
+    inputs = state, np.full(2, 2.0), 0.0, 0.01, 0.005
+    for ours, theirs in zip(model.slopes(*inputs, (1.25, 0.75)), other.slopes(*inputs, KNOWN), strict=True):
+        np.testing.assert_allclose(np.array(ours), np.array(theirs), rtol=1e-9, atol=1e-12)

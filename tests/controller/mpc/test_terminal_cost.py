@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import prediction_model
+from foreride.controller.mpc.prediction_model import KNOWN, prediction_model
 from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle
@@ -19,10 +19,10 @@ def test_it_is_the_cost_of_coming_to_rest(name: str) -> None:
     state = rest + np.where(rest > 0, 0.0, 1e-3) * rng.normal(size=model.n_x)
     promised = np.sum((cost.root @ state) ** 2)
     passive = DampingLimits.of(vehicle).passive / KILO
-    total = 0.5 * float(np.sum(np.array(model.outputs(state)) ** 2))  # trapezoidal rule
+    total = 0.5 * float(np.sum(np.array(model.outputs(state, KNOWN)) ** 2))  # trapezoidal rule
     for _ in range(1200):
-        state = np.array(model.step(state, passive, 0.0, 0.0, 0.005))[:, 0]
-        total += float(np.sum(np.array(model.outputs(state)) ** 2))
+        state = np.array(model.step(state, passive, 0.0, 0.0, 0.005, KNOWN))[:, 0]
+        total += float(np.sum(np.array(model.outputs(state, KNOWN)) ** 2))
     assert total == pytest.approx(promised, rel=0.02)
 
 
@@ -35,5 +35,5 @@ def test_rest_on_any_road_costs_nothing(name: str) -> None:
     state = cost.rest @ road
     state[: len(rest_state(vehicle))] += rest_state(vehicle)
     assert np.abs(cost.root @ (state - cost.rest @ road)).max() < 1e-9
-    still = model.step(state, DampingLimits.of(vehicle).passive / KILO, road, road, 0.005)
+    still = model.step(state, DampingLimits.of(vehicle).passive / KILO, road, road, 0.005, KNOWN)
     np.testing.assert_allclose(np.array(still)[:, 0], state, atol=1e-9)

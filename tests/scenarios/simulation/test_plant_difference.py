@@ -29,7 +29,7 @@ def test_a_slow_valve_limits_the_rate_of_the_setting() -> None:
     assert np.abs(np.diff(commands)).max() <= 4200.0 / 80 + 1e-6
     assert np.ptp(commands) > 500.0
     known = drive("skyhook", control__full_stroke_s=0.08).signals["command_0"]
-    np.testing.assert_array_equal(known, commands)
+    np.testing.assert_array_equal(known[:1200], commands[:1200])  # until the observer has identified it
 
 
 def test_a_heavier_car_rides_differently_under_the_same_commands() -> None:

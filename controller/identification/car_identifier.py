@@ -1,0 +1,153 @@
+"""Car identifier: body mass, damper strength and delay of the commands, from the body's balance of forces.
+
+With the body's mass and the dampers' force as multiples m and d of the known ones, the body's acceleration is
+that of the known springs times 1/m plus that of the known dampers times d/m. Least squares give both factors
+for each of several delays of the commands, and the delay is that whose model explains the acceleration best
+(a bank of models: D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans.
+Autom. Control 10(4), 1965). All signals pass the same band: below it lie offsets of sensors and grades, above
+it what bushings and noise add. Springs are taken as known, as the body's motion gives ratios alone.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from foreride.controller.identification.least_squares import LeastSquaresBank
+from foreride.controller.interface import Identified
+from foreride.vehicle.load import Car
+
+BAND_HZ = (0.5, 20.0)
+MEMORY_S, CORRELATION_S = 30.0, 0.1
+"""Time constant of forgetting, over excited samples alone, and time for each independent residual."""
+PRIOR_SIGMA, MODEL_SIGMA = 0.3, 0.025
+"""Standard deviations of the factors: before any data, and of what the model of the body leaves out."""
+LEAST_ACC_M_S2, ARM_M = 0.15, 1.3
+"""Least acceleration in the band that counts as excitation; lever arm that weighs rotations against heave."""
+LEAST_SIGMA_M_S2 = 0.03
+DELAY_STEP_S, LONGEST_DELAY_S = 0.005, 0.03
+LIKELIHOOD = 10.0
+"""Logarithm of the likelihood by which a delay must exceed that which is taken so far."""
+LEAST_CHANGE, SIGMAS, GREATEST_SIGMA = 0.05, 3.0, 0.07
+"""Change from which on a ratio is adopted: least, in standard deviations, and the greatest of those."""
+BOUNDS = 0.5, 2.0
+"""Least and greatest ratio."""
+FIT_PERIOD_S = 0.05
+
+
+class CarIdentifier:
+    """Recursive identification; call `follow` and `update` once a period.
+
+    present: ratios and delay as identified now. result: those adopted, as known at first; they change with a
+    significant change alone.
+    """
+
+    def __init__(self, vehicle: Car, period_s: float) -> None:
+        self._corners, self._mass = vehicle.corners, np.array(vehicle.generalised_mass)
+        self._anti_roll = vehicle.anti_roll_n_m
+        self._rows = np.array([corner.kinematic_row for corner in vehicle.corners])
+        self._arms = np.array([1.0, *np.full(len(self._mass) - 1, ARM_M)])
+        self._every_delay = max(round(DELAY_STEP_S / period_s), 1)
+        self._step_s = self._every_delay * period_s
+        self._delays = 1 + int(LONGEST_DELAY_S / self._step_s + 1e-9)
+        self._gain = -np.expm1(-period_s / np.array([[corner.damper_lag_s] for corner in vehicle.corners]))
+        self._slow, self._fast = (-np.expm1(-2.0 * np.pi * hz * period_s) for hz in BAND_HZ)
+        self._passive = np.array([[corner.damping_passive_ns_m] for corner in vehicle.corners])
+        self._bank = LeastSquaresBank(
+            self._delays,
+            np.ones(2),
+            PRIOR_SIGMA,
+            MEMORY_S / period_s * len(self._mass),
+            CORRELATION_S / period_s,
+            LEAST_SIGMA_M_S2,
+        )
+        self._every = max(round(FIT_PERIOD_S / period_s), 1)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the known car."""
+        self._settings = np.repeat(self._passive, self._delays, axis=1)
+        self._commands = np.repeat(self._passive, 1 + (self._delays - 1) * self._every_delay, axis=1)
+        signals = len(self._mass), 2 + self._delays
+        self._mean, self._band = np.zeros(signals), np.zeros(signals)
+        self._excited = self._chosen = 0
+        self._bank.reset()
+        self.present = self.result = Identified()
+
+    @property
+    def settings(self) -> np.ndarray:
+        """Present settings of the dampers (wheels,), N·s/m, at the identified delay."""
+        return self._settings[:, self._chosen]
+
+    def follow(self, command: np.ndarray) -> None:
+        """Take in the damper settings (wheels,) which act from the last period on at the known delay."""
+        self._commands = np.column_stack([command, self._commands[:, :-1]])
+        late = self._commands[:, :: self._every_delay]
+        self._settings = self._settings + self._gain * (late - self._settings)
+
+    def update(self, acceleration: np.ndarray, travel: np.ndarray, rate: np.ndarray) -> None:
+        """Compare the body's acceleration (body,) by springs and dampers with that of the known ones.
+
+        travel, rate: (wheels,) of the suspensions, m and m/s.
+        """
+        signals = np.column_stack([acceleration, self._accelerations(travel, rate)]) * self._arms[:, None]
+        self._mean += self._slow * (signals - self._mean)
+        self._band += self._fast * (signals - self._mean - self._band)
+        output = self._band[:, 0]
+        if np.abs(output).max() < LEAST_ACC_M_S2:
+            return
+        springs = np.broadcast_to(self._band[:, 1], (self._delays, len(output)))
+        self._bank.add(output, np.stack([springs, self._band[:, 2:].T], axis=-1))
+        self._excited += 1
+        if self._excited % self._every == 0:
+            self._conclude()
+
+    def _accelerations(self, travel: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Accelerations (body, 1 + delays) of the body by the known springs and stops, and by the dampers."""
+        forces = np.empty((len(self._corners), 1 + self._delays))
+        for i, corner in enumerate(self._corners):
+            extended = float(travel[i])
+            jounce, rebound = (
+                max(-extended - corner.stop_gap_m, 0.0),
+                max(extended - corner.rebound_gap_m, 0.0),
+            )
+            stop = corner.stop_n_m2 * (jounce**2 - rebound**2)
+            forces[i, 0] = corner.spring_force(extended, np) + stop
+            setting = self._settings[i]
+            normalised = corner.normalised_setting(setting)
+            forces[i, 1:] = corner.damper.force(setting, normalised, extended, float(rate[i]), [], np)
+        for axle, stiffness in enumerate(self._anti_roll):
+            left, right = 2 * axle, 2 * axle + 1
+            twist = stiffness * (travel[left] - travel[right])
+            forces[left, 0] -= twist
+            forces[right, 0] += twist
+        return np.asarray(self._rows.T @ forces / self._mass[:, None])
+
+    def _conclude(self) -> None:
+        fit = self._bank.fit()
+        best = int(fit.residual.argmin())
+        if 0.5 * fit.count * np.log(fit.residual[self._chosen] / fit.residual[best]) > LIKELIHOOD:
+            self._chosen = best
+        spring, damper = fit.parameters[self._chosen]
+        covariance = fit.covariance[self._chosen] + MODEL_SIGMA**2 * np.eye(2)
+        mass, strength = 1.0 / spring, damper / spring
+        by_factors = np.array([[-(mass**2), 0.0], [-strength * mass, mass]])
+        sigma = np.sqrt(np.diag(by_factors @ covariance @ by_factors.T))
+        self.present = Identified(
+            float(np.clip(mass, *BOUNDS)),
+            float(np.clip(strength, *BOUNDS)),
+            float(sigma[0]),
+            float(sigma[1]),
+            self._chosen * self._step_s,
+        )
+        self._adopt()
+
+    def _adopt(self) -> None:
+        """Adopt the present ratios and delay where they differ significantly from those adopted so far."""
+        now, before = self.present, self.result
+        sigma = np.array([now.mass_sigma, now.damper_sigma])
+        change = np.abs([now.mass - before.mass, now.damper - before.damper])
+        certain = sigma.max() < GREATEST_SIGMA
+        if certain and (change > np.maximum(LEAST_CHANGE, SIGMAS * sigma)).any():
+            self.result = now
+        elif now.delay_s != before.delay_s:
+            self.result = replace(before, delay_s=now.delay_s)

@@ -1,0 +1,76 @@
+"""Recursive least squares for a bank of models, with a prior that remains and forgetting of the data alone.
+
+Each model of the bank explains the same output y by regressors of its own, y = regressors · theta + e. Data
+fade with the memory's time constant, the prior does not, so that parameters which nothing excites return to
+it instead of drifting (stabilised forgetting: R. Kulhavý & M. B. Zarrop, On a general concept of forgetting,
+Int. J. Control 58(4), 1993). The variance of e is that of the residuals. As they are correlated in time, they
+count as one independent residual for each correlation time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Fit(NamedTuple):
+    """Parameters of each model (models, n), their covariance (models, n, n), and mean square residual.
+
+    residual: (models,). count: number of independent residuals.
+    """
+
+    parameters: np.ndarray
+    covariance: np.ndarray
+    residual: np.ndarray
+    count: float
+
+
+class LeastSquaresBank:
+    """Bank of `models` with parameters around `prior` (n,), each with the standard deviation `prior_sigma`.
+
+    memory: samples after which data have faded to 1/e. correlation: samples for each independent residual.
+    least_sigma: least standard deviation of a residual.
+    """
+
+    def __init__(
+        self,
+        models: int,
+        prior: np.ndarray,
+        prior_sigma: float,
+        memory: float,
+        correlation: float,
+        least_sigma: float,
+    ) -> None:
+        self._models, self._prior, self._weight = models, prior, np.eye(len(prior)) / prior_sigma**2
+        self._kept, self._correlation, self._least = np.exp(-1.0 / memory), correlation, least_sigma**2
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all data."""
+        n = len(self._prior)
+        self._squares, self._products = np.zeros((self._models, n, n)), np.zeros((self._models, n))
+        self._output = self._samples = 0.0
+
+    def add(self, output: np.ndarray, regressors: np.ndarray) -> None:
+        """Take in one sample: outputs (rows,) and regressors (models, rows, n)."""
+        transposed = regressors.transpose(0, 2, 1)
+        self._squares = self._kept * self._squares + transposed @ regressors
+        self._products = self._kept * self._products + transposed @ output
+        self._output = self._kept * self._output + float(output @ output)
+        self._samples = self._kept * self._samples + len(output)
+
+    def fit(self) -> Fit:
+        """Parameters given all data so far."""
+        residual = self._residual(self._prior)
+        for _ in range(2):  # the residuals decide how much the data weigh against the prior
+            information = self._squares / (residual * self._correlation)[:, None, None] + self._weight
+            products = self._products / (residual * self._correlation)[:, None] + self._weight @ self._prior
+            parameters = np.linalg.solve(information, products[..., None])[..., 0]
+            residual = self._residual(parameters)
+        return Fit(parameters, np.linalg.inv(information), residual, self._samples / self._correlation)
+
+    def _residual(self, parameters: np.ndarray) -> np.ndarray:
+        """Mean square residual of each model with these parameters, (models,)."""
+        all_of = np.broadcast_to(parameters, self._products.shape)
+        explained = np.einsum("mi,mij,mj->m", all_of, self._squares, all_of)
+        squares = self._output - 2.0 * (self._products * all_of).sum(axis=-1) + explained
+        return np.maximum(squares / max(self._samples, 1.0), self._least)
