@@ -125,7 +125,7 @@ class CarIdentifier:
     def _conclude(self) -> None:
         fit = self._bank.fit()
         best = int(fit.residual.argmin())
-        if 0.5 * fit.count * np.log(fit.residual[self._chosen] / fit.residual[best]) > LIKELIHOOD:
+        if 0.5 * fit.independent * np.log(fit.residual[self._chosen] / fit.residual[best]) > LIKELIHOOD:
             self._chosen = best
         spring, damper = fit.parameters[self._chosen]
         covariance = fit.covariance[self._chosen] + MODEL_SIGMA**2 * np.eye(2)

@@ -15,13 +15,13 @@ import numpy as np
 class Fit(NamedTuple):
     """Parameters of each model (models, n), their covariance (models, n, n), and mean square residual.
 
-    residual: (models,). count: number of independent residuals.
+    residual: (models,). independent: number of independent residuals.
     """
 
     parameters: np.ndarray
     covariance: np.ndarray
     residual: np.ndarray
-    count: float
+    independent: float
 
 
 class LeastSquaresBank:

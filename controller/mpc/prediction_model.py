@@ -102,7 +102,7 @@ def _scaled(vehicle: Car, ratios: casadi.SX) -> Car:
     corners = [
         replace(
             corner,
-            body_load_n=corner.body_load_n * (1.0 if corner.spring_table else ratios[0]),
+            body_load_n=cast(Any, corner.body_load_n * (1.0 if corner.spring_table else ratios[0])),
             damper=cast(Any, _ScaledForce(corner.damper, ratios[1])),
         )
         for corner in vehicle.corners

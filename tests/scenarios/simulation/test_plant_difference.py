@@ -32,6 +32,17 @@ def test_a_slow_valve_limits_the_rate_of_the_setting() -> None:
     np.testing.assert_array_equal(known[:1200], commands[:1200])  # until the observer has identified it
 
 
+@pytest.mark.parametrize(
+    "changed",
+    [{"plant.actuation_delay_s": 0.015}, {"plant.sprung_mass_ratio": 1.4, "plant.actuation_delay_s": 0.015}],
+)
+def test_a_car_unlike_the_model_is_identified_and_the_mpc_plans_for_it(changed: dict[str, float]) -> None:
+    rough = {"vehicle.model": "quarter", "road.length_m": 55} | changed
+    scenarios = [load("rough_c_60", rough | {"control.settings.mpc.adapts": on}) for on in (True, False)]
+    adapts, keeps = (simulate_case(Case(scenario, "mpc_reactive", "none", 0)) for scenario in scenarios)
+    assert adapts.metrics["objective"] < 0.95 * keeps.metrics["objective"]
+
+
 def test_a_heavier_car_rides_differently_under_the_same_commands() -> None:
     known, heavy = drive("passive"), drive("passive", plant__sprung_mass_ratio=1.3)
     np.testing.assert_array_equal(known.signals["command_0"], heavy.signals["command_0"])
