@@ -264,3 +264,9 @@ def test_a_command_of_damper_settings_alone_asks_for_no_force(forces: tuple[floa
     reading = SensorMonitor(2, noise).check(Measurement(0.0, zeros, zeros, zeros, 0.0, 10.0))
     estimate = observer.update(reading, np.array([1500.0, 1500.0, *forces]))
     np.testing.assert_array_equal(estimate.x[state_layout(car).force], zeros)
+
+
+def test_the_balance_of_forces_is_known_to_0_05_in_heave_and_to_three_times_that_in_rotation() -> None:
+    for name, factors in (("quarter", [1.0]), ("half", [1.0, 3.0]), ("full", [1.0, 3.0, 3.0])):
+        observer = Observer(load_vehicle(name), SensorNoise(), Timing(0.01))
+        np.testing.assert_allclose(observer._balance_floor, np.square(0.05 * np.array(factors)))
