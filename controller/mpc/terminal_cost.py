@@ -25,18 +25,16 @@ class TerminalCost:
 
 
 class TerminalCosts:
-    """Terminal costs of a model's car with constant damping (None: passive), for any ratio of its mass.
+    """Terminal costs of a model's car with passive dampers, for any ratio of its mass.
 
     Dampers are taken as linear even if those of the car are not, and as strong as known: weaker ones will be
     set harder.
     """
 
-    def __init__(
-        self, model: PredictionModel, period_s: float, damping_ns_m: np.ndarray | None = None
-    ) -> None:
+    def __init__(self, model: PredictionModel, period_s: float) -> None:
         vehicle = model.vehicle
         settings = state_layout(vehicle).damping
-        damping = DampingLimits.of(vehicle).passive if damping_ns_m is None else damping_ns_m
+        damping = DampingLimits.of(vehicle).passive
         self._slopes, self._at = _slopes(model, damping), np.zeros(model.n_x)
         self._at[settings] = damping
         self._rows, self._period_s = np.r_[0 : settings.start, settings.stop : model.n_x], period_s
@@ -57,13 +55,6 @@ class TerminalCosts:
         root = np.zeros((size, size))
         root[np.ix_(rows, rows)] = cholesky(p + 1e-9 * np.eye(len(rows)))
         return TerminalCost(root, self._rest)
-
-
-def terminal_cost(
-    model: PredictionModel, period_s: float, damping_ns_m: np.ndarray | None = None
-) -> TerminalCost:
-    """Terminal cost of the car as known: see `TerminalCosts`."""
-    return TerminalCosts(model, period_s, damping_ns_m).of()
 
 
 def _slopes(model: PredictionModel, damping_ns_m: np.ndarray) -> casadi.Function:

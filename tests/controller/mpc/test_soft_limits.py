@@ -10,7 +10,7 @@ from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.qp import ConstraintRows, solve_box
 from foreride.controller.mpc.soft_limits import SoftLimits, SoftRows
-from foreride.controller.mpc.terminal_cost import terminal_cost
+from foreride.controller.mpc.terminal_cost import TerminalCosts
 from foreride.controller.settings import LimitSettings, MpcSettings
 from foreride.vehicle.equations import forces, rattle, rest_state
 from foreride.vehicle.load import load_vehicle
@@ -24,7 +24,7 @@ LOW, HIGH = np.full(4, -1.0), np.ones(4)
 
 
 def program(settings: MpcSettings = LIMITS) -> Program:
-    return Program(HALF, MODEL, terminal_cost(MODEL, 0.01), settings, TIMING, 0.2)
+    return Program(HALF, MODEL, TerminalCosts(MODEL, 0.01).of(), settings, TIMING, 0.2)
 
 
 def quadratic() -> Condensed:
