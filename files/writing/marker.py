@@ -107,6 +107,8 @@ def _checked(path: Path, sha256: str) -> bytes:
 def _unmarked(folder: Path, kind: str, present: Marker | None) -> str:
     if present is not None:
         return f"{printable(folder)}: must be of kind {kind}, got {shown(present.kind)} ({MARKER})"
+    if not folder.is_dir():
+        return f"{printable(folder)}: {'must be a folder' if folder.exists() else 'no such folder'} ({kind})"
     reason = f"{MARKER} with the checksums is missing"
     return (
         f"{printable(folder)}: half-finished, or of a version without checksums ({reason}); create it again"

@@ -4,6 +4,8 @@ import argparse
 from pathlib import Path
 
 from foreride.files.errors import InputError
+from foreride.files.reading.numbers import within
+from foreride.files.reading.ranges import MAX_SEED
 from foreride.scenarios.cases import Case
 from foreride.scenarios.commands.console import console
 from foreride.scenarios.commands.options import add_field_options, overrides_of
@@ -12,6 +14,16 @@ from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.fmu.c_code.package import export_c
 from foreride.scenarios.fmu.embedded import PARTS
 from foreride.scenarios.fmu.export import FMI_VERSIONS, export
+
+_PARTS_OF = {
+    "--controller": ("controller", "loop"),
+    "--perception": ("loop",),
+    "--seed": ("loop",),
+    "--preview-ahead-m": ("controller",),
+    "--preview-step-m": ("controller",),
+}
+"""Parts that an option is for."""
+_PREVIEW_AHEAD_M, _PREVIEW_STEP_M = 8.0, 0.05
 
 
 def configure(command: argparse.ArgumentParser) -> None:
@@ -28,18 +40,15 @@ def configure(command: argparse.ArgumentParser) -> None:
         default="python",
         help="python: runs foreride in the importing process; c: of the vehicle, needs no Python",
     )
-    exported.add_argument("--controller", default="mpc_preview", help="default: mpc_preview")
-    exported.add_argument("--perception", default="oracle", help="of the loop (default: oracle)")
+    exported.add_argument("--controller", help="of controller and loop (default: mpc_preview)")
+    exported.add_argument("--perception", help="of the loop (default: oracle)")
     exported.add_argument("--seed", type=int, help="of the loop (default: the scenario's)")
     exported.add_argument(
         "--preview-ahead-m",
         type=float,
-        default=8.0,
         help="length of a controller's preview grid (default: 8)",
     )
-    exported.add_argument(
-        "--preview-step-m", type=float, default=0.05, help="spacing of that grid (default: 0.05)"
-    )
+    exported.add_argument("--preview-step-m", type=float, help="spacing of that grid (default: 0.05)")
     add_field_options(exported)
     exported.set_defaults(execute=execute, out_is_file=True)
 
@@ -48,16 +57,26 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write the FMU."""
     if arguments.out.suffix != ".fmu":
         raise InputError(f"--out must name a file that ends in .fmu, got {arguments.out}")
+    _require_applicable(arguments)
     scenario = load(arguments.scenario, overrides_of(arguments))
-    seed = scenario.seed if arguments.seed is None else arguments.seed
     if arguments.code == "c":
         return _export_c(arguments, scenario)
-    case = Case(scenario, arguments.controller, arguments.perception, seed)
+    seed = scenario.seed if arguments.seed is None else arguments.seed
+    within("--seed", seed, 0, MAX_SEED)
+    case = Case(scenario, arguments.controller or "mpc_preview", arguments.perception or "oracle", seed)
     preview = _preview(arguments) if arguments.part == "controller" else None
     export(arguments.out, arguments.part, case, arguments.fmi, preview)
     console.print(f"wrote {arguments.out}: FMI {arguments.fmi}, {arguments.part} of {scenario.name}")
     console.print(f"next: fmpy info {arguments.out}", highlight=False)
     return 0
+
+
+def _require_applicable(arguments: argparse.Namespace) -> None:
+    """Raise InputError for an option that the part takes no notice of."""
+    for option, parts in _PARTS_OF.items():
+        given = getattr(arguments, option.removeprefix("--").replace("-", "_")) is not None
+        if given and arguments.part not in parts:
+            raise InputError(f"{option} is for {' and '.join(parts)}, leave it out for the {arguments.part}")
 
 
 def _export_c(arguments: argparse.Namespace, scenario: Scenario) -> int:
@@ -71,7 +90,8 @@ def _export_c(arguments: argparse.Namespace, scenario: Scenario) -> int:
 
 
 def _preview(arguments: argparse.Namespace) -> dict[str, float]:
-    step_m, ahead_m = arguments.preview_step_m, arguments.preview_ahead_m
+    step_m = _PREVIEW_STEP_M if arguments.preview_step_m is None else arguments.preview_step_m
+    ahead_m = _PREVIEW_AHEAD_M if arguments.preview_ahead_m is None else arguments.preview_ahead_m
     if not 0.01 <= step_m <= 0.5:
         raise InputError(f"--preview-step-m must lie in 0.01 ... 0.5 m, got {step_m:g}")
     if not 0.5 <= ahead_m <= 50.0:

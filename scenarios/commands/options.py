@@ -74,9 +74,7 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--settings", type=Path, metavar="FILE", help="controller settings, as written by `foreride tune`"
     )
-    command.add_argument(
-        "--allow-fmu", action="store_true", help="run the machine code of the FMU that a scenario names"
-    )
+    add_fmu_option(command)
     command.add_argument(
         "--set",
         action="append",
@@ -86,6 +84,18 @@ def add_field_options(command: argparse.ArgumentParser) -> None:
         help="set any scenario field, as camera.rate_hz=30 or, for an entry of a list, "
         "road.features.0.height_m=0.1 or road.features[0].height_m=0.1; may be repeated",
     )
+
+
+def add_fmu_option(command: argparse.ArgumentParser) -> None:
+    """Add `--allow-fmu`."""
+    told = "run the machine code of the FMU that a scenario names"
+    command.add_argument("--allow-fmu", action="store_true", help=told)
+
+
+def apply_fmu_option(arguments: argparse.Namespace) -> None:
+    """Let `--allow-fmu` take effect, in worker processes of this machine too, which inherit it."""
+    if arguments.allow_fmu:
+        os.environ[FMUS_ALLOWED] = "1"
 
 
 def add_json_option(command: argparse.ArgumentParser, told: str = "write the numbers as JSON") -> None:
@@ -102,8 +112,7 @@ def add_output_options(command: argparse.ArgumentParser) -> None:
 
 def overrides_of(arguments: argparse.Namespace) -> list[Override]:
     """Overrides of `--set`, `--vehicle`, `--observer` and `--settings`; `--allow-fmu` takes effect here."""
-    if arguments.allow_fmu:
-        os.environ[FMUS_ALLOWED] = "1"  # worker processes inherit it
+    apply_fmu_option(arguments)
     overrides = [] if arguments.settings is None else settings_overrides(arguments.settings)
     overrides += [parse_override(text) for text in arguments.overrides]
     if arguments.vehicle:

@@ -7,6 +7,7 @@ must be installed where the workers run, and the study's files must be there und
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import which
 from typing import Annotated, Any, ClassVar
 
 from annotated_types import Interval
@@ -83,6 +84,8 @@ class SlurmRecipe(Checked):
 
     def start(self) -> Any:
         """Start the cluster."""
+        if which("sbatch") is None:  # Dask would ask for jobs again and again
+            raise FileNotFoundError("sbatch is not found")
         cluster = self.cluster()
         cluster.scale(jobs=self.jobs)
         return cluster
@@ -143,8 +146,8 @@ PACKAGES = {"ssh": "asyncssh", "slurm": "dask-jobqueue", "kubernetes": "dask-kub
 
 def read_recipe(target: str) -> Recipe:
     """Recipe of `FILE.yaml:NAME`, or the only one of `FILE.yaml`; InputError, in one line, for none."""
-    file, _, name = target.partition(".yaml:")
-    path = Path(f"{file}.yaml" if name else file)
+    file, colon, name = target.partition(".yaml:")
+    path = Path(f"{file}.yaml" if colon else file)
     mapping = parse(read_text(path), str(path))
     if not isinstance(mapping, dict) or not mapping:
         raise InputError(f"{path}: must be a mapping of names to recipes, got {shown(mapping)}")

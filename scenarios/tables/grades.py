@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 
 from foreride.files.command_line import output_path
 from foreride.files.errors import InputError, shown
+from foreride.files.reading.numbers import within
+from foreride.files.reading.ranges import MAX_SEED
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
@@ -102,6 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=output_path, metavar="FILE", help="write all rows")
     asked = parser.parse_args(arguments)
+    within("--seed", asked.seed, 0, MAX_SEED)
     check_files(asked.json)
     with TemporaryDirectory() as folder:
         done = slopes(asked, [_grade(text) for text in asked.grades.split(",")], Path(folder))

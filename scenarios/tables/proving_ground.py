@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.files.command_line import output_path
+from foreride.files.reading.numbers import within
+from foreride.files.reading.ranges import MAX_SEED
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.targets import check_files
 from foreride.scenarios.bound.simulate_case import simulate_case
@@ -69,6 +71,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=output_path)
     asked = parser.parse_args(arguments)
+    within("--seed", asked.seed, 0, MAX_SEED)
     check_files(asked.json)
     rides = []
     print("| car | bump | controller | Wk RMS | peak | heave < 4 Hz | pitch < 4 Hz |")

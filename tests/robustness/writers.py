@@ -89,6 +89,8 @@ WRITERS: dict[str, Writer] = {
     "report": Writer(("report", "{}/compared", "--out", "report.html", "--no-render")),
     "log": Writer(("log", "{}/compared/short-quarter-passive-none-seed1", "--out", "a.mcap", "--mf4",
                    "a.mf4")),
+    "replay": Writer(("replay", "{}/recording.csv", "--images", "{}/recorded", "--scenario",
+                      "{}/short.yaml", "--out", "replayed", "--json", "a.json")),
     "fmu": Writer(("fmu", "export", "vehicle", "{}/short.yaml", "--code", "c", "--out", "a.fmu")),
     "sweep": Writer(("sweep", "{}/study.yaml", "--out", "study", "--jobs", "1", "--json", "a.json"),
                     _sweep_in_this_process),
@@ -126,6 +128,7 @@ def place_inputs(folder: Path, version: str, speed_kmh: int) -> None:
     for split in ("train", "val"):
         write_images(folder / "split" / split, 2, seed=speed_kmh)
     _boards(folder, speed_kmh)
+    _recording(folder, speed_kmh)
     write_images(folder / "plain", 2, seed=speed_kmh)
     shutil.rmtree(folder / "plain" / "labels")
 
@@ -142,6 +145,16 @@ def _scenario(speed_kmh: int) -> dict[str, object]:
 def _boards(folder: Path, seed: int) -> None:
     for number, pose in enumerate(poses(4, np.random.default_rng(seed))):
         cv2.imwrite(str(folder / f"board{number}.png"), photograph(Camera(focal_px=500.0), *pose))
+
+
+def _recording(folder: Path, speed_kmh: int) -> None:
+    """A quarter of a second of signals, and two images of the camera in the scenario."""
+    head = "time_s,speed_m_s,body_acc_0,wheel_acc_0,rattle_m_0"
+    rows = [f"{0.005 * k:.3f},{speed_kmh / 3.6:.3f},0,0,0" for k in range(50)]
+    (folder / "recording.csv").write_text("\n".join([head, *rows]) + "\n")
+    (folder / "recorded").mkdir()
+    for time_ms in (100, 200):
+        cv2.imwrite(str(folder / "recorded" / f"{time_ms}.png"), np.full((96, 128, 3), speed_kmh, np.uint8))
 
 
 def fresh(place: Path, source: Path) -> None:

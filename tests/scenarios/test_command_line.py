@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -211,3 +212,41 @@ def test_a_reader_that_ends_early_ends_the_command_quietly(arguments: list[str])
     os.close(writer)
     assert [line for line in ended.stderr.splitlines() if "onnxruntime" not in line] == []
     assert ended.returncode in (0, cli.BROKEN_PIPE)  # argparse ignores errors when it prints its help
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["fmu export loop bump_8x40_30 --out a.fmu", "table grades", "table proving_ground", "demo",
+     "tune bump_8x40_30"],
+)  # fmt: skip
+def test_every_seed_is_checked(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*command.split(), "--seed", "-1"]) == 2
+    assert capsys.readouterr().err == "foreride: --seed must lie in 0 ... 4294967295, got -1\n"
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (
+            "fmu export vehicle bump_8x40_30 --code c --controller skyhook",
+            "--controller is for controller",
+        ),
+        ("fmu export vehicle bump_8x40_30 --preview-step-m 0.1", "--preview-step-m is for controller"),
+        ("fmu export controller bump_8x40_30 --perception boxes", "--perception is for loop"),
+        ("replay {} --scenario bump_8x40_30 --images here", "--images must be left out for the folder"),
+        ("replay {} --scenario bump_8x40_30 --signal a=b", "--signal must be left out for the folder"),
+        ("replay {}/log.csv --scenario bump_8x40_30 --stereo", "--stereo must be left out for"),
+        ("replay {}/none.csv", "none.csv: no such file or folder"),
+        ("log {}/none --out a.mcap", "none: no such folder (run)"),
+        ("log {}/log.csv --out a.mcap", "log.csv: must be a folder (run)"),
+    ],
+)
+def test_an_option_or_a_file_that_does_not_apply_is_refused(
+    command: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "log.csv").write_text("time_s,speed_m_s\n0,1\n")
+    words = command.format(tmp_path).split()
+    words += ["--out", str(tmp_path / "a.fmu")] if words[0] == "fmu" else []
+    assert cli.main(words) == 2
+    assert told in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["log.csv"]

@@ -12,7 +12,7 @@ from foreride.files.writing.folder import claim, exclusive
 from foreride.files.writing.names import component
 from foreride.files.writing.sharing import shared_name
 from foreride.scenarios.commands.console import console, progress_bar
-from foreride.scenarios.commands.options import add_json_option, jobs_of
+from foreride.scenarios.commands.options import add_fmu_option, add_json_option, apply_fmu_option, jobs_of
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.comparison.parallel import WorkerDied
 from foreride.scenarios.runs.write import environment, to_json
@@ -37,12 +37,14 @@ def configure(command: argparse.ArgumentParser) -> None:
     many = "worker processes (default: all cores), or a recipe of a cluster: ssh, slurm or kubernetes"
     command.add_argument("--jobs", type=_jobs, default=0, metavar="N|FILE.yaml[:NAME]", help=many)
     command.add_argument("--retry-failed", action="store_true", help="run failed drives again")
+    add_fmu_option(command)
     add_json_option(command, "write the counts as JSON")
     command.set_defaults(execute=execute)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run the drives that are missing; every finished drive is saved at once."""
+    apply_fmu_option(arguments)
     samples = {sample.key: sample for sample in read(arguments.study)}
     recipe = read_recipe(arguments.jobs) if isinstance(arguments.jobs, str) else None
     if recipe is None:
@@ -112,4 +114,5 @@ def _resume_command(arguments: argparse.Namespace, folder: Path) -> str:
     words = ["foreride", "sweep", str(arguments.study), "--out", str(folder)]
     words += ["--scheduler", arguments.scheduler] if arguments.scheduler else []
     words += ["--jobs", str(arguments.jobs)] if arguments.jobs else []
+    words += ["--allow-fmu"] if arguments.allow_fmu else []
     return shlex.join(words)

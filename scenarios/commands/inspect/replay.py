@@ -62,6 +62,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if arguments.log.is_dir():
         return execute_surface(arguments)
     log = _opened(arguments.log)
+    if arguments.stereo:
+        raise InputError(f"--stereo must be left out for {arguments.log}; it is of a folder of a surface")
     out = arguments.out or arguments.log.with_name(f"{arguments.log.stem}-replay")
     check_folder(out, KIND)
     named = arguments.scenario
@@ -94,6 +96,8 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _opened(path: Path) -> Log:
+    if not path.exists():
+        raise InputError(f"{path}: no such file or folder")
     if path.suffix.lower() not in _LOGS:
         raise InputError(f"{path}: must be a file {', '.join(_LOGS)}, got {shown(path.suffix)}")
     log: Log = _LOGS[path.suffix.lower()](path)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from foreride.files.command_line import notify
+from foreride.files.errors import InputError
 from foreride.files.writing.atomic import write_text
 from foreride.files.writing.folder import atomic_folder, check_folder
 from foreride.scenarios.commands.console import console, tracked
@@ -25,6 +26,11 @@ _NEAR_M = (1.0, 6.0)
 def execute_surface(arguments: argparse.Namespace) -> int:
     """Replay a folder, write the previews, print a summary."""
     folder = arguments.log
+    if arguments.images or arguments.signal:
+        option = "--images" if arguments.images else "--signal"
+        raise InputError(
+            f"{option} must be left out for the folder {folder}, which holds all that it replays"
+        )
     out = arguments.out or folder.with_name(f"{folder.resolve().name}-replay")
     check_folder(out, KIND)
     scenario = replay_scenario(arguments.scenario, None, overrides_of(arguments), folder)

@@ -73,6 +73,7 @@ def test_kubernetes_pods_have_one_thread_each(monkeypatch: pytest.MonkeyPatch) -
         ("a: {kind: ssh, hosts: [x], workers: 0}", "", "workers must lie in 1 ... 10000"),
         ("a: {kind: ssh, hosts: [x]}\nb: {kind: ssh, hosts: [x]}", "", "holds 2 recipes; name one"),
         ("a: {kind: ssh, hosts: [x]}", ":b", "holds a, not 'b'"),
+        ("a: {kind: ssh, hosts: [x]}\nb: {kind: ssh, hosts: [x]}", ":", "holds 2 recipes; name one"),
         ("[]", "", "must be a mapping of names to recipes"),
     ],
 )
@@ -127,3 +128,9 @@ def test_a_cluster_that_cannot_start_is_told_in_one_line(
     assert "--jobs: the ssh cluster cannot be started (no route to host)" in capsys.readouterr().err
     assert main([*asked, "--scheduler", "tcp://127.0.0.1:9"]) == 2
     assert "give one of the two" in capsys.readouterr().err
+
+
+def test_slurm_without_its_command_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(InputError, match=r"the slurm cluster cannot be started \(sbatch is not found"):
+        start_recipe(read_recipe(f"{EXAMPLE}:slurm"))

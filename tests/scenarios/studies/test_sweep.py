@@ -15,6 +15,7 @@ import psutil
 import pytest
 from distributed import LocalCluster
 
+from foreride.files.own_code import FMUS_ALLOWED
 from foreride.scenarios.cli import main
 from foreride.scenarios.simulation.simulate import simulate
 from foreride.scenarios.studies.results import Results, load_results
@@ -175,9 +176,12 @@ def test_a_cluster_without_workers_ends_with_the_command_that_goes_on(
     out = study.parent / "an out"
     with LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=LOOPBACK) as empty:
         asked = ["sweep", str(study), "--out", str(out), "--scheduler", empty.scheduler_address]
-        assert main([*asked, "--jobs", "1"]) == 1
+        asked += ["--jobs", "1", "--allow-fmu"]
+        monkeypatch.setenv(FMUS_ALLOWED, "")
+        assert main(asked) == 1
+        assert os.environ[FMUS_ALLOWED]  # workers inherit it
         told = capsys.readouterr().err.strip().splitlines()[-1]
-        again = shlex.join(["foreride", *asked, "--jobs", "1"])
+        again = shlex.join(["foreride", *asked])
         assert told == f"foreride: no worker is left; 0 of 10 drives are kept; go on with: {again}"
 
 
