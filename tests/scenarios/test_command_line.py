@@ -236,7 +236,7 @@ def test_every_seed_is_checked(command: str, capsys: pytest.CaptureFixture[str])
         ("replay {} --scenario bump_8x40_30 --images here", "--images must be left out for the folder"),
         ("replay {} --scenario bump_8x40_30 --signal a=b", "--signal must be left out for the folder"),
         ("replay {}/log.csv --scenario bump_8x40_30 --stereo", "--stereo must be left out for"),
-        ("replay {}/none.csv", "none.csv: no such file or folder"),
+        ("replay {}/none", "none: must be a file .mcap, .mf4, .mdf, .dat, .csv or a folder, got nothing"),
         ("log {}/none --out a.mcap", "none: no such folder (run)"),
         ("log {}/log.csv --out a.mcap", "log.csv: must be a folder (run)"),
     ],

@@ -96,10 +96,9 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _opened(path: Path) -> Log:
-    if not path.exists():
-        raise InputError(f"{path}: no such file or folder")
     if path.suffix.lower() not in _LOGS:
-        raise InputError(f"{path}: must be a file {', '.join(_LOGS)}, got {shown(path.suffix)}")
+        got = shown(path.suffix) if path.exists() else "nothing"
+        raise InputError(f"{path}: must be a file {', '.join(_LOGS)} or a folder, got {got}")
     log: Log = _LOGS[path.suffix.lower()](path)
     return log
 
