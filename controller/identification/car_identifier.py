@@ -29,6 +29,8 @@ LIKELIHOOD = 10.0
 """Logarithm of the likelihood by which a delay must exceed that which is taken so far."""
 LEAST_CHANGE, SIGMAS, GREATEST_SIGMA = 0.05, 3.0, 0.07
 """Change from which on a ratio is adopted: least, in standard deviations, and the greatest of those."""
+UNEXPLAINED = 0.2
+"""Greatest root mean square residual, relative to the acceleration, of a model that is adopted."""
 BOUNDS = 0.5, 2.0
 """Least and greatest ratio."""
 FIT_PERIOD_S = 0.05
@@ -70,13 +72,14 @@ class CarIdentifier:
         signals = len(self._mass), 2 + self._delays
         self._mean, self._band = np.zeros(signals), np.zeros(signals)
         self._excited = self._chosen = 0
+        self._explained = False
         self._bank.reset()
         self.present = self.result = Identified()
 
     @property
     def settings(self) -> np.ndarray:
-        """Present settings of the dampers (wheels,), N·s/m, at the identified delay."""
-        return self._settings[:, self._chosen]
+        """Present settings of the dampers (wheels,), N·s/m, at the adopted delay."""
+        return self._settings[:, round(self.result.delay_s / self._step_s)]
 
     def follow(self, command: np.ndarray) -> None:
         """Take in the damper settings (wheels,) which act from the last period on at the known delay."""
@@ -125,6 +128,7 @@ class CarIdentifier:
     def _conclude(self) -> None:
         fit = self._bank.fit()
         best = int(fit.residual.argmin())
+        self._explained = bool(fit.residual[best] < UNEXPLAINED**2 * fit.output)
         if 0.5 * fit.independent * np.log(fit.residual[self._chosen] / fit.residual[best]) > LIKELIHOOD:
             self._chosen = best
         spring, damper = fit.parameters[self._chosen]
@@ -142,7 +146,12 @@ class CarIdentifier:
         self._adopt()
 
     def _adopt(self) -> None:
-        """Adopt the present ratios and delay where they differ significantly from those adopted so far."""
+        """Adopt the present ratios and delay where they differ significantly from those adopted so far.
+
+        A car that no model of the bank explains, such as one with slow valves, keeps what has been adopted.
+        """
+        if not self._explained:
+            return
         now, before = self.present, self.result
         sigma = np.array([now.mass_sigma, now.damper_sigma])
         change = np.abs([now.mass - before.mass, now.damper - before.damper])

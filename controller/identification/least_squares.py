@@ -15,13 +15,14 @@ import numpy as np
 class Fit(NamedTuple):
     """Parameters of each model (models, n), their covariance (models, n, n), and mean square residual.
 
-    residual: (models,). independent: number of independent residuals.
+    residual: (models,). independent: number of independent residuals. output: mean square of the output.
     """
 
     parameters: np.ndarray
     covariance: np.ndarray
     residual: np.ndarray
     independent: float
+    output: float
 
 
 class LeastSquaresBank:
@@ -66,7 +67,13 @@ class LeastSquaresBank:
             products = self._products / (residual * self._correlation)[:, None] + self._weight @ self._prior
             parameters = np.linalg.solve(information, products[..., None])[..., 0]
             residual = self._residual(parameters)
-        return Fit(parameters, np.linalg.inv(information), residual, self._samples / self._correlation)
+        return Fit(
+            parameters,
+            np.linalg.inv(information),
+            residual,
+            self._samples / self._correlation,
+            self._output / max(self._samples, 1.0),
+        )
 
     def _residual(self, parameters: np.ndarray) -> np.ndarray:
         """Mean square residual of each model with these parameters, (models,)."""
