@@ -63,16 +63,16 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     under the wheels, then two states of the Wk filter per seat.
     """
     twin = linear_twin(vehicle, [settings.nominal_ns_m] * vehicle.wheels)
-    force_input = _force_input(vehicle)
+    by_force = force_input(vehicle)
     a, b, c = wk_second_order().state_space()
     seats = np.array(vehicle.seat_kinematic_rows)
     body_velocity = state_layout(vehicle).body_velocity
     n, filters = len(twin.A), len(seats)
-    response, direct = seats @ twin.A[body_velocity], seats @ force_input[body_velocity]
+    response, direct = seats @ twin.A[body_velocity], seats @ by_force[body_velocity]
     augmented = np.block(
         [[twin.A, np.zeros((n, 2 * filters))], [np.kron(response, b[:, None]), block_diag(*[a] * filters)]]
     )
-    augmented_input = np.vstack([force_input, np.kron(direct, b[:, None])])
+    augmented_input = np.vstack([by_force, np.kron(direct, b[:, None])])
     output = _cost_output(vehicle, twin, np.kron(np.eye(filters), c), settings.rho)
     weight = settings.force_weight / _FORCE_SCALE_N**2 * np.eye(vehicle.wheels)
     import control  # slow to import, needed for this law only
@@ -81,15 +81,15 @@ def regulator(vehicle: Car, settings: LqrSettings) -> np.ndarray:
     return gain
 
 
-def _force_input(vehicle: Car) -> np.ndarray:
+def force_input(vehicle: Car) -> np.ndarray:
     """Accelerations per unit force of each corner's actuator, in the rows of the linear twin's state."""
     kinematic_rows = np.array([corner.kinematic_row for corner in vehicle.corners])
     layout = state_layout(vehicle)
-    force_input = np.zeros((layout.motion.stop, vehicle.wheels))
-    force_input[layout.body_velocity] = kinematic_rows.T / np.array(vehicle.generalised_mass)[:, None]
+    by_force = np.zeros((layout.motion.stop, vehicle.wheels))
+    by_force[layout.body_velocity] = kinematic_rows.T / np.array(vehicle.generalised_mass)[:, None]
     inverse_mass = np.diag([1.0 / corner.unsprung_mass_kg for corner in vehicle.corners])
-    force_input[layout.wheel_velocity] = -inverse_mass
-    return force_input
+    by_force[layout.wheel_velocity] = -inverse_mass
+    return by_force
 
 
 def _cost_output(vehicle: Car, twin: "control.StateSpace", weighted: np.ndarray, rho: float) -> np.ndarray:

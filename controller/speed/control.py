@@ -22,11 +22,19 @@ class SpeedControl:
     """Speed planner with its own acceleration as its state.
 
     Brakes and drive follow the commanded acceleration at once; the limit of the jerk stands for their lag.
-    forward_acc: present acceleration, m/s².
+    controlled: whether the dampers are, or are as built. forward_acc: present acceleration, m/s².
     """
 
-    def __init__(self, settings: SpeedPlanner, vehicle: Car, cruise_m_s: float, rho: float, period_s: float):
-        self._planner = build_planner(settings, vehicle, cruise_m_s, rho, period_s)
+    def __init__(
+        self,
+        settings: SpeedPlanner,
+        vehicle: Car,
+        cruise_m_s: float,
+        rho: float,
+        period_s: float,
+        controlled: bool = True,
+    ):
+        self._planner = build_planner(settings, vehicle, cruise_m_s, rho, period_s, controlled)
         self._limits = -settings.max_deceleration_m_s2, settings.max_acceleration_m_s2
         self._every, self._waited = max(1, ceil(PLANNING_S / period_s - 1e-9)), 0
         pieces = ceil(self._every * period_s / _RAMP_S - 1e-9)

@@ -35,7 +35,9 @@ class PreviewPlanning:
     at. `plan` computes the cost to go on the present preview; its policy gives the jerk.
     """
 
-    def __init__(self, vehicle: Car, cruise_m_s: float, settings: PreviewPlanner, rho: float):
+    def __init__(
+        self, vehicle: Car, cruise_m_s: float, settings: PreviewPlanner, rho: float, controlled: bool = True
+    ):
         step_m = max(_STRETCH_M, round(_STRETCH_S * cruise_m_s / PIECE_M) * PIECE_M)
         lowest = min(settings.min_kmh * KM_H, 0.9 * cruise_m_s)
         cost = SpeedCost(
@@ -46,7 +48,7 @@ class PreviewPlanning:
             settings.max_jerk_m_s3,
         )
         self._program = SpeedProgram(cost, speed_grid(cost, lowest, cruise_m_s, step_m))
-        self._ride = RideCost(vehicle, self._program.grid.speeds, rho)
+        self._ride = RideCost(vehicle, self._program.grid.speeds, rho, controlled)
         self._pieces = round(step_m / PIECE_M)
         self._sight_m = int(settings.sight_m / step_m) * step_m
 
@@ -112,9 +114,14 @@ def jerk_towards(target: float, speed: float, acceleration: float, settings: Rea
 
 
 def build_planner(
-    planner: SpeedPlanner, vehicle: Car, cruise_m_s: float, rho: float, period_s: float
+    planner: SpeedPlanner,
+    vehicle: Car,
+    cruise_m_s: float,
+    rho: float,
+    period_s: float,
+    controlled: bool = True,
 ) -> Planner:
-    """Build the planner of a scenario."""
+    """Build the planner of a scenario; `controlled`: whether the dampers are, or are as built."""
     if isinstance(planner, PreviewPlanner):
-        return PreviewPlanning(vehicle, cruise_m_s, planner, rho)
+        return PreviewPlanning(vehicle, cruise_m_s, planner, rho, controlled)
     return ReactiveSpeed(vehicle, cruise_m_s, planner, period_s)

@@ -10,14 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, expm, solve_continuous_lyapunov
+from scipy.linalg import expm, solve_continuous_lyapunov
 
-from foreride.comfort.weighting import wk_second_order
+from foreride.controller.speed.ride_model import ride_model
+from foreride.controller.speed.wheel_contact import followed
 from foreride.preview.road_preview import RoadPreview
-from foreride.vehicle.equations import rest_per_road_height
-from foreride.vehicle.linear_model import linear_twin
 from foreride.vehicle.load import Car
-from foreride.vehicle.state_layout import state_layout
 
 Array = NDArray[np.float64]
 PIECE_M = 0.1
@@ -25,39 +23,44 @@ PIECE_M = 0.1
 
 
 class RideCost:
-    """Cost of pieces of road for the passive car at constant speeds, ∫ wk² + rho · load² dt, m²/s³.
+    """Cost of pieces of road at constant speeds, ∫ wk² + rho · load² dt, m²/s³.
 
+    controlled: for the car under damper control, else for the passive one.
     Attributed as the module says; a piece may have a negative cost, if it calms the car.
     """
 
-    def __init__(self, vehicle: Car, speeds_m_s: Sequence[float] | Array, rho: float):
-        a, c = _system(vehicle, rho)
-        self._wheels, self._states = vehicle.wheels, len(a) - 2 * vehicle.wheels
-        relative = np.eye(self._states, len(a))
-        rest = rest_per_road_height(vehicle)[state_layout(vehicle).motion]
-        relative[: len(rest), self._states : self._states + self._wheels] -= rest
+    def __init__(
+        self, vehicle: Car, speeds_m_s: Sequence[float] | Array, rho: float, controlled: bool = True
+    ):
+        self._vehicle, self._speeds = vehicle, np.asarray(speeds_m_s, float)
+        self._model = model = ride_model(vehicle, rho, controlled)
+        self._states, a, c = len(model.relative), model.a, model.c
         own = slice(0, self._states)
         to_go = solve_continuous_lyapunov(a[own, own].T, -c[:, own].T @ c[:, own])
-        value = relative.T @ to_go @ relative
-        steps = [_step(a, c, PIECE_M / speed) for speed in speeds_m_s]
+        value = model.relative.T @ to_go @ model.relative
+        steps = [_step(a, c, PIECE_M / speed) for speed in self._speeds]
         self._transition = np.array([transition for transition, _ in steps])
         self._cost = np.array([cost + t.T @ value @ t - value for t, cost in steps])
-        self._rest = rest
-        self._speeds = np.asarray(speeds_m_s, float)
 
     def __call__(self, heights: Array) -> Array:
         """Cost (pieces, speeds) of road heights (wheels, pieces + 1) under the wheels of a car at rest."""
+        heights = self._followed(heights - heights[:, :1])
+        slopes = np.diff(heights, axis=-1) / PIECE_M
         z = np.zeros((len(self._speeds), len(self._transition[0]), 1))
-        heights = heights - heights[:, :1]
-        slopes = np.diff(heights, axis=1) / PIECE_M
-        states = np.empty((slopes.shape[1], *z.shape[:2]))
-        height, rate = self._states, self._states + self._wheels
-        for piece in range(slopes.shape[1]):
-            z[:, height:rate, 0] = heights[:, piece]
-            z[:, rate:, 0] = slopes[:, piece] * self._speeds[:, None]
+        states = np.empty((slopes.shape[-1], *z.shape[:2]))
+        height, rate = self._states, self._states + self._vehicle.wheels
+        for piece in range(slopes.shape[-1]):
+            z[:, height:rate, 0] = heights[..., piece]
+            z[:, rate:, 0] = slopes[..., piece] * self._speeds[:, None]
             states[piece] = z[..., 0]
             z = self._transition @ z
         return np.einsum("kvi,vij,kvj->kv", states, self._cost, states, optimize=True)
+
+    def _followed(self, heights: Array) -> Array:
+        """Heights (speeds, wheels, pieces + 1) of the road as each wheel can follow it."""
+        wheels = zip(heights, self._vehicle.corners, self._model.damping_ns_m, strict=True)
+        rows = [followed(row, PIECE_M, self._speeds, corner, damping) for row, corner, damping in wheels]
+        return np.stack(rows, axis=1)
 
 
 def expected_heights(preview: RoadPreview, ahead_m: float) -> Array:
@@ -69,32 +72,6 @@ def expected_heights(preview: RoadPreview, ahead_m: float) -> Array:
     square = preview.existence * (preview.height_m**2 + preview.height_sigma_m**2)
     rows = np.sign(preview.height_m) * np.sqrt(square)
     return np.array([np.interp(at_m, preview.distance_m, row) for row in rows])
-
-
-def _system(vehicle: Car, rho: float) -> tuple[Array, Array]:
-    """Matrices of dz/dt = A z, residuals C z; z: car, seats' Wk filters, road heights and their rates.
-
-    The squared residuals sum to the integrand of the objective J.
-    """
-    twin, wheels = linear_twin(vehicle), vehicle.wheels
-    a, b, c = wk_second_order().state_space()
-    seats = np.array(vehicle.seat_kinematic_rows)
-    body_velocity = state_layout(vehicle).body_velocity
-    n, filters = len(twin.A), 2 * len(seats)
-    states = n + filters
-    matrix = np.zeros((states + 2 * wheels,) * 2)
-    matrix[:n, :n], matrix[:n, states:] = twin.A, twin.B
-    matrix[n:states, :n] = np.kron(seats @ twin.A[body_velocity], b[:, None])
-    matrix[n:states, n:states] = block_diag(*[a] * len(seats))
-    matrix[n:states, states:] = np.kron(seats @ twin.B[body_velocity], b[:, None])
-    matrix[states : states + wheels, states + wheels :] = np.eye(wheels)
-    static = np.array([corner.static_tyre_n for corner in vehicle.corners])
-    output = np.zeros((len(seats) + wheels, len(matrix)))
-    output[: len(seats), n:states] = np.kron(np.eye(len(seats)), c) / np.sqrt(len(seats))
-    scale = np.sqrt(rho / wheels) / static[:, None]
-    output[len(seats) :, :n] = scale * twin.C[-wheels:]
-    output[len(seats) :, states:] = scale * twin.D[-wheels:]
-    return matrix, output
 
 
 def _step(a: Array, c: Array, duration_s: float) -> tuple[Array, Array]:

@@ -86,7 +86,9 @@ class MultirateLoop:
         self._speed: SpeedControl | None = None
         if scenario.speed_planner:
             costs = scenario.speed_planner, known, scenario.speed_m_s, scenario.tyre_load_weight
-            self._speed, self._end_m = SpeedControl(*costs, timing.period_s), scenario.end_m
+            controlled = not isinstance(self._controller, Constant)
+            self._speed = SpeedControl(*costs, timing.period_s, controlled)
+            self._end_m = scenario.end_m
         has_estimator = perception_entry(case.perception).has_estimator
         if isinstance(self._controller, Constant) and not (has_estimator or self._speed):
             self._open_loop = True

@@ -19,7 +19,7 @@ _REACTIVE = "kind: reactive, max_deceleration_m_s2: 1.5"
 """Reactive braking at 3 m/s² costs half as much again in Wd, and saves no more in Wk."""
 POLICIES: dict[str, str] = {
     **{f"reactive {level:g}": f"{_REACTIVE}, comfortable_m_s2: {level:g}" for level in (0.6, 0.3)},
-    **{f"preview {weight:g}": f"kind: preview, time_weight: {weight:g}" for weight in (1.0, 0.4, 0.2, 0.1)},
+    **{f"preview {weight:g}": f"kind: preview, time_weight: {weight:g}" for weight in (0.4, 0.2, 0.1, 0.05)},
 }
 """Speed planner of each policy, by its name: the planner's kind and the setting that trades time for ride."""
 
