@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from foreride.comfort.weighting import wk_second_order
-from foreride.controller.speed.ride_cost import PIECE_M, RideCost, _system, expected_heights
+from foreride.controller.speed.ride_cost import PIECE_M, RideCost, expected_heights
+from foreride.controller.speed.ride_model import ride_model
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import derivative, forces, rest_state
 from foreride.vehicle.load import Car
@@ -21,11 +22,12 @@ def bump(ahead_m: float = 12.0) -> np.ndarray:
     return np.array([front, np.interp(at_m - 2.7, at_m, front)])
 
 
-def test_pieces_sum_to_the_integrated_cost_of_the_drive() -> None:
-    """The vibration after the road's end included."""
-    heights = bump()
-    cost = RideCost(HALF, SPEEDS, 3.0)(heights)
-    a, c = _system(HALF, 3.0)
+@pytest.mark.parametrize("controlled", [False, True])
+def test_pieces_sum_to_the_integrated_cost_of_the_drive(controlled: bool) -> None:
+    """The vibration after the road's end included; the bump is low enough for the tyres to follow it."""
+    heights = 0.3 * bump()
+    cost = RideCost(HALF, SPEEDS, 3.0, controlled)(heights)
+    a, c, *_ = ride_model(HALF, 3.0, controlled)
     w, at_m = 2, PIECE_M * np.arange(heights.shape[1])
     for speed, found in zip(SPEEDS, cost.sum(axis=0), strict=True):
 
@@ -52,6 +54,11 @@ def test_cost_is_charged_where_the_road_excites_the_car() -> None:
     assert (cost.sum(axis=0) > 0.0).all()
 
 
+def test_the_controlled_car_rides_better() -> None:
+    passive, controlled = (RideCost(HALF, SPEEDS, 3.0, kind)(bump()).sum(axis=0) for kind in (False, True))
+    assert (controlled < 0.8 * passive).all()
+
+
 def test_a_flat_or_level_road_costs_nothing() -> None:
     np.testing.assert_allclose(RideCost(HALF, SPEEDS, 3.0)(np.full((2, 50), 0.3)), 0.0, atol=1e-12)
 
@@ -67,7 +74,7 @@ def test_expected_heights_have_the_expected_square() -> None:
 def test_the_linear_system_is_that_of_the_equations_and_of_the_objective(car: Car) -> None:
     """Rates of car and filters, and squared residuals, for one small motion on one road."""
     wheels, layout, rng = car.wheels, state_layout(car), np.random.default_rng(3)
-    a, c = _system(car, 3.0)
+    a, c, *_ = ride_model(car, 3.0, controlled=False)
     seats = np.array(car.seat_kinematic_rows)
     motion, height, rate = rng.normal(size=layout.motion.stop), *rng.normal(size=(2, wheels))
     filters, small = rng.normal(size=2 * len(seats)), 1e-4
