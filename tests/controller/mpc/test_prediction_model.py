@@ -59,24 +59,6 @@ def test_two_half_steps_make_a_whole_one(name: str) -> None:
     np.testing.assert_allclose(np.array(half), np.array(whole), rtol=5e-3, atol=5e-3)
 
 
-def test_braking_pitches_the_car_as_the_equations_say() -> None:
-    vehicle = load_vehicle("half")
-    model = prediction_model(vehicle)
-    x = equations.rest_state(vehicle)
-    command, flat = np.full(2, 1.5), np.zeros(2)
-
-    def f(t: float, state: np.ndarray) -> np.ndarray:
-        return equations.derivative(vehicle, state, KILO * command, flat, flat, forward_acc=-3.0)
-
-    exact = solve_ivp(f, (0.0, 0.2), x, rtol=1e-9, atol=1e-12).y[:, -1]
-    ours = np.concatenate([x, np.zeros(model.n_x - len(x))])
-    for _ in range(40):
-        ours = np.array(model.step(ours, command, 0.0, 0.0, 0.005, -3.0))[:, 0]
-    np.testing.assert_allclose(ours[: len(x)], exact, rtol=1e-6, atol=1e-6)
-    assert abs(exact[2]) > 1e-3
-    assert abs(ours[len(x)]) > 0.0  # the seats feel it
-
-
 def test_comfort_states_follow_the_second_order_filter() -> None:
     """Model rollout gives the weighted acceleration of lsim for the same body acceleration."""
     vehicle = load_vehicle("quarter")

@@ -37,17 +37,3 @@ def test_rest_on_any_road_costs_nothing(name: str) -> None:
     assert np.abs(cost.root @ (state - cost.rest @ road)).max() < 1e-9
     still = model.step(state, DampingLimits.of(vehicle).passive / KILO, road, road, 0.005, KNOWN)
     np.testing.assert_allclose(np.array(still)[:, 0], state, atol=1e-9)
-
-
-def test_rest_while_braking_is_where_the_pitching_moment_leaves_the_car() -> None:
-    vehicle = load_vehicle("half")
-    model = prediction_model(vehicle)
-    cost = terminal_cost(model, 0.01)
-    state = -2.0 * cost.rest[:, -1]
-    state[: len(rest_state(vehicle))] += rest_state(vehicle)
-    level = np.zeros(vehicle.wheels)
-    still = model.step(state, DampingLimits.of(vehicle).passive / KILO, level, level, 0.005, -2.0)
-    np.testing.assert_allclose(np.array(still)[:, 0], state, atol=1e-8)
-    load = np.array(model.outputs(state))[-vehicle.wheels :, 0]
-    assert load[0] > 0.01
-    assert load[1] < -0.01
