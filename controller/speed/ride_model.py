@@ -2,9 +2,9 @@
 
 Passive, or with the forces of a linear-quadratic regulator in place of the damper control. The weight of the
 forces stands for what a damper cannot do. It was chosen by drives of `mpc_preview` with the true road over
-six obstacles at 10 to 80 km/h: with lift-off as in `speed.wheel_contact` the model's cost follows the
-measured one up to a common factor of 0.78 and a standard deviation of 0.19 of its logarithm (0.35 for the passive car
-without lift-off), with a rank correlation of 0.97 (0.87).
+six obstacles at 10 to 80 km/h. With lift-off as in `speed.wheel_contact` the model's cost follows the
+measured one up to a common factor of 0.78 and a standard deviation of 0.19 of its logarithm (0.35 for the
+passive car without lift-off), with a rank correlation of 0.97 (0.87).
 """
 
 from typing import NamedTuple
