@@ -26,7 +26,8 @@ from foreride.scenarios.runs.write import environment, to_json
 from foreride.scenarios.tables.options import table_parser
 
 CONTROLLERS = "passive,skyhook,mpc_reactive,mpc_preview@oracle,mpc_preview@boxes"
-START_M, TRACK_M = 10.0, 1.5
+START_M, HALF_WIDTH_M = 10.0, 6.0
+"""Start of the curve, and half the width of the banked road: beside a profile its border goes on level."""
 
 
 class Slope(NamedTuple):
@@ -56,11 +57,11 @@ def road_fields(length_m: float, curve_m: float, grade: float, bank_file: str | 
 
 def banked_profile(length_m: float, curve_m: float, bank: float) -> str:
     """CSV of a road whose left side rises from START_M on over `curve_m` to the bank."""
-    lines = ["x_m,left_m,right_m"]
+    lines = [f"x_m,y={-HALF_WIDTH_M},y={HALF_WIDTH_M}"]
     for k in range(int(length_m / 0.25) + 1):
         share = min(max((0.25 * k - START_M) / curve_m, 0.0), 1.0)
-        half_m = 0.5 * TRACK_M * bank * share * share * (3.0 - 2.0 * share)
-        lines.append(f"{0.25 * k:.2f},{half_m:.6f},{-half_m:.6f}")
+        left_m = HALF_WIDTH_M * bank * share * share * (3.0 - 2.0 * share)
+        lines.append(f"{0.25 * k:.2f},{-left_m:.6f},{left_m:.6f}")
     return "\n".join(lines) + "\n"
 
 
