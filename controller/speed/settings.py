@@ -22,7 +22,7 @@ class PreviewPlanner(Checked):
     min_kmh: least speed that is planned for comfort's sake.
     longitudinal_weight: weight of the square of the longitudinal acceleration beside that of the weighted
     vertical one; far below 1, as Wd of ISO 2631-1 passes little of a braking that takes a second. 0.05 gave
-    the lowest ride of Wk and Wd together on tuning events.
+    the lowest Wk and Wd together on twenty tuning events, computed from the ride model, not driven.
     max_deceleration_m_s2, max_acceleration_m_s2: limits of the acceleration; by default about those of
     adaptive cruise control at low speed (ISO 15622).
     max_jerk_m_s3: limit of its rate of change.
