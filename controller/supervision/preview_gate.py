@@ -9,7 +9,7 @@ import numpy as np
 
 from foreride.controller.interface import Estimate
 from foreride.controller.settings import GateSettings
-from foreride.controller.supervision.correlation import Claim, Correlation
+from foreride.controller.supervision.correlation import Correlation
 from foreride.controller.supervision.residual import Residual, Strike, expected_at
 from foreride.files.interpolation import interpolated
 from foreride.preview.road_preview import RoadPreview
@@ -81,16 +81,9 @@ class PreviewGate:
             self._front, self._residuals, self._correlations, strict=True
         ):
             felt, contact = float(estimate.road_height[wheel]), bool(estimate.contact[wheel])
+            grid = preview.distance_m
+            claimed = expected_at(0.0, grid, preview.existence[wheel], preview.height_m[wheel])
+            sigma = interpolated(0.0, grid, preview.position_sigma_m[wheel])
             strikes.append(residual.feel(felt, contact, preview, travelled_m))
-            alike = correlation.feel(felt, contact, _claim(preview, wheel), travelled_m) and alike
+            alike = correlation.feel(felt, contact, claimed, sigma, travelled_m) and alike
         return strikes, alike
-
-
-def _claim(preview: RoadPreview, wheel: int) -> Claim:
-    """Expected height under the wheel and its standard deviations."""
-    grid, existence = preview.distance_m, preview.existence[wheel]
-    return Claim(
-        expected_at(0.0, grid, existence, preview.height_m[wheel]),
-        expected_at(0.0, grid, existence, preview.height_sigma_m[wheel]),
-        interpolated(0.0, grid, preview.position_sigma_m[wheel]),
-    )
