@@ -15,7 +15,7 @@ ROAD = {
 }  # fmt: skip
 MPC = {
     "horizon_s": 0.6, "blind_horizon_s": 0.2, "fine_s": 0.05, "rho": 3.0, "input_weight": 1e-3,
-    "move_weight": 0.0, "force": {"weight": 1e-3, "rate_n_s": 1e6, "power_w": 5000.0},
+    "move_weight": 0.0, "adapts": True, "force": {"weight": 1e-3, "rate_n_s": 1e6, "power_w": 5000.0},
     "limits": {"unloading": None, "travel": None, "penalty": 50.0}, "road": ROAD,
 }  # fmt: skip
 GATE = {
@@ -53,7 +53,7 @@ def test_what_a_speed_planner_leaves_out_is_as_documented() -> None:
         {name: value for name, value in vars(kind()).items() if name != "kind"}
         for kind in (PreviewPlanner, ReactiveBraking)
     )
-    assert preview == LIMITS | {"time_weight": 0.2, "sight_m": 30.0, "longitudinal_weight": 0.2}
+    assert preview == LIMITS | {"time_weight": 0.2, "sight_m": 30.0, "longitudinal_weight": 0.05}
     assert reactive == LIMITS | {"comfortable_m_s2": 0.8, "memory_s": 0.5}
 
 
