@@ -46,7 +46,7 @@ def test_a_file_with_four_percent_left_in_rides_like_the_level_road(
 def test_a_vertical_curve_is_no_heave_and_no_preview_of_it_is_refused(
     controller: str, perception: str, lost: float
 ) -> None:
-    """The whole drive is on the curve, of 0.14 m/s², whose height over the plane grows with the plan's length."""
+    """The whole drive is on the curve, of 0.14 m/s²; its height over the plane grows with the plan."""
     curve = [{"start_m": 5.0, "grade": -0.03, "length_m": 60.0}]
     level = driven(controller, perception, "quarter")
     falling = driven(controller, perception, "quarter", grades=curve)
