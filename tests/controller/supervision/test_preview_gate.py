@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.settings import GateSettings
-from foreride.controller.supervision.preview_gate import PreviewGate, _claim
+from foreride.controller.supervision.preview_gate import PreviewGate
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
@@ -196,13 +196,3 @@ def test_a_place_is_tolerated_as_far_early_as_late() -> None:
     for shift in (-0.15, 0.15):
         places, used = drive(bump(FIRST_M), bump(FIRST_M + shift), noise_m=0.0)
         assert places[~used][0] < FIRST_M + 0.2
-
-
-def test_what_is_claimed_is_claimed_for_the_place_under_the_wheel() -> None:
-    grid = distance_grid(0.5, 4.0)
-    rows = np.stack([0.1 + 0.02 * grid, 0.3 - 0.01 * grid])
-    seen = RoadPreview(0.0, grid, rows, 2.0 * rows, 3.0 * rows, 0.5 + 0.1 * rows)
-    for wheel, height_m in enumerate((0.1, 0.3)):
-        exists = 0.5 + 0.1 * height_m
-        expected = exists * height_m, exists * 3.0 * height_m, 2.0 * height_m
-        assert _claim(seen, wheel) == pytest.approx(expected)
