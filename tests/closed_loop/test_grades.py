@@ -22,8 +22,11 @@ def slope_file(folder: Path, grade: float, bank: float = 0.0) -> str:
     return str(path)
 
 
-def driven(controller: str, perception: str, vehicle: str, **road: Any) -> Run:
+def driven(
+    controller: str, perception: str, vehicle: str, plan: dict[str, float] | None = None, **road: Any
+) -> Run:
     fields = {f"road.{name}": value for name, value in road.items()}
+    fields |= {f"control.settings.mpc.{name}": value for name, value in (plan or {}).items()}
     base = {"vehicle.model": vehicle, "speed_kmh": 60.0, "road.length_m": LENGTH_M}
     return simulate(Case(load("rough_b_80", base | fields), controller, perception, 0))
 
@@ -42,14 +45,20 @@ def test_a_file_with_four_percent_left_in_rides_like_the_level_road(
     assert (climbing.solver.get("fallbacks") or 0) == 0
 
 
-@pytest.mark.parametrize(("controller", "perception", "lost"), [(*LADDER[2], 0.15), (*LADDER[3], 0.08)])
+SHORT_PLAN = {"horizon_s": 0.3, "fine_s": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("controller", "perception", "plan", "lost"),
+    [(*LADDER[2], {}, 0.15), (*LADDER[3], SHORT_PLAN, 0.05), (*LADDER[3], {}, 0.08)],
+)
 def test_a_vertical_curve_is_no_heave_and_no_preview_of_it_is_refused(
-    controller: str, perception: str, lost: float
+    controller: str, perception: str, plan: dict[str, float], lost: float
 ) -> None:
     """The whole drive is on the curve, of 0.14 m/s²; its height over the plane grows with the plan."""
     curve = [{"start_m": 5.0, "grade": -0.03, "length_m": 60.0}]
-    level = driven(controller, perception, "quarter")
-    falling = driven(controller, perception, "quarter", grades=curve)
+    level = driven(controller, perception, "quarter", plan)
+    falling = driven(controller, perception, "quarter", plan, grades=curve)
     assert falling.solver["fallbacks"] == 0
     assert falling.metrics["objective"] == pytest.approx(level.metrics["objective"], rel=lost)
 
