@@ -40,6 +40,7 @@ class Slope(NamedTuple):
     objective: float
     ratio: float
     refused: int
+    refused_on_level: int
 
 
 def road_fields(length_m: float, curve_m: float, grade: float, bank_file: str | None) -> dict[str, Any]:
@@ -84,10 +85,12 @@ def slopes(asked: Any, grades: Sequence[float], folder: Path) -> list[Slope]:
         Path(bank_file).write_text(banked_profile(asked.length_m, asked.curve_m, asked.bank))
     done = []
     for name in tracked(asked.controllers.split(","), "grades"):
-        level, _ = drive(asked, name, 0.0, None)
+        level, level_refused = drive(asked, name, 0.0, None)
         for grade in grades:
             objective, refused = drive(asked, name, grade, bank_file)
-            done.append(Slope(asked.vehicle, name, grade, asked.bank, objective, objective / level, refused))
+            ratio = objective / level
+            row = (asked.vehicle, name, grade, asked.bank, objective, ratio, refused, level_refused)
+            done.append(Slope(*row))
     return done
 
 
@@ -110,10 +113,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with TemporaryDirectory() as folder:
         done = slopes(asked, [_grade(text) for text in asked.grades.split(",")], Path(folder))
     print(f"\n{asked.vehicle} car, class B, {asked.speed_kmh:g} km/h, bank {asked.bank:g}\n")
-    print("| controller | grade | J | J / level | refused |\n|---|---|---|---|---|")
+    print("| controller | grade | J | J / level | refused | on the level |\n|---|---|---|---|---|---|")
     for one in done:
-        numbers = f"{one.grade:+.0%} | {one.objective:.4f} | {one.ratio:.3f} | {one.refused}"
-        print(f"| {one.controller} | {numbers} |")
+        numbers = f"{one.grade:+.0%} | {one.objective:.4f} | {one.ratio:.3f}"
+        print(f"| {one.controller} | {numbers} | {one.refused} | {one.refused_on_level} |")
     if asked.json:
         rows = [one._asdict() for one in done]
         write_text(asked.json, to_json({"schema": 1, "manifest": environment(), "rows": rows}) + "\n")
