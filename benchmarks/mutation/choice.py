@@ -1,4 +1,4 @@
-"""Draw of mutants by seed and the test files that judge each."""
+"""Draw of mutants by seed and the tests that judge each."""
 
 import ast
 import random
@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.mutation.operators import mutations
-
-LOOPS = ("tests/scenarios/simulation", "tests/closed_loop")
-"""Folders of tests that drive."""
+from benchmarks.mutation.reach import TestReach
 
 
 @dataclass(frozen=True)
@@ -32,32 +30,69 @@ def drawn(root: Path, packages: Sequence[str], count: int, seed: int) -> list[Mu
     return random.Random(seed).sample(every, min(count, len(every)))
 
 
-def files_judging(root: Path, file: str) -> list[str]:
-    """Test files of a module, the nearest first: its own, those that import it, those of its room."""
-    module = Path(file).with_suffix("")
-    name = _name(file)
-    room = root / "tests" / module.parent
-    own = [room / f"test_{module.name}.py"]
-    package = sorted((root / "tests" / module.parts[0]).rglob("test_*.py"))
-    importing = [path for path in package if re.search(rf"{re.escape(name)}\s", path.read_text())]
-    nearest = dict.fromkeys([*own, *importing, *sorted(room.glob("test_*.py"))])
-    return [str(path.relative_to(root)) for path in nearest if path.exists()]
+def function_at(text: str, line: int) -> str | None:
+    """Function or `Class.method` around a line of a source, None for a line outside of all."""
+
+    def within(node: ast.AST, names: tuple[str, ...]) -> str | None:
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.FunctionDef | ast.ClassDef):
+                first = child.body[0].lineno if isinstance(child, ast.FunctionDef) else child.lineno
+                if first <= line <= (child.end_lineno or line):
+                    path = (*names, child.name)
+                    return ".".join(path) if isinstance(child, ast.FunctionDef) else within(child, path)
+        return None
+
+    return within(ast.parse(text), ())
 
 
-def files_elsewhere(root: Path, file: str) -> list[str]:
-    """Other test files of the suite that import a module or one that imports it, and the closed loops."""
-    names = [_name(file)]
-    for path in root.rglob("*.py"):
-        if re.search(rf"{re.escape(names[0])}\s", path.read_text()):
-            names.append(_name(str(path.relative_to(root))))
-    pattern = re.compile(rf"({'|'.join(map(re.escape, names))})\s")
-    loops = [path for room in LOOPS for path in sorted((root / room).glob("test_*.py"))]
-    importing = [
-        path for path in sorted((root / "tests").rglob("test_*.py")) if pattern.search(path.read_text())
-    ]
-    found = [str(path.relative_to(root)) for path in dict.fromkeys([*importing, *loops])]
-    return [name for name in found if name not in files_judging(root, file)]
+def own_tests(root: Path, file: str) -> str | None:
+    """Test file that mirrors a module, if there is one."""
+    module = Path(file)
+    own = f"tests/{module.parent}/test_{module.stem}.py"
+    return own if (root / own).exists() else None
 
 
-def _name(file: str) -> str:
-    return "foreride." + ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
+def test_files(root: Path, packages: Sequence[str]) -> list[str]:
+    """All test files of packages."""
+    paths = [path for package in packages for path in sorted((root / "tests" / package).rglob("test_*.py"))]
+    return [str(path.relative_to(root)) for path in paths]
+
+
+def importing(root: Path, file: str, tests: Sequence[str]) -> set[str]:
+    """Those of some test files that import a module."""
+    name = "foreride." + ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
+    return {test for test in tests if re.search(rf"{re.escape(name)}\s", (root / test).read_text())}
+
+
+def judging(root: Path, file: str, function: str | None, tests: Sequence[TestReach]) -> list[TestReach]:
+    """Tests that judge a mutant, in their order.
+
+    Those that execute its function, or any of its file where it stands outside of all functions, the module's
+    own first and then the cheapest; after them the others of their files, which may share a fixture with
+    those, and of the files that import the module.
+    """
+    reaching = {test for test in tests if _reaches(test, file, function)}
+    own = own_tests(root, file)
+    files = {test.file for test in reaching} | {own}
+    files |= importing(root, file, sorted({test.file for test in tests}))
+    return sorted(
+        (test for test in tests if test.file in files),
+        key=lambda test: (test.file != own, test not in reaching, test.seconds),
+    )
+
+
+def _reaches(test: TestReach, file: str, function: str | None) -> bool:
+    if function is not None:
+        return f"{file}:{function}" in test.functions
+    return any(name.startswith(f"{file}:") for name in test.functions)
+
+
+def within_time(tests: Sequence[TestReach], seconds: float) -> list[TestReach]:
+    """First tests of a sequence that take no longer than a time together, and at least one."""
+    total, chosen = 0.0, []
+    for test in tests:
+        total += test.seconds
+        if chosen and total > seconds:
+            break
+        chosen.append(test)
+    return chosen

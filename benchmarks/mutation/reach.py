@@ -1,0 +1,112 @@
+"""Record of the functions that each test executes, and of the test's processor time.
+
+A test file runs in a process of its own, so that nothing which an earlier file left in a cache hides a call.
+Tests that fail while they are recorded judge no mutant.
+"""
+
+import hashlib
+import json
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+import pytest
+
+from benchmarks.mutation.judge import in_child
+
+CHECK_LIMIT_S = 3600
+
+
+@dataclass(frozen=True)
+class TestReach:
+    """One test: its name in pytest, its processor time and the functions `file:name` that it executes."""
+
+    __test__ = False
+    name: str
+    seconds: float
+    functions: frozenset[str]
+
+    @property
+    def file(self) -> str:
+        """Test file, relative to the repository."""
+        return self.name.split("::")[0]
+
+
+class _Recorder:
+    """Pytest plugin that records the tests which pass."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = str(folder) + "/"
+        self._failed: set[str] = set()
+        self.tests: list[TestReach] = []
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
+        """Trace the calls of one test with its fixtures."""
+        codes: set[CodeType] = set()
+
+        def trace(frame: FrameType, event: str, argument: Any) -> None:
+            codes.add(frame.f_code)
+
+        start = time.process_time()
+        sys.settrace(trace)
+        try:
+            return (yield)
+        finally:
+            sys.settrace(None)
+            seconds = time.process_time() - start
+            if item.nodeid not in self._failed:
+                self.tests.append(TestReach(item.nodeid, seconds, self._names(codes)))
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Note failed tests."""
+        if report.failed:
+            self._failed.add(report.nodeid)
+
+    def _names(self, codes: set[CodeType]) -> frozenset[str]:
+        own = [code for code in codes if code.co_filename.startswith(self._folder)]
+        return frozenset(
+            f"{code.co_filename.removeprefix(self._folder)}:{code.co_qualname.split('.<locals>')[0]}"
+            for code in own
+        )
+
+
+def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
+    """Record the tests of a file with the hash of its text, as one more line of a file of records."""
+    recorder = _Recorder(folder)
+
+    def write() -> None:
+        rows = [asdict(test) | {"functions": sorted(test.functions)} for test in recorder.tests]
+        line = {"file": file, "compiled": compiled, "hash": _hash(folder / file), "tests": rows}
+        with out.open("a") as stream:
+            stream.write(json.dumps(line) + "\n")
+
+    in_child(folder, [file], CHECK_LIMIT_S, compiled, recorder, write)
+
+
+def recorded(folder: Path, files: Sequence[str], out: Path, compiled: bool = True) -> list[TestReach]:
+    """Records of test files; those that are missing or whose tests have changed are made."""
+    for file in files:
+        if (file, compiled, _hash(folder / file)) not in _records(out):
+            record(folder, file, out, compiled)
+    records = _records(out)
+    keys = [(file, compiled, _hash(folder / file)) for file in files]
+    return [test for key in keys for test in records.get(key, [])]
+
+
+def _records(out: Path) -> dict[tuple[str, bool, str], list[TestReach]]:
+    rows = map(json.loads, out.read_text().splitlines()) if out.exists() else ()
+    return {
+        (row["file"], row["compiled"], row["hash"]): [
+            TestReach(test["name"], test["seconds"], frozenset(test["functions"])) for test in row["tests"]
+        ]
+        for row in rows
+    }
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
