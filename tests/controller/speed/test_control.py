@@ -8,7 +8,7 @@ import pytest
 from foreride.controller.interface import Estimate
 from foreride.controller.speed import control
 from foreride.controller.speed.control import SpeedControl
-from foreride.controller.speed.settings import PreviewPlanner, ReactiveBraking
+from foreride.controller.speed.settings import ReactiveBraking
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.speed_profile import SpeedProfile
 from tests.controller.cars import estimate
@@ -73,13 +73,3 @@ def test_the_jerk_is_held_until_the_next_plan_and_the_acceleration_within_the_li
 
 def test_it_accelerates_no_more_than_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert controlled(monkeypatch, 5.0, 0.05, 20)[2][-1] == 2.0
-
-
-def test_defaults_are_those_of_adaptive_cruise_control_at_low_speed() -> None:
-    """ISO 15622: -3 and 2 m/s², 5 m/s³; the ride that brakes is 0.8 m/s² over half a second."""
-    for planner in (PreviewPlanner(), ReactiveBraking()):
-        limits = planner.max_deceleration_m_s2, planner.max_acceleration_m_s2, planner.max_jerk_m_s3
-        assert (*limits, planner.min_kmh) == (3.0, 2.0, 5.0, 10.0)
-    assert (PreviewPlanner().time_weight, PreviewPlanner().longitudinal_weight) == (0.2, 0.05)
-    assert PreviewPlanner().sight_m == 30.0
-    assert (ReactiveBraking().comfortable_m_s2, ReactiveBraking().memory_s) == (0.8, 0.5)
