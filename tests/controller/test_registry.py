@@ -162,3 +162,13 @@ def test_a_law_of_settings_commands_them_to_any_damper_as_they_are() -> None:
         build("passive", car, settings).step(estimate(model), None),
         passive(model, settings.passive).step(estimate(model), None),
     )
+
+
+def test_which_controllers_see_ahead_command_settings_and_have_settings_of_their_own() -> None:
+    entries = CONTROLLERS.own
+    assert {name for name, entry in entries.items() if entry.uses_preview} == {"mpc_preview"}
+    settings = {"passive", "fixed", "fixed_best", "mpc_reactive", "mpc_wheelbase", "mpc_preview"}
+    assert {name for name, entry in entries.items() if entry.commands_settings} == settings
+    for name, entry in entries.items():
+        assert entry.settings == ("mpc" if name.startswith("mpc") else name)
+        assert entry.summary

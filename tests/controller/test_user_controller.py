@@ -212,3 +212,18 @@ def test_a_file_imports_modules_beside_it_but_they_hide_no_other(tmp_path: Path)
     )
     path = write(tmp_path, text)
     assert build(f"{path}:Own", CAR).step(MOVING, None) == pytest.approx(950.0)
+
+
+def test_a_failure_to_hear_the_sensors_spoils_the_next_answer_even_if_the_command_is_heard(
+    tmp_path: Path,
+) -> None:
+    listens = "return [900.0, 900.0]\n    def acted(self, command):\n        pass"
+    text = OWN.format(step=f"{listens}\n    def sensed(self, measurement):\n        1 / 0")
+    own = build_object(
+        load_user_controller(f"{write(tmp_path, text)}:Own"), CAR, tuned_settings(CAR.kind), Timing()
+    )
+    own.sensed(None)  # type: ignore[attr-defined]
+    own.acted(np.zeros(2))  # type: ignore[attr-defined]
+    assert own.step(MOVING, None) == pytest.approx(build("skyhook", CAR).step(MOVING, None))
+    own.step(MOVING, None)
+    assert sum(own.stats["reasons"].values()) == 1  # type: ignore[attr-defined]

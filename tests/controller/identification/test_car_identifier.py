@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.identification.car_identifier import CarIdentifier
+from foreride.controller.identification.least_squares import Fit
 from foreride.controller.interface import Identified
 from foreride.vehicle.equations import body_acceleration
 from foreride.vehicle.load import Car, load_vehicle
@@ -63,3 +64,73 @@ def test_results_stay_within_bounds_and_are_repeatable() -> None:
     heavy = identified(car, mass=4.0)
     assert heavy.present.mass == 2.0
     assert identified(car, mass=4.0).present == heavy.present
+
+
+class KnownFit:
+    """Bank whose fit is given: springs' and dampers' factors of seven delays, and their residuals."""
+
+    def __init__(self, **changes: object) -> None:
+        parameters = np.tile([0.8, 0.6], (7, 1))
+        covariance = np.tile([[4e-4, 1e-4], [1e-4, 9e-4]], (7, 1, 1))
+        known = Fit(parameters, covariance, np.full(7, 0.03), 100.0, 1.0)
+        self.known = known._replace(**changes)  # type: ignore[arg-type]
+
+    def fit(self) -> Fit:
+        return self.known
+
+
+def concluded(fit: KnownFit, car: str = "quarter") -> CarIdentifier:
+    identifier = CarIdentifier(load_vehicle(car), PERIOD_S)
+    identifier._bank = fit  # type: ignore[assignment]
+    identifier._conclude()
+    return identifier
+
+
+def test_deviations_of_mass_and_damper_are_propagated_from_those_of_the_factors() -> None:
+    """Mass 1 / s, damper d / s: by a Monte Carlo of the factors, whose model leaves out 2.5 %."""
+    covariance = np.array([[4e-4, 1e-4], [1e-4, 9e-4]]) + 0.025**2 * np.eye(2)
+    drawn = np.random.default_rng(1).multivariate_normal([0.8, 0.6], covariance, 200_000)
+    now = concluded(KnownFit()).present
+    assert (now.mass, now.damper) == pytest.approx((1.25, 0.75))
+    assert now.mass_sigma == pytest.approx(np.std(1.0 / drawn[:, 0]), rel=0.02)
+    assert now.damper_sigma == pytest.approx(np.std(drawn[:, 1] / drawn[:, 0]), rel=0.02)
+
+
+@pytest.mark.parametrize(("other", "delay_s"), [(0.03 * np.exp(-0.21), 0.015), (0.03 * np.exp(-0.19), 0.0)])
+def test_another_delay_must_be_more_likely_by_ten_in_the_logarithm(other: float, delay_s: float) -> None:
+    """Half of 100 independent residuals times the logarithm of their ratio; three steps of 5 ms."""
+    residual = np.full(7, 0.03)
+    residual[3] = other
+    assert concluded(KnownFit(residual=residual)).present.delay_s == pytest.approx(delay_s)
+
+
+@pytest.mark.parametrize(("output", "explained"), [(0.76, True), (0.74, False)])
+def test_a_car_that_no_model_explains_keeps_what_is_adopted(output: float, explained: bool) -> None:
+    """Mean square residual 0.03: up to 0.2 of the acceleration."""
+    identifier = concluded(KnownFit(output=output))
+    assert identifier.present.mass == pytest.approx(1.25)
+    assert (identifier.result == Identified()) == (not explained)
+
+
+@pytest.mark.parametrize(
+    ("spring", "sigma", "adopted"),
+    [
+        (1 / 1.09, 0.001, True),
+        (1 / 1.07, 0.001, False),  # less than three standard deviations, of 2.5 % at least
+        (1 / 2.9, 0.001, False),  # those of 2.9 are too great to be certain
+        (1.0, 0.001, False),
+        (1 / 1.25, 0.06, False),
+    ],
+)
+def test_a_change_is_adopted_if_it_is_certain(spring: float, sigma: float, adopted: bool) -> None:
+    fit = KnownFit(
+        parameters=np.tile([spring, spring], (7, 1)), covariance=np.tile(sigma**2 * np.eye(2), (7, 1, 1))
+    )
+    assert (concluded(fit).result != Identified()) == adopted
+
+
+def test_a_delay_is_adopted_without_the_ratios() -> None:
+    residual = np.full(7, 0.03)
+    residual[2] = 0.01
+    fit = KnownFit(parameters=np.ones((7, 2)), residual=residual)
+    assert concluded(fit).result == Identified(delay_s=0.01)

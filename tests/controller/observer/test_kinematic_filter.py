@@ -5,7 +5,12 @@ import pytest
 from scipy.stats import chi2
 
 from foreride.controller.observer.filter_layout import filter_layout
-from foreride.controller.observer.kinematic_filter import KinematicFilter
+from foreride.controller.observer.kinematic_filter import (
+    CAUSE_SIGMA_M_S2,
+    CURVE_SPEED_M_S,
+    STANDING_SHARE,
+    KinematicFilter,
+)
 from foreride.vehicle.load import Car, load_vehicle
 from foreride.vehicle.plant.sensors import SensorNoise
 
@@ -94,3 +99,45 @@ def factor(covariance: np.ndarray) -> np.ndarray:
 def inside(mean: float, freedom: int) -> bool:
     low, high = chi2.ppf([0.0005, 0.9995], freedom) / freedom
     return low < mean < high
+
+
+@pytest.mark.parametrize("name", CARS)
+def test_causes_of_an_imbalance_count_in_deviations_of_sound_sensors(name: str) -> None:
+    """An offset accelerates the body; a travel that reads z too much is a body z too low, on its springs."""
+    car = load_vehicle(name)
+    filtered, rows, w = KinematicFilter(car, SensorNoise(), PERIOD_S), filter_layout(car), car.wheels
+    rng, kinematic = np.random.default_rng(3), np.array([corner.kinematic_row for corner in car.corners])
+    offset, zero = 0.1 * rng.normal(size=w), 1e-3 * rng.normal(size=w)
+    filtered.state[rows.offset][:w], filtered.state[rows.zero_error] = offset, zero
+    to_body = np.linalg.pinv(kinematic)
+    springs = np.diag([corner.spring_n_m for corner in car.corners])
+    stiffness = kinematic.T @ springs / np.array(car.generalised_mass)[:, None]
+    noise = SensorNoise()
+    variance = (to_body**2).sum(axis=1) * noise.body_offset_m_s2**2
+    variance += (stiffness**2).sum(axis=1) * noise.rattle_offset_m**2 + CAUSE_SIGMA_M_S2**2
+    expected = (to_body @ offset + stiffness @ zero) / np.sqrt(variance)
+    np.testing.assert_allclose(filtered.unspecified(), expected, rtol=5e-3)
+
+
+def test_a_standing_car_believes_a_level_plane_more_the_slower_it_is() -> None:
+    filtered = KinematicFilter(load_vehicle("half"), SensorNoise(), PERIOD_S)
+    curve, full = filtered.rows.curve_reading, filtered.model.reading_variance
+    for speed, share in ((0.0, STANDING_SHARE), (0.3 * CURVE_SPEED_M_S, 0.3), (2.0 * CURVE_SPEED_M_S, 1.0)):
+        variance = filtered.reading_variance(speed)
+        np.testing.assert_allclose(variance[curve], share**2 * full[curve])
+        variance[curve] = full[curve]
+        np.testing.assert_array_equal(variance, full)
+
+
+def test_confirmed_sensors_are_believed_as_far_as_they_are_specified() -> None:
+    """From the prior of their whole life to that of their data sheet: as if it had been the first one."""
+    filtered = KinematicFilter(load_vehicle("half"), SensorNoise(), PERIOD_S)
+    rows, specified = filtered.rows, filtered.model.specified_variance
+    filtered.state[rows.offset], filtered.state[rows.zero_error] = 0.1, 2e-3
+    life = np.diag(filtered.covariance).copy()
+    filtered.confirm()
+    chosen = np.r_[rows.offset.start : rows.offset.start + 2, rows.zero_error]
+    np.testing.assert_allclose(np.diag(filtered.covariance)[chosen], specified[chosen], rtol=1e-6)
+    shrunk = specified[chosen] / life[chosen] * [0.1, 0.1, 2e-3, 2e-3]
+    np.testing.assert_allclose(filtered.state[chosen], shrunk, rtol=1e-6)
+    np.testing.assert_allclose(filtered.state[rows.offset][2:], 0.1)

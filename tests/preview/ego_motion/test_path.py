@@ -61,3 +61,9 @@ def test_in_a_bend_the_hole_is_given_to_the_wheel_that_will_meet_it(bend):
     assert meets > 0.95
     assert centre == pytest.approx(0.75, abs=0.1)
     assert max((meets for meets, _ in told[False]), default=0.0) < 0.3
+
+
+def test_a_path_bends_about_the_cameras_own_place_unless_the_rear_axle_is_behind_it():
+    """At 10 m on an arc of 50 m a point lies 1 m beside the straight line."""
+    assert Path(0.02).beside(10.0, 0.0) == pytest.approx(50.0 - np.hypot(10.0, 50.0))
+    assert Path(0.02, 2.0).beside(8.0, 0.0) == pytest.approx(50.0 - np.hypot(10.0, 50.0))

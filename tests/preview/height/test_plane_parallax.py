@@ -103,3 +103,20 @@ def test_one_moving_camera_sees_depth_to_a_third_of_a_pixel(photographs: tuple) 
     error = (field.q - true_structure(view, first)) * field.pixels
     assert abs(np.median(error)) < 0.1
     assert np.median(np.abs(error)) < 0.35
+
+
+def test_the_weight_of_a_pixel_is_its_squared_gradient_along_the_epipolar_line() -> None:
+    """Stripes along the road: a sine of 30 grey levels over 20 columns, seen without any parallax."""
+    pose = pose_of(MOUNT, 20.0, 0.0, 0.0)
+    view = band(CAMERA, pose, second_pose(pose, 0.2), ROWS, COLUMNS)
+    still = view._replace(other=np.stack([view.ahead, view.side, view.up]), travel=1e-9 * view.travel)
+    columns = np.arange(CAMERA.width_px)
+    stripes = np.tile(128.0 + 30.0 * np.sin(2.0 * np.pi * columns / 20.0), (CAMERA.height_px, 1))
+    field = match(
+        CAMERA, still, stripes.astype(np.float32), stripes.astype(np.float32), np.ones_like(view.ahead), 41
+    )
+    inside = field.weight[:, 30:-30]
+    gradient = 30.0 * np.sin(2.0 * np.pi / 20.0)  # central difference over two columns
+    np.testing.assert_allclose(inside, 0.5 * gradient**2, rtol=0.06)
+    np.testing.assert_allclose(field.pixels, 1e-9 * 0.2 * CAMERA.focal_px / view.ahead, rtol=1e-3)
+    assert field.noise < 0.01

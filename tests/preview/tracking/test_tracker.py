@@ -222,3 +222,16 @@ def test_a_score_is_judged_by_the_height_of_its_box(score: float) -> None:
     assert track.score_surplus == pytest.approx(expected)
     tracker._rate(track, view, 0, Detections(seen.boxes, np.zeros(1), 1 - seen.classes))
     assert track.score_surplus == pytest.approx(expected)
+
+
+def test_after_a_change_of_grade_the_prior_is_wider_the_farther_ahead_the_object_is() -> None:
+    """The grade turns the line of sight, and lifts the ground at the object by grade times distance."""
+    tracker = known_bump()
+    (track,) = tracker.tracks
+    before = tracker.calibration.prior(track.cls)
+    tracker.grade_sigma, track.last_seen_x_m = 0.02, track.start_m - 7.0
+    added = tracker._prior(track).covariance - before.covariance
+    np.testing.assert_allclose(added, np.diag([0.02**2, (7.0 * 0.02) ** 2, 0.0]), atol=1e-12)
+    track.last_seen_x_m = track.start_m + 1.0
+    added = tracker._prior(track).covariance - before.covariance
+    np.testing.assert_allclose(added, np.diag([0.02**2, 0.0, 0.0]), atol=1e-12)
