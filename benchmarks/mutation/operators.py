@@ -2,7 +2,8 @@
 
 They are the classical ones of mutation analysis (Offutt et al., An experimental determination of sufficient
 mutant operators, ACM TOSEM 5(2), 1996): replacement of arithmetic, relational and logical operators, of signs
-and of constants. Annotations, docstrings and raised messages are left as they are.
+and of constants. Annotations, docstrings, raised messages and assertions, of which `zip(..., strict=True)` is
+one, are left as they are.
 """
 
 import ast
@@ -78,9 +79,10 @@ def _is_text(node: ast.AST) -> bool:
 
 
 def _is_skipped(node: ast.AST) -> bool:
-    """Whether nothing below a node is mutated: raised messages, declared types and ranges."""
+    """Whether nothing below a node is mutated: raised messages, assertions, declared types and ranges."""
     annotated = isinstance(node, ast.Subscript) and ast.unparse(node.value) == "Annotated"
-    return annotated or isinstance(node, ast.Raise)
+    strict = isinstance(node, ast.keyword) and node.arg == "strict"
+    return annotated or strict or isinstance(node, ast.Raise | ast.Assert)
 
 
 def mutations(tree: ast.AST) -> Iterator[tuple[ast.AST, str, int | None, ast.AST]]:

@@ -24,6 +24,8 @@ def force(a: float, b: float = -2.0) -> float:
     """Sum."""
     if a < b and not b == 0:
         raise ValueError(f"{a + b}")
+    for _ in zip("a", "b", strict=True):
+        assert a + b < 9
     return a * b + 3
 '''
 
@@ -40,7 +42,7 @@ def test_operators_change_code_and_neither_types_nor_messages() -> None:
     assert "b == 0 -> b != 0" in found
     assert "-2.0 -> +2.0" in found
     assert "3 -> 4" in found
-    assert not [change for change in found if "1.0" in change or "a + b" in change]
+    assert not [change for change in found if any(part in change for part in ("1.0", "a + b", "True", "9"))]
 
 
 def test_each_mutation_differs_from_the_source_and_from_the_others() -> None:
