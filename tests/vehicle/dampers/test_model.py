@@ -10,10 +10,11 @@ from scipy.integrate import solve_ivp
 
 from foreride.files.errors import InputError
 from foreride.vehicle import equations
-from foreride.vehicle.dampers.damper import DAMPERS, DamperModel, IdealDamper
+from foreride.vehicle.dampers.damper import DAMPERS, DamperModel, IdealDamper, MrBoucWenDamper
 from foreride.vehicle.load import QuarterCar, control_model, load_vehicle
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.state import road_under
+from foreride.vehicle.state_layout import state_layout
 
 
 @dataclass(frozen=True)
@@ -108,3 +109,27 @@ def test_what_is_no_damper_is_refused_in_one_line(name: str, value: Any, told: s
     with pytest.raises(InputError, match=told):
         DAMPERS.register(name, value)
     assert "maxwell" not in DAMPERS.names()
+
+
+def test_states_of_dampers_stand_wheel_by_wheel_and_agree_with_an_adaptive_integrator() -> None:
+    """Half car with two states a damper, over a bump that its front wheel meets first."""
+    car, speed, ticks = replace(load_vehicle("half"), damper=MrBoucWenDamper()), 8.0, 250
+    plant = Plant(car)
+    roads = [SmoothBump(), SmoothBump()]
+    plant.reset(roads, -car.front_axle_m, speed)
+    plant.step([2000.0, 1000.0], ticks)
+
+    def slope(t: float, x: np.ndarray) -> np.ndarray:
+        at_m = speed * t - car.front_axle_m
+        return equations.derivative(car, x, [2000.0, 1000.0], *road_under(car, roads, at_m, speed))
+
+    time = np.arange(ticks + 1) / 1000
+    start = equations.rest_state(car)
+    truth = solve_ivp(
+        slope, (0, time[-1]), start, "LSODA", t_eval=time, rtol=1e-7, atol=1e-9, max_step=2e-3
+    ).y
+    inner = state_layout(car).internal_states
+    found, true = plant.signals.x[inner], truth[inner]
+    assert np.abs(true[0]).max() > 2.0 * np.abs(true[2]).max()
+    errors = np.abs(found - true).max(axis=1)
+    np.testing.assert_array_less(errors, 0.05 * np.abs(true).max(axis=1) + 1e-6)
