@@ -1,11 +1,12 @@
 """Record of the functions that each test executes, and of the test's processor time.
 
 A test file runs in a process of its own, so that nothing which an earlier file left in a cache hides a call.
-Tests that fail while they are recorded judge no mutant.
+Tests that fail while they are recorded, or that take longer than `LONGEST_TEST_S`, judge no mutant.
 """
 
 import hashlib
 import json
+import signal
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -18,7 +19,8 @@ import pytest
 
 from benchmarks.mutation.judge import in_child
 
-CHECK_LIMIT_S = 3600
+FILE_LIMIT_S, LONGEST_TEST_S = 600.0, 5.0
+"""Processor time of a test file and of a test while they are recorded, which takes up to twice the time."""
 
 
 @dataclass(frozen=True)
@@ -52,11 +54,14 @@ class _Recorder:
         def trace(frame: FrameType, event: str, argument: Any) -> None:
             codes.add(frame.f_code)
 
+        signal.signal(signal.SIGPROF, _stop)
         start = time.process_time()
         sys.settrace(trace)
+        signal.setitimer(signal.ITIMER_PROF, LONGEST_TEST_S)
         try:
             return (yield)
         finally:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
             sys.settrace(None)
             seconds = time.process_time() - start
             if item.nodeid not in self._failed:
@@ -75,6 +80,10 @@ class _Recorder:
         )
 
 
+def _stop(number: int, frame: FrameType | None) -> None:
+    raise TimeoutError("the test takes too long to judge mutants")
+
+
 def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
     """Record the tests of a file with the hash of its text, as one more line of a file of records."""
     recorder = _Recorder(folder)
@@ -85,7 +94,7 @@ def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
         with out.open("a") as stream:
             stream.write(json.dumps(line) + "\n")
 
-    in_child(folder, [file], CHECK_LIMIT_S, compiled, recorder, write)
+    in_child(folder, [file], FILE_LIMIT_S, compiled, recorder, write)
 
 
 def recorded(folder: Path, files: Sequence[str], out: Path, compiled: bool = True) -> list[TestReach]:

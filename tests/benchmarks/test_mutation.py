@@ -3,8 +3,10 @@
 import ast
 from pathlib import Path
 
+import pytest
 import yaml
 
+import benchmarks.mutation.reach
 from benchmarks.mutation.__main__ import Bench, _is_open, judged, lines
 from benchmarks.mutation.choice import Mutant, drawn, function_at, judging, within_time
 from benchmarks.mutation.equivalent import LISTED, reason
@@ -70,6 +72,9 @@ def test_draw_repeats_with_its_seed_and_has_no_mutant_twice(tmp_path: Path) -> N
     assert {mutant.number for mutant in drawn(root, ["springs"], 99, 1)} == {0, 1}
 
 
+SLOW = "\ndef test_slow():\n    while True: force(1.0)\n"
+
+
 def reach(name: str, seconds: float, *functions: str) -> TestReach:
     return TestReach(name, seconds, frozenset(functions))
 
@@ -105,11 +110,14 @@ def test_the_function_of_a_line_is_the_outermost_one_and_none_for_what_runs_on_i
     assert [function_at(text, line) for line in range(1, 7)] == [None, None, None, None, "C.f", "C.f"]
 
 
-def test_record_holds_the_functions_of_tests_that_pass_and_is_kept(tmp_path: Path) -> None:
+def test_record_holds_the_functions_of_tests_that_pass_in_time_and_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(benchmarks.mutation.reach, "LONGEST_TEST_S", 0.3)
     root = repository(tmp_path)
     file, out = "tests/springs/test_spring.py", tmp_path / "reach"
     path = root / file
-    path.write_text(path.read_text() + "\ndef test_wrong():\n    assert force(1.0) == 1.0\n")
+    path.write_text(path.read_text() + "\ndef test_wrong():\n    assert force(1.0) == 1.0\n" + SLOW)
     (test,) = recorded(root, [file], out)
     assert (test.name, test.functions >= {"springs/spring.py:force"}) == (f"{file}::test_force", True)
     assert 0 < test.seconds < 5
