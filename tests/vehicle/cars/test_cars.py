@@ -45,6 +45,10 @@ def test_what_a_car_leaves_out_is_the_same_in_all_cars(kind: type) -> None:
         expected = (shared[name],) * 2 if isinstance(ours[name], tuple) else shared[name]
         assert ours[name] == expected, name
 
+    half = {field.name: field.default for field in fields(HalfCar) if field.default is not MISSING}
+    for name in ours.keys() & half.keys():
+        assert ours[name] == half[name], name
+
 
 def test_a_seat_may_be_above_a_wheel_but_not_beyond() -> None:
     car = load_vehicle("full")
