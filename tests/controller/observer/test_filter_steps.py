@@ -6,7 +6,6 @@ import pytest
 from foreride.controller.observer.filter_steps import (
     corrected,
     expected_covariance,
-    predicted,
     product,
     propagated,
     taken_in,
@@ -67,21 +66,3 @@ def test_readings_one_by_one_give_the_update_of_all_at_once(
     np.testing.assert_allclose(found[1], expected, rtol=1e-12, atol=1e-12)
     np.testing.assert_array_equal(found[1], expected_covariance(covariance, output, variance))
     np.testing.assert_array_equal(covariance, before)
-
-
-def test_a_period_moves_by_the_mean_of_the_parabola_through_three_samples(
-    rng: np.random.Generator, covariance: np.ndarray
-) -> None:
-    """Its integral over the newest period, and a deviation in proportion to the second difference."""
-    state, transition, drive = rng.normal(size=N), sparse(rng, N, N), sparse(rng, N, INPUTS)
-    samples, variance = rng.normal(size=(3, INPUTS)), rng.random(INPUTS)
-    parabolas = np.array([np.polyfit([0.0, -1.0, -2.0], column, 2) for column in samples.T])
-    mean = np.array(
-        [np.polyval(np.polyint(one), 0.0) - np.polyval(np.polyint(one), -1.0) for one in parabolas]
-    )
-    bend = samples[0] - 2.0 * samples[1] + samples[2]
-    found = predicted(state, covariance, samples, variance, 0.3, transition, drive)
-    np.testing.assert_allclose(found[0], transition @ state + drive @ mean, rtol=1e-9)
-    noise = np.diag(variance + (0.3 * bend) ** 2)
-    expected = transition @ covariance @ transition.T + drive @ noise @ drive.T
-    np.testing.assert_allclose(found[1], expected, rtol=1e-9, atol=1e-12)

@@ -6,6 +6,7 @@ from scipy.stats import chi2
 
 from foreride.controller.observer.filter_layout import filter_layout
 from foreride.controller.observer.kinematic_filter import (
+    ALIASING,
     CAUSE_SIGMA_M_S2,
     CURVE_SPEED_M_S,
     STANDING_SHARE,
@@ -141,3 +142,23 @@ def test_confirmed_sensors_are_believed_as_far_as_they_are_specified() -> None:
     shrunk = specified[chosen] / life[chosen] * [0.1, 0.1, 2e-3, 2e-3]
     np.testing.assert_allclose(filtered.state[chosen], shrunk, rtol=1e-6)
     np.testing.assert_allclose(filtered.state[rows.offset][2:], 0.1)
+
+
+def test_a_period_moves_by_the_mean_of_the_parabola_through_three_samples() -> None:
+    """Its integral over the newest period, and a deviation in proportion to the second difference."""
+    filtered = KinematicFilter(load_vehicle("half"), SensorNoise(), PERIOD_S)
+    model, rng = filtered.model, np.random.default_rng(5)
+    samples, variance = rng.normal(size=(3, 4)), rng.random(4)
+    before = filtered.state.copy()
+    filtered.predict(samples[2], variance)
+    np.testing.assert_array_equal(filtered.state, before)
+    filtered.predict(samples[1], variance)
+    state, covariance = filtered.state.copy(), filtered.covariance.copy()
+    filtered.predict(samples[0], variance)
+    parabolas = [np.polyint(np.polyfit([0.0, -1.0, -2.0], column, 2)) for column in samples.T]
+    mean = np.array([np.polyval(one, 0.0) - np.polyval(one, -1.0) for one in parabolas])
+    bend = samples[0] - 2.0 * samples[1] + samples[2]
+    np.testing.assert_allclose(filtered.state, model.transition @ state + model.drive @ mean, atol=1e-12)
+    noise = np.diag(variance + (ALIASING * bend) ** 2)
+    expected = model.transition @ covariance @ model.transition.T + model.drive @ noise @ model.drive.T
+    np.testing.assert_allclose(filtered.covariance, expected + model.process, rtol=1e-9, atol=1e-15)
