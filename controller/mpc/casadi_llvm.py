@@ -8,10 +8,16 @@ equal CasADi's bit for bit. The compiler is llvmlite, which Numba installs.
 import ctypes
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import casadi
 import llvmlite.binding as llvm
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from foreride.files.jit import njit
 
 llvm.initialize_native_target()
 llvm.initialize_native_asmprinter()
@@ -51,17 +57,19 @@ class CompiledFunction:
     The rows of `points` are the inputs, one argument below the other, nonzeros in CasADi's column order; the
     rows of `results` are the outputs likewise. With one lane, a point may read what the previous point wrote.
     Raises NotImplementedError for an unsupported operation.
+    address: of the machine code, for `evaluate`; it is valid as long as this object lives.
     """
 
     def __init__(self, function: casadi.Function, lanes: int = 1):
         module = llvm.parse_assembly(_module(function, lanes))
         # Higher optimisation would quadruple the compile time of code that runs in a few microseconds.
         machine = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=0
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=1
         )
         engine = llvm.create_mcjit_compiler(module, machine)
         engine.finalize_object()
-        self._run = _SIGNATURE(engine.get_function_address("kernel"))
+        self.address = engine.get_function_address("kernel")
+        self._run = _SIGNATURE(self.address)
         self._run.engine = engine  # type: ignore[attr-defined]  # keep the owner of the code alive
         self.lanes = lanes
         self.rows_in = sum(function.nnz_in(i) for i in range(function.n_in()))
@@ -88,6 +96,26 @@ class CompiledFunction:
             raise ValueError(f"{name} must be float64 of at least ({rows}, {count}), got {array.shape}")
         if count % self.lanes:
             raise ValueError(f"count must be a multiple of {self.lanes}, got {count}")
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _call(_: Any, address: Any, points: Any, results: Any, count: Any, row_in: Any, row_out: Any) -> Any:
+    """Call the kernel at an address from code that Numba compiles."""
+
+    def code(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        pointer, number = ir.IntType(8).as_pointer(), ir.IntType(64)
+        kernel = ir.FunctionType(ir.VoidType(), [pointer] * 2 + [number] * 3).as_pointer()
+        arrays = [builder.inttoptr(array, pointer) for array in arguments[1:3]]
+        builder.call(builder.inttoptr(arguments[0], kernel), arrays + list(arguments[3:]))
+
+    return types.none(*[types.int64] * 6), code
+
+
+@njit
+def evaluate(address: int, points: Any, results: Any, count: int) -> None:
+    """The same evaluation by its address, for functions that Numba compiles; the arrays are not checked."""
+    rows = points.strides[0] // 8, results.strides[0] // 8
+    _call(address, points.ctypes.data, results.ctypes.data, count, *rows)
 
 
 def _module(function: casadi.Function, lanes: int) -> str:

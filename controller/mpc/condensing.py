@@ -1,14 +1,18 @@
 """Condensing: the Gauss–Newton quadratic program of a plan's correction, with the states eliminated.
 
-With S the sensitivity of the state to the plan and C that of a step's residuals r to the state, each step
-adds (CS)ᵀCS to H and (CS)ᵀr to g. The model and its Jacobians run as code compiled by
-`controller.mpc.casadi_llvm`, the Jacobians of several steps at once; Numba compiles the matrix algebra.
+The cost to go, from the end backwards, is a quadratic form in the state and the command of an interval; times
+the sensitivities of that state to the earlier commands it gives the interval's rows of H, so that the effort
+grows with the square of the intervals rather than their cube (Andersson, A General-Purpose Software Framework
+for Dynamic Optimization, KU Leuven 2013; Frison & Jørgensen, IEEE CDC 2013). The model and its Jacobians run
+as code compiled by `controller.mpc.casadi_llvm`, the Jacobians of several steps at once; Numba compiles the
+matrix algebra.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from foreride.controller.mpc.casadi_llvm import evaluate
 from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
@@ -40,30 +44,30 @@ class Condenser:
         input_weights: np.ndarray,
     ):
         steps, intervals, inputs = len(grid.step_s), len(grid.intervals_s), input_size(model.vehicle)
-        self._model, self._steps = model, steps
-        self._interval = grid.interval
-        self._weights = grid.step_s / period_s
-        lengths = np.array(grid.intervals_s) / period_s
-        self._input_weights = np.outer(lengths, input_weights).ravel()
-        self._nominal = np.tile(np.arange(inputs) < model.vehicle.wheels, intervals).astype(float)
+        self._model, self._steps, self._inputs = model, steps, inputs
+        self._interval, self._weights = grid.interval, grid.step_s / period_s
+        self._first_steps = np.searchsorted(grid.interval, np.arange(intervals + 1))
+        self._input_weights = np.outer(np.array(grid.intervals_s) / period_s, input_weights)
+        self._nominal = (np.arange(inputs) < model.vehicle.wheels).astype(float)
         lanes = model.linearise.lanes
-        padded = -(-steps // lanes) * lanes
+        groups = -(-steps // lanes)
         # One column per step; the state reached by a step is written where the next step starts.
-        self._points = np.zeros((model.linearise.rows_in, padded + 1))
+        self._points = np.zeros((model.linearise.rows_in, groups * lanes + 1))
         self._points[-len(KNOWN) - 1] = grid.step_s[-1]
         self._points[-len(KNOWN) - 1, :steps] = grid.step_s
         self.adapt(KNOWN, terminal)
-        self._results = np.zeros((model.linearise.rows_out, padded))
-        self._advance = model.advance.bind(self._points, self._points[:, 1:], steps)
-        self._linearise = model.linearise.bind(self._points, self._results, padded)
+        self._results = np.zeros((groups, model.linearise.rows_out, lanes))
         self._entries = _entries(model)
         self._hessian = np.zeros((intervals * inputs, intervals * inputs))
         self._gradient = np.zeros(intervals * inputs)
 
     def adapt(self, ratios: tuple[float, float], terminal: TerminalCost) -> None:
         """Predict for a car with these ratios of the model, with its own terminal cost."""
+        n_x = self._model.n_x
         self._points[-len(KNOWN) :] = np.array(ratios)[:, None]
-        self._terminal = terminal
+        self._rest = terminal.rest
+        self._ending = np.zeros((n_x + self._inputs, n_x + self._inputs))
+        self._ending[:n_x, :n_x] = terminal.root.T @ terminal.root
 
     @property
     def states(self) -> np.ndarray:
@@ -73,8 +77,7 @@ class Condenser:
     def sensitivities(self, steps: int) -> np.ndarray:
         """Sensitivities (steps, n_x, size) of the states after the first steps to the plan's entries."""
         out = np.zeros((steps, self._model.n_x, len(self._gradient)))
-        inputs = len(self._gradient) // (int(self._interval[-1]) + 1)
-        _sensitivities(self._results, self._entries, self._interval, inputs, out)
+        _sensitivities(self._results, self._entries, self._interval, self._inputs, out)
         return out
 
     def __call__(self, state: np.ndarray, plan: np.ndarray, road: np.ndarray) -> Condensed:
@@ -82,129 +85,174 @@ class Condenser:
 
         road: (wheels, steps + 1) heights at the ends of the grid's steps, m.
         """
-        n_x, wheels, steps = self._model.n_x, self._model.vehicle.wheels, self._steps
-        roads = n_x + plan.shape[1]
-        points = self._points
-        points[:n_x, 0] = state
-        points[n_x:roads, :steps] = plan.take(self._interval, axis=0).T
-        points[roads : roads + wheels, :steps] = road[:, :-1]
-        points[roads + wheels : roads + 2 * wheels, :steps] = road[:, 1:]
-        self._advance()
-        self._linearise()
-        root = self._terminal.root
-        terminal_residuals = root @ (points[:n_x, steps] - self._terminal.rest @ road[:, -1])
+        model, points, results = self._model, self._points, self._results
+        hessian, gradient, steps = self._hessian, self._gradient, (self._first_steps, self._weights)
+        _predict(model.advance.address, points, self._interval, state, plan, road)
+        ending, rest = self._ending, self._rest
         _condense(
-            self._results,
+            model.linearise.address,
+            points,
+            road,
+            results,
             self._entries,
-            self._interval,
-            self._weights,
-            terminal_residuals,
-            root,
-            self._hessian,
-            self._gradient,
+            *steps,
+            ending,
+            rest,
+            hessian,
+            gradient,
         )
-        _add_inputs(self._hessian, self._gradient, self._input_weights, plan.ravel(), self._nominal)
-        return Condensed(self._hessian, self._gradient)
+        _add_inputs(hessian, gradient, self._input_weights, plan, self._nominal)
+        return Condensed(hessian, gradient)
 
 
 def _entries(model: PredictionModel) -> np.ndarray:
-    """Nonzero Jacobian entries as (matrix, row, column) indices.
+    """Nonzero Jacobian entries as (matrix, row, column, place in the matrix of `_fill`) indices.
 
     Matrices: 0 next state by state, 1 next state by command, 2 residuals by next state.
     """
-    listed = []
-    for matrix in range(3):
+    size, listed = model.n_x + input_size(model.vehicle), []
+    for matrix, (top, left) in enumerate(((0, 0), (0, model.n_x), (size, 0))):
         rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
-        listed += [(matrix, row, column) for row, column in zip(rows, columns, strict=True)]
+        for row, column in zip(rows, columns, strict=True):
+            listed.append((matrix, row, column, (top + row) * size + left + column))
     return np.array(listed, dtype=np.int64)
 
 
 @njit
-def _add_squares(
-    jacobian: np.ndarray,
-    residuals: np.ndarray,
-    weight: float,
-    inputs: int,
-    hessian: np.ndarray,
-    gradient: np.ndarray,
-) -> None:
-    """Add weighted JᵀJ to the lower triangle and Jᵀr; only the first `inputs` columns are nonzero.
-
-    Four rows are added in one pass over the triangle, each sum in the order of the rows.
-    """
-    fours = len(residuals) // 4 * 4
-    for r in range(0, fours, 4):
-        for i in range(inputs):
-            first, second = weight * jacobian[r, i], weight * jacobian[r + 1, i]
-            third, fourth = weight * jacobian[r + 2, i], weight * jacobian[r + 3, i]
-            total = gradient[i] + first * residuals[r] + second * residuals[r + 1]
-            gradient[i] = total + third * residuals[r + 2] + fourth * residuals[r + 3]
-            row, a, b, c, d = hessian[i], jacobian[r], jacobian[r + 1], jacobian[r + 2], jacobian[r + 3]
-            for j in range(i + 1):
-                row[j] = row[j] + first * a[j] + second * b[j] + third * c[j] + fourth * d[j]
-    for r in range(fours, len(residuals)):
-        for i in range(inputs):
-            factor = weight * jacobian[r, i]
-            gradient[i] += factor * residuals[r]
-            for j in range(i + 1):
-                hessian[i, j] += factor * jacobian[r, j]
+def _predict(advance: int, points: Any, interval: Any, state: Any, plan: Any, road: Any) -> None:
+    """Write the points that the car passes through."""
+    n_x, inputs, wheels, steps = len(state), plan.shape[1], len(road), len(interval)
+    points[:n_x, 0] = state
+    for step in range(steps):
+        for a in range(inputs):
+            points[n_x + a, step] = plan[interval[step], a]
+        for w in range(wheels):
+            points[n_x + inputs + w, step] = road[w, step]
+            points[n_x + inputs + wheels + w, step] = road[w, step + 1]
+    evaluate(advance, points, points[:, 1:], steps)
 
 
 @njit
 def _condense(
-    results: np.ndarray,
-    entries: np.ndarray,
-    interval: np.ndarray,
-    weights: np.ndarray,
-    terminal_residuals: np.ndarray,
-    root: np.ndarray,
-    hessian: np.ndarray,
-    gradient: np.ndarray,
+    linearise: int,
+    points: Any,
+    road: Any,
+    results: Any,
+    entries: Any,
+    first_steps: Any,
+    weights: Any,
+    ending: Any,
+    rest: Any,
+    hessian: Any,
+    gradient: Any,
 ) -> None:
-    """Accumulate H and g, skipping the columns of commands that have not yet acted."""
-    n_x, n_r, size = len(terminal_residuals), results.shape[0] - len(entries), len(gradient)
-    inputs = size // (interval[-1] + 1)
-    sensitivity, next_sensitivity = np.zeros((n_x, size)), np.zeros((n_x, size))
-    jacobian, terminal_jacobian = np.zeros((n_r, size)), np.zeros((n_x, size))
-    hessian[:] = 0.0
-    gradient[:] = 0.0
-    for step in range(len(interval)):
-        block_start = interval[step] * inputs
-        block_end = block_start + inputs
-        next_sensitivity[:, :block_end] = 0.0
-        jacobian[:, :block_end] = 0.0
-        for e in range(len(entries)):
-            matrix, row, column = entries[e]
-            value = results[n_r + e, step]
-            if matrix == 0:
-                for i in range(block_end):
-                    next_sensitivity[row, i] += value * sensitivity[column, i]
-            elif matrix == 1:
-                next_sensitivity[row, block_start + column] += value
-            else:
-                for i in range(block_end):
-                    jacobian[row, i] += value * next_sensitivity[column, i]
-        _add_squares(jacobian, results[:n_r, step].copy(), weights[step], block_end, hessian, gradient)
-        sensitivity, next_sensitivity = next_sensitivity, sensitivity
-    for row in range(n_x):
-        for column in range(row, n_x):
-            for i in range(size):
-                terminal_jacobian[row, i] += root[row, column] * sensitivity[column, i]
-    _add_squares(terminal_jacobian, terminal_residuals, 1.0, size, hessian, gradient)
-    for i in range(size):
-        for j in range(i):
-            hessian[j, i] = hessian[i, j]
+    """Write H and g. ending, rest: terminal cost in state and command, its rest state per unit road height.
+
+    The rows of the sensitivities are those of the plan's entries: first the state, then the entries of H with
+    the next command.
+    """
+    size, intervals, (n_x, wheels) = len(ending), len(first_steps) - 1, rest.shape
+    off = np.zeros(size)
+    for i in range(n_x):
+        off[i] = points[i, len(weights)]
+        for w in range(wheels):
+            off[i] -= rest[i, w] * road[w, -1]
+    onward = np.empty((intervals, size, size))
+    _cost_to_go(
+        linearise, points, results, entries, first_steps, weights, ending, ending @ off, onward, gradient
+    )
+    rows, next_rows = np.zeros((len(gradient), size)), np.zeros((len(gradient), size))
+    inputs = size - n_x
+    for k in range(intervals):
+        start, end = k * inputs, (k + 1) * inputs
+        for a in range(inputs):
+            rows[start + a, n_x + a] = 1.0
+        np.dot(rows[:end], onward[k], next_rows[:end])
+        for a in range(inputs):
+            for i in range(start + a + 1):
+                hessian[start + a, i] = hessian[i, start + a] = next_rows[i, n_x + a]
+        next_rows[:end, n_x:] = 0.0
+        rows, next_rows = next_rows, rows
+
+
+@njit
+def _cost_to_go(
+    linearise: int,
+    points: Any,
+    results: Any,
+    entries: Any,
+    first_steps: Any,
+    weights: Any,
+    ending: Any,
+    slope: Any,
+    onward: Any,
+    gradient: Any,
+) -> None:
+    """Write g and, for each interval, the matrix from (state, command) to (next state, gradient by command).
+
+    slope: gradient of the cost to go in state and command, at first that of the end. The steps are linearised
+    in groups, shortly before they are used.
+    """
+    size, inputs, lanes = len(ending), len(gradient) // len(onward), results.shape[2]
+    n_x, n_r, most = size - inputs, results.shape[1] - len(entries), np.diff(first_steps).max()
+    matrix, product, cost = np.zeros((size + n_r, size)), np.empty((size, size)), ending.copy()
+    for a in range(n_x, size):
+        matrix[a, a] = 1.0
+    reached, costs = np.empty((size + n_r * most, size)), np.empty((size + n_r * most, size))
+    slopes, group = np.empty(len(reached)), len(results)
+    for k in range(len(onward) - 1, -1, -1):
+        while first_steps[k] < group * lanes:
+            group -= 1
+            evaluate(linearise, points[:, group * lanes :], results[group], lanes)
+        end = size
+        for step in range(first_steps[k], first_steps[k + 1]):
+            result = results[step // lanes, :, step % lanes]
+            _fill(result[n_r:], entries, matrix)
+            if step > first_steps[k]:
+                np.dot(matrix[:size], reached[:size], product)
+            _copy(matrix if step == first_steps[k] else product, reached[:size])
+            np.dot(matrix[size:], reached[:size], reached[end : end + n_r])
+            for r in range(n_r):
+                slopes[end] = weights[step] * result[r]
+                for i in range(size):
+                    costs[end, i] = weights[step] * reached[end, i]
+                end += 1
+        np.dot(cost, reached[:size], costs[:size])
+        slopes[:size] = slope
+        np.dot(reached[:end].T, costs[:end], cost)
+        np.dot(reached[:end].T, slopes[:end], slope)
+        for i in range(size):
+            for j in range(size):
+                onward[k, j, i] = reached[i, j] if i < n_x else cost[i, j]
+        gradient[k * inputs : (k + 1) * inputs] = slope[n_x:]
+        cost[n_x:], cost[:, n_x:], slope[n_x:] = 0.0, 0.0, 0.0
+
+
+@njit
+def _copy(source: Any, target: Any) -> None:
+    """Copy as much as the target holds."""
+    for i in range(len(target)):
+        for j in range(target.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@njit
+def _fill(values: Any, entries: Any, matrix: Any) -> None:
+    """Write the Jacobians of a step, one below the other: of state and command, then of the residuals."""
+    flat = matrix.ravel()
+    for e in range(len(entries)):
+        flat[entries[e, 3]] = values[e]
 
 
 @njit
 def _sensitivities(results: Any, entries: Any, interval: Any, inputs: int, out: Any) -> None:
     """Write the sensitivities of the states, step by step; `out` is zero before."""
-    first = results.shape[0] - len(entries)
+    lanes, first = results.shape[2], results.shape[1] - len(entries)
     for step in range(out.shape[0]):
         start = interval[step] * inputs
         for e in range(len(entries)):
-            matrix, row, column = entries[e]
-            value = results[first + e, step]
+            matrix, row, column, _ = entries[e]
+            value = results[step // lanes, first + e, step % lanes]
             if matrix == 0 and step > 0:
                 for i in range(start + inputs):
                     out[step, row, i] += value * out[step - 1, column, i]
@@ -215,6 +263,9 @@ def _sensitivities(results: Any, entries: Any, interval: Any, inputs: int, out: 
 @njit
 def _add_inputs(hessian: Any, gradient: Any, weights: Any, plan: Any, nominal: Any) -> None:
     """Add the weighted squares of the plan's entries less their nominal values."""
-    for i in range(len(gradient)):
-        gradient[i] += weights[i] * (plan[i] - nominal[i])
-        hessian[i, i] += weights[i]
+    intervals, inputs = plan.shape
+    for k in range(intervals):
+        for a in range(inputs):
+            i, weight = k * inputs + a, weights[k, a]
+            gradient[i] += weight * (plan[k, a] - nominal[a])
+            hessian[i, i] += weight

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
+from foreride.controller.mpc import qp
 from foreride.controller.mpc.qp import solve_box
 
 
@@ -55,3 +56,24 @@ def test_where_the_search_begins_does_not_change_the_answer() -> None:
         moved = solve_box(hessian, gradient + hessian @ start, low - start, high - start)
         assert moved.problem is None
         np.testing.assert_allclose(start + moved.x, best, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 4, 37, 90])
+def test_both_methods_find_the_same_solution(n: int) -> None:
+    """Bounds of all widths, none among them: with the primal-dual method settled in each case."""
+    rng = np.random.default_rng(n)
+    for _ in range(10):
+        root = rng.normal(size=(n, n))
+        hessian, gradient = root @ root.T + 0.1 * np.eye(n), rng.normal(size=n) * 5
+        low, high = -rng.uniform(0.0, 1.0, n).round(1), rng.uniform(0.0, 1.0, n).round(1)
+        found = np.empty(n)
+        assert qp._solve_bounds(hessian, gradient, low, high, found)
+        other = qp._solve_by_daqp(hessian, gradient, low, high, None)
+        np.testing.assert_allclose(found, other.x, atol=1e-9)
+        slope = hessian @ found + gradient
+        assert np.all((np.abs(slope) < 1e-9) | (slope > 0) & (found == low) | (slope < 0) & (found == high))
+
+
+def test_a_cost_without_a_least_value_is_told() -> None:
+    hessian = np.diag([1.0, -1.0, 1.0])
+    assert solve_box(hessian, np.ones(3), -np.ones(3), np.ones(3)).problem == "nonconvex"
