@@ -114,8 +114,8 @@ def _call(_: Any, address: Any, points: Any, results: Any, count: Any, row_in: A
 @njit
 def evaluate(address: int, points: Any, results: Any, count: int) -> None:
     """The same evaluation by its address, for functions that Numba compiles; the arrays are not checked."""
-    rows = points.strides[0] // 8, results.strides[0] // 8
-    _call(address, points.ctypes.data, results.ctypes.data, count, *rows)
+    row_in, row_out = points.strides[0] // 8, results.strides[0] // 8
+    _call(address, points.ctypes.data, results.ctypes.data, count, row_in, row_out)
 
 
 def _module(function: casadi.Function, lanes: int) -> str:
