@@ -117,19 +117,25 @@ def forces(parameters: Car, x: Any, road_height: Any, road_velocity: Any, xp: Ar
 
 
 def evaluate_forces(
-    parameters: Car, state: Motion, road_height: Any, road_velocity: Any, xp: Arithmetic
+    parameters: Car,
+    state: Motion,
+    road_height: Any,
+    road_velocity: Any,
+    xp: Arithmetic,
+    damper_force: Sequence[Any] | None = None,
 ) -> tuple[list, list, Forces]:
-    """Travel and rate of each suspension and the forces at each wheel, lists of rows."""
+    """Travel and rate of each suspension and the forces at each wheel, lists of rows.
+
+    The dampers' forces are evaluated unless given.
+    """
     travel, rate = _rattle(parameters, state)
-    spring, damper, stop, actuator, tyre = [], [], [], [], []
+    spring, damper, stop, actuator, tyre = [], list(damper_force or []), [], [], []
     for i, corner in enumerate(parameters.corners):
         spring.append(corner.spring_force(travel[i], xp))
-        setting = state.damping[i]
-        damper.append(
-            corner.damper.force(
-                setting, corner.normalised_setting(setting), travel[i], rate[i], state.internal_states[i], xp
-            )
-        )
+        setting, states = state.damping[i], state.internal_states[i]
+        if damper_force is None:
+            normalised = corner.normalised_setting(setting)
+            damper.append(corner.damper.force(setting, normalised, travel[i], rate[i], states, xp))
         actuator.append(state.force[i] if state.force else 0.0 * travel[i])
         jounce = xp.fmax(-travel[i] - corner.stop_gap_m, 0.0)
         rebound = xp.fmax(travel[i] - corner.rebound_gap_m, 0.0)

@@ -141,17 +141,21 @@ def observe(
     road: tuple[list, list],
     forward_acc: Any = None,
     xp: equations.Arithmetic | None = None,
+    damper_force: Sequence[Any] | None = None,
 ) -> VehicleState:
     """Compute all signals: at one instant from floats and a list x, at n from (n,), (states, n), (w, n).
 
     `road` holds height and rate of change under each wheel, as returned by `road_under`; `forward_acc` is the
-    longitudinal acceleration or None. With casadi as `xp`, rows are lists and the command is a column.
+    longitudinal acceleration or None. With casadi as `xp`, rows are lists and the command is a column. The
+    dampers' forces are evaluated unless given.
     """
     xp = xp or (equations.FLOATS if isinstance(x, list) else np)
     array: Callable[[Any], Any] = np.array if xp in (np, equations.FLOATS) else list
     height, velocity = road
     state = equations.motion(parameters, x)
-    travel, rate, wheel_forces = equations.evaluate_forces(parameters, state, height, velocity, xp)
+    travel, rate, wheel_forces = equations.evaluate_forces(
+        parameters, state, height, velocity, xp, damper_force
+    )
     body, wheel = equations.accelerations(parameters, wheel_forces, forward_acc)
     zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]

@@ -1,10 +1,12 @@
 """Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.interface import ALL_SILENT
+from foreride.files.jit import njit
 from foreride.vehicle.plant.sensors import ROLL_RATE, Measurement, SensorNoise
 
 STUCK_READINGS = 4
@@ -66,12 +68,11 @@ class SensorMonitor:
     def check(self, measurement: Measurement) -> ValidatedReading:
         """Return the validated reading."""
         values = measurement.channels()
-        repeated = self._noisy & (values == self._previous)
-        self._previous = values
-        if not repeated.any() and (np.abs(values) <= self._max_magnitude).all():  # false for NaN
+        previous, self._previous = self._previous, values
+        if _is_sound(values, previous, self._noisy, self._max_magnitude):
             self._repeats, self._last_valid = self._no_repeats, values
             return ValidatedReading(measurement, self._none_lost)
-        return self._classify(measurement, values, repeated)
+        return self._classify(measurement, values, self._noisy & (values == previous))
 
     def _classify(
         self, measurement: Measurement, values: np.ndarray, repeated: np.ndarray
@@ -102,3 +103,12 @@ class SensorMonitor:
         return tuple(
             f"{name} {reason}" for name, reason in zip(self._names, fault_kinds, strict=True) if reason
         )
+
+
+@njit
+def _is_sound(values: Any, previous: Any, noisy: Any, greatest: Any) -> bool:
+    """Whether no value is out of range, NaN, or an unchanged one of a noisy sensor."""
+    for i in range(len(values)):
+        if not abs(values[i]) <= greatest[i] or (noisy[i] and values[i] == previous[i]):
+            return False
+    return True

@@ -22,8 +22,9 @@ class EstimateRecord:
 
     def add(self, estimate: Estimate) -> None:
         """Append an estimate."""
-        row = np.concatenate([[estimate.time_s], estimate.x, estimate.road_height, estimate.contact])
-        self._numbers.frombytes(row.tobytes())
+        self._numbers.append(estimate.time_s)
+        for part in (estimate.x, estimate.road_height, estimate.contact.astype(float)):
+            self._numbers.frombytes(part.tobytes())
         self._count += 1
 
     def columns(self) -> np.ndarray:

@@ -13,6 +13,7 @@ from foreride.vehicle.equations import input_size, rest_state
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.engine_names import EngineName
 from foreride.vehicle.plant.engines import build_engine
+from foreride.vehicle.plant.instant import Instant
 from foreride.vehicle.plant.mujoco_engine import build_model
 from foreride.vehicle.speed_profile import ConstantSpeed, Motion, MotionSamples, SpeedProfile
 from foreride.vehicle.state import (
@@ -50,7 +51,7 @@ class Plant:
 
     def __init__(self, parameters: Car, engine: EngineName = "mujoco") -> None:
         self.parameters = parameters
-        self._engine = build_engine(parameters, engine)
+        self._engine, self._instant = build_engine(parameters, engine), Instant(parameters)
         self._order = self._engine.order
         self._inputs, self._wheels = input_size(parameters), parameters.wheels
         self._columns = self._inputs + self._wheels + (len(parameters.generalised_mass) > 1)
@@ -143,11 +144,11 @@ class Plant:
                 if self._driven_ticks
                 else self._segments[-1]
             )
-            forward = None if acc is None else float(acc[-1])
-            instant = self._tick / RATE_HZ, float(x_m[-1]), float(speed_m_s[-1])
-            self._observed = self._observe(
-                *instant, self._row[self._order].tolist(), self._commands[-1], forward
-            )
+            forward = 0.0 if acc is None else float(acc[-1])
+            place, speed = float(x_m[-1]), float(speed_m_s[-1])
+            road = road_under(self.parameters, self._profiles, place, speed)
+            motion = self._tick / RATE_HZ, place, speed, forward
+            self._observed = self._instant(*motion, self._row[self._order], self._commands[-1], road)
         return self._observed
 
     @property

@@ -15,7 +15,7 @@ Bosch's SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerome
 
 from collections import deque
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -103,6 +103,10 @@ class Measurement:
 
     def channels(self) -> Array:
         """Vector of all channels, (3w + 3,), in the order of `channel_layout`, then the vehicle's own."""
+        return self._channels
+
+    @cached_property
+    def _channels(self) -> Array:
         vehicle = [self.pitch_rate, self.speed_m_s, self.roll_rate]
         return np.concatenate([self.body_acc, self.wheel_acc, self.rattle_m, vehicle])
 
@@ -110,15 +114,11 @@ class Measurement:
     def of_channels(cls, time_s: float, channels: Array) -> "Measurement":
         """Return the measurement with these channels."""
         rows = channel_layout(len(channels) // 3 - 1)
-        return cls(
-            time_s=time_s,
-            body_acc=channels[rows.body_acc],
-            wheel_acc=channels[rows.wheel_acc],
-            rattle_m=channels[rows.rattle],
-            pitch_rate=float(channels[PITCH_RATE]),
-            speed_m_s=float(channels[SPEED]),
-            roll_rate=float(channels[ROLL_RATE]),
-        )
+        pitch_rate, speed, roll_rate = channels[PITCH_RATE:].tolist()
+        wheels = channels[rows.body_acc], channels[rows.wheel_acc], channels[rows.rattle]
+        measurement = cls(time_s, *wheels, pitch_rate, speed, roll_rate)
+        measurement.__dict__["_channels"] = channels  # as the property would keep them
+        return measurement
 
 
 PITCH_RATE, SPEED, ROLL_RATE = -3, -2, -1
@@ -148,7 +148,7 @@ class Sensors:
     """
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
-        self._rng, self._wheels = rng, wheels
+        self._rng, self._count = rng, 3 * wheels + 3
         self._roll_rng = rng.spawn(1)[0]  # independent of the other channels' draws
         noise_levels = self._noise = noise or SensorNoise()
         width = np.sqrt(noise_levels.bandwidth_hz)
@@ -207,7 +207,7 @@ class Sensors:
 
     def _normal(self) -> Array:
         """Draw a standard normal number for each channel."""
-        numbers = np.empty(3 * self._wheels + 3)
+        numbers = np.empty(self._count)
         self._rng.standard_normal(out=numbers[:-1])
         numbers[-1] = self._roll_rng.standard_normal()
         return numbers
