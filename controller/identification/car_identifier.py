@@ -9,11 +9,13 @@ it what bushings and noise add. Springs are taken as known, as the body's motion
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.identification.least_squares import LeastSquaresBank
 from foreride.controller.interface import Identified
+from foreride.files.jit import njit
 from foreride.vehicle.load import Car
 
 BAND_HZ = (0.5, 20.0)
@@ -83,47 +85,41 @@ class CarIdentifier:
 
     def follow(self, command: np.ndarray) -> None:
         """Take in the damper settings (wheels,) which act from the last period on at the known delay."""
-        self._commands = np.column_stack([command, self._commands[:, :-1]])
-        late = self._commands[:, :: self._every_delay]
-        self._settings = self._settings + self._gain * (late - self._settings)
+        _follow(command, self._commands, self._every_delay, self._gain, self._settings)
 
     def update(self, acceleration: np.ndarray, travel: np.ndarray, rate: np.ndarray) -> None:
         """Compare the body's acceleration (body,) by springs and dampers with that of the known ones.
 
         travel, rate: (wheels,) of the suspensions, m and m/s.
         """
-        signals = np.column_stack([acceleration, self._accelerations(travel, rate)]) * self._arms[:, None]
-        self._mean += self._slow * (signals - self._mean)
-        self._band += self._fast * (signals - self._mean - self._band)
-        output = self._band[:, 0]
-        if np.abs(output).max() < LEAST_ACC_M_S2:
+        forces = self._forces(travel.tolist(), rate.tolist())
+        signals = acceleration, forces, self._rows, self._mass, self._arms
+        if _filter(*signals, self._slow, self._fast, self._mean, self._band) < LEAST_ACC_M_S2:
             return
+        output = self._band[:, 0]
         springs = np.broadcast_to(self._band[:, 1], (self._delays, len(output)))
         self._bank.add(output, np.stack([springs, self._band[:, 2:].T], axis=-1))
         self._excited += 1
         if self._excited % self._every == 0:
             self._conclude()
 
-    def _accelerations(self, travel: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Accelerations (body, 1 + delays) of the body by the known springs and stops, and by the dampers."""
+    def _forces(self, travel: list[float], rate: list[float]) -> np.ndarray:
+        """Forces (wheels, 1 + delays) on the body by the known springs and stops, and by the dampers."""
         forces = np.empty((len(self._corners), 1 + self._delays))
         for i, corner in enumerate(self._corners):
-            extended = float(travel[i])
-            jounce, rebound = (
-                max(-extended - corner.stop_gap_m, 0.0),
-                max(extended - corner.rebound_gap_m, 0.0),
-            )
+            extended, setting = travel[i], self._settings[i]
+            jounce = max(-extended - corner.stop_gap_m, 0.0)
+            rebound = max(extended - corner.rebound_gap_m, 0.0)
             stop = corner.stop_n_m2 * (jounce**2 - rebound**2)
             forces[i, 0] = corner.spring_force(extended, np) + stop
-            setting = self._settings[i]
             normalised = corner.normalised_setting(setting)
-            forces[i, 1:] = corner.damper.force(setting, normalised, extended, float(rate[i]), [], np)
+            forces[i, 1:] = corner.damper.force(setting, normalised, extended, rate[i], [], np)
         for axle, stiffness in enumerate(self._anti_roll):
             left, right = 2 * axle, 2 * axle + 1
             twist = stiffness * (travel[left] - travel[right])
             forces[left, 0] -= twist
             forces[right, 0] += twist
-        return np.asarray(self._rows.T @ forces / self._mass[:, None])
+        return forces
 
     def _conclude(self) -> None:
         fit = self._bank.fit()
@@ -160,3 +156,47 @@ class CarIdentifier:
             self.result = now
         elif now.delay_s != before.delay_s:
             self.result = replace(before, delay_s=now.delay_s)
+
+
+@njit
+def _follow(command: Any, commands: Any, every: int, gain: Any, settings: Any) -> None:
+    """Put the command (wheels,) before the others (wheels, n), and let each delay's settings follow its own."""
+    for wheel in range(len(command)):
+        late = commands[wheel]
+        for k in range(len(late) - 1, 0, -1):
+            late[k] = late[k - 1]
+        late[0] = command[wheel]
+        for delay in range(settings.shape[1]):
+            settings[wheel, delay] += gain[wheel, 0] * (late[delay * every] - settings[wheel, delay])
+
+
+@njit
+def _filter(
+    acceleration: Any,
+    forces: Any,
+    kinematic_rows: Any,
+    inertia: Any,
+    arms: Any,
+    slow: float,
+    fast: float,
+    mean: Any,
+    band: Any,
+) -> float:
+    """Pass the acceleration (body,) and those by forces (wheels, n) through the band; return its greatest.
+
+    mean, band: (body, 1 + n) states of the filters, in place.
+    """
+    greatest = 0.0
+    for i in range(len(acceleration)):
+        for k in range(mean.shape[1]):
+            value = acceleration[i]
+            if k > 0:
+                value = 0.0
+                for wheel in range(len(forces)):
+                    value += kinematic_rows[wheel, i] * forces[wheel, k - 1]
+                value /= inertia[i]
+            value *= arms[i]
+            mean[i, k] += slow * (value - mean[i, k])
+            band[i, k] += fast * (value - mean[i, k] - band[i, k])
+        greatest = max(greatest, abs(band[i, 0]))
+    return greatest

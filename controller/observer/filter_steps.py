@@ -1,10 +1,18 @@
-"""Steps of a Kalman filter in compiled loops, which skip the zeros of the model's sparse matrices."""
+"""Steps of the observer's Kalman filter in compiled loops, which skip the zeros of sparse matrices.
+
+Rows of its state are as in `controller.observer.filter_layout`.
+"""
 
 from typing import Any
 
 import numpy as np
 
 from foreride.files.jit import njit
+
+DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
+"""Standard deviation of the tyre deflection as the accelerations give it: on the ground and off it."""
+LIFT_OFF_LOAD_RATIO = 0.02
+"""Fraction of the static wheel load below which a wheel counts as lifted."""
 
 
 @njit
@@ -94,7 +102,14 @@ def expected_covariance(covariance: Any, output: Any, variance: Any) -> Any:
 
 @njit
 def predicted(
-    state: Any, covariance: Any, samples: Any, variance: Any, aliasing: Any, transition: Any, drive: Any
+    state: Any,
+    covariance: Any,
+    samples: Any,
+    variance: Any,
+    aliasing: Any,
+    transition: Any,
+    drive: Any,
+    process: Any,
 ) -> Any:
     """State and covariance one period on.
 
@@ -105,7 +120,7 @@ def predicted(
     mean = (5.0 * now + 8.0 * previous - before) / 12.0
     unseen = aliasing * (now - 2.0 * previous + before)
     moved = product(transition, state) + product(drive, mean)
-    return moved, propagated(covariance, transition, drive, variance + unseen**2)
+    return moved, propagated(covariance, transition, drive, variance + unseen**2) + process
 
 
 @njit
@@ -115,3 +130,97 @@ def corrected(state: Any, covariance: Any, output: Any, reading: Any, variance: 
     expected = expected_covariance(covariance, output, variance)
     state, covariance = taken_in(state, covariance, output, innovation, variance)
     return state, covariance, innovation, expected
+
+
+@njit
+def readings(channels: Any, wheels: int, gyros: int, motion: Any, count: int) -> Any:
+    """Readings (count,) of the filter from those of the sensors and the plane's motion.
+
+    Travel, rates relative to the plane, and the plane's acceleration, which stands for none, then zeros.
+    motion: rows of `RoadPlane`.
+    """
+    _, _, rate, _, acceleration = motion
+    reading = np.zeros(count)
+    for i in range(wheels):
+        reading[i] = channels[2 * wheels + i]
+    for i in range(gyros):  # pitch rate and roll rate, with the speed between them
+        reading[wheels + i] = channels[3 * wheels + 2 * i]
+        if 1 + i < len(rate):
+            reading[wheels + i] -= rate[1 + i]
+    for i in range(len(acceleration)):
+        reading[wheels + gyros + i] = -acceleration[i]
+    return reading
+
+
+@njit
+def reframed(
+    state: Any, covariance: Any, change: Any, frame: Any, faster: Any, drive: Any, variance: Any
+) -> Any:
+    """Covariance after the velocity of the frame has changed by `change` (wheels,), and `state` in place.
+
+    frame, faster: map of s, and what is added to it.
+    """
+    wheels = len(change)
+    for i in range(wheels):
+        state[2 * wheels + i] -= change[i]
+        state[3 * wheels + i] -= change[i]
+    return propagated(covariance, frame + faster, drive, variance)
+
+
+@njit
+def vehicle_state(state: Any, body_of_corners: Any, inputs: Any) -> Any:
+    """State of `vehicle.equations` without internal states; inputs: settings, then forces of actuators."""
+    body, wheels = body_of_corners.shape
+    moving = 2 * (body + wheels)
+    x = np.empty(moving + len(inputs))
+    for i in range(body):
+        height, rate = 0.0, 0.0
+        for w in range(wheels):
+            height += body_of_corners[i, w] * state[w]
+            rate += body_of_corners[i, w] * state[2 * wheels + w]
+        x[2 * i], x[2 * i + 1] = height, rate
+    for w in range(wheels):
+        x[2 * (body + w)], x[2 * (body + w) + 1] = state[wheels + w], state[3 * wheels + w]
+    x[moving:] = inputs
+    return x
+
+
+@njit
+def road_from_tyre(
+    state: Any,
+    previous_m: Any,
+    deflection: Any,
+    acceleration: Any,
+    variance: Any,
+    mass: float,
+    masses: Any,
+    transfer: Any,
+    by_struts: Any,
+    tyres: Any,
+    period_s: float,
+) -> Any:
+    """Road's height (wheels,), contact, rate of the height, and variance of the deflections.
+
+    previous_m: (wheels,) height one period before. deflection: (wheels,) of the tyres, replaced in place.
+    acceleration: (2w,) as measured. variance: (wheels,) of the deflections, due to lost sensors. mass: of the
+    body over the known one. masses: (wheels, 2w), see `vehicle.corner_inertia`. transfer, by_struts: (wheels,)
+    forces by the longitudinal acceleration, and those that cancel in the body. tyres: (wheels, 3) stiffness,
+    damping and static force.
+    """
+    wheels = len(previous_m)
+    road, rate, spread = np.empty(wheels), np.empty(wheels), np.empty(wheels)
+    contact = np.empty(wheels, dtype=np.bool_)
+    for i in range(wheels):
+        body, wheel = 0.0, 0.0
+        for k in range(wheels):
+            body += masses[i, k] * (acceleration[k] - state[4 * wheels + k])
+            wheel += masses[i, wheels + k] * (acceleration[wheels + k] - state[5 * wheels + k])
+        force = mass * (body + transfer[i]) + wheel + by_struts[i]
+        stiffness, damping, static = tyres[i]
+        deflection[i] = (force + damping / period_s * deflection[i]) / (stiffness + damping / period_s)
+        height = state[wheels + i] + deflection[i]
+        contact[i] = force > -(1.0 - LIFT_OFF_LOAD_RATIO) * static
+        road[i] = height if contact[i] else min(height, previous_m[i])
+        rate[i] = (road[i] - previous_m[i]) / period_s
+        spread[i] = variance[i] + (DEFLECTION_SIGMA_M if contact[i] else AIR_SIGMA_M) ** 2
+    return road, contact, rate, spread

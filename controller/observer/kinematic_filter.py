@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foreride.controller.observer.filter_layout import filter_layout
+from foreride.controller.observer.filter_layout import filter_layout, gyros
 from foreride.controller.observer.filter_model import filter_model
-from foreride.controller.observer.filter_steps import corrected, predicted, propagated, taken_in
+from foreride.controller.observer.filter_steps import corrected, predicted, readings, reframed, taken_in
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorNoise
 
@@ -69,16 +69,25 @@ class KinematicFilter:
             return
         samples, model = self._samples, self.model
         samples[2], samples[1], samples[0] = samples[1], samples[0], acceleration
-        before, motion = (self.state, self.covariance), (model.transition, model.drive)
+        before, motion = (self.state, self.covariance), (model.transition, model.drive, model.process)
         self.state, self.covariance = predicted(*before, samples, variance, ALIASING, *motion)
-        self.covariance += model.process
 
     def reading_variance(self, speed_m_s: float) -> np.ndarray:
-        """Variance of a reading of sound sensors; a plane under a standing car does not accelerate."""
+        """Variance of a reading of sound sensors, not to be changed.
+
+        A plane under a standing car does not accelerate.
+        """
+        if speed_m_s >= CURVE_SPEED_M_S:
+            return self.model.reading_variance
         variance = self.model.reading_variance.copy()
-        share = min(max(speed_m_s / CURVE_SPEED_M_S, STANDING_SHARE), 1.0)
-        variance[self.rows.curve_reading] *= share**2
+        variance[self.rows.curve_reading] *= max(speed_m_s / CURVE_SPEED_M_S, STANDING_SHARE) ** 2
         return variance
+
+    def readings(self, channels: np.ndarray, plane_motion: np.ndarray) -> np.ndarray:
+        """Readings of the filter from the sensors' channels and the motion of its caller's plane."""
+        wheels = self.rows.wheel.start
+        counts = wheels, gyros(wheels)
+        return np.asarray(readings(channels, *counts, plane_motion, len(self.model.output)))
 
     def correct(self, reading: np.ndarray, variance: np.ndarray) -> np.ndarray:
         """Take in a reading; return the corrections to the plane, which the caller's plane takes over."""
@@ -132,8 +141,6 @@ class KinematicFilter:
 
         faster: relative change of the speed; deflection_variance: (wheels,) of the tyre deflections.
         """
-        self.state[self.rows.body_velocity] -= change
-        self.state[self.rows.wheel_velocity] -= change
-        model = self.model
-        step = model.frame[follows] + faster * model.faster
-        self.covariance = propagated(self.covariance, step, model.frame_drive[follows], deflection_variance)
+        model, own = self.model, (self.state, self.covariance)
+        frame = model.frame[follows], faster * model.faster, model.frame_drive[follows]
+        self.covariance = reframed(*own, change, *frame, deflection_variance)

@@ -1,10 +1,13 @@
 """State observer: state and road estimate from the car's sensors."""
 
+from typing import Any
+
 import numpy as np
 
 from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
+from foreride.controller.observer.filter_steps import road_from_tyre, vehicle_state
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
@@ -13,19 +16,14 @@ from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.equations import body_acceleration, forces
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
-from foreride.vehicle.state_layout import state_layout
 
 SPEED_FILTER_S, FORWARD_FILTER_S = 0.2, 0.1
-DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
-"""Standard deviation of the tyre deflection as the accelerations give it: on the ground and off it."""
 SUBSTITUTE_BODY_SIGMA_M_S2, SUBSTITUTE_WHEEL_SIGMA_M_S2, SUBSTITUTE_RATTLE_SIGMA_M = 1.0, 30.0, 0.03
 UNKNOWN_RATE_SIGMA_RAD_S = 10.0
 """Standard deviations of the substitutes for a lost sensor."""
 BALANCE_PERIOD_S, BALANCE_SIGMA_M_S2, BALANCE_SHARE = 0.05, 0.05, 0.2
 """Period of the balance of forces, its standard deviation, and its share of the modelled acceleration."""
 FIRST_BALANCES, BELIEVED_SIGMAS = 4, 2.5
-LIFT_OFF_LOAD_RATIO = 0.02
-"""Fraction of the static wheel load below which a wheel counts as lifted."""
 
 
 class Observer:
@@ -57,11 +55,11 @@ class Observer:
         self._body_mass = np.array(vehicle.generalised_mass)
         self._body_load = self._body_mass[0] * arms
         self._load_transfer = force_distribution @ self._body_load
-        self._static = np.array([corner.static_tyre_n for corner in corners])
-        self._stiffness = np.array([corner.tyre_n_m for corner in corners])
-        self._tyre_damping = np.array([corner.tyre_damping_ns_m for corner in corners])
+        self._tyres = np.array([[c.tyre_n_m, c.tyre_damping_ns_m, c.static_tyre_n] for c in corners])
+        self._balance_every = max(round(BALANCE_PERIOD_S / timing.period_s), 1)
+        self._no_force = self._no_variance = np.zeros(self._wheels)
         self._identifier = CarIdentifier(vehicle, timing.period_s)
-        self._state, self._channels = state_layout(vehicle), channel_layout(vehicle.wheels)
+        self._channels = channel_layout(vehicle.wheels)
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
         self.reset()
 
@@ -103,21 +101,18 @@ class Observer:
         if self._actuators:
             self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
         self._count += 1
-        if not any(checked.lost):
+        if not checked.is_incomplete:
             self._identify(acceleration)
-        if self._count % max(round(BALANCE_PERIOD_S / self._period_s), 1) == 0 and not any(checked.lost):
-            self._balance_forces(acceleration, speed_m_s)
-        previous_road = self._road
-        offset = self._filter.state[self._filter.rows.offset]
-        road, contact = self._estimate_road_from_tyre(acceleration - offset)
-        self._road = np.where(contact, road, np.minimum(road, previous_road))
-        deflection_variance = deflection_variance + np.where(contact, DEFLECTION_SIGMA_M, AIR_SIGMA_M) ** 2
+            if self._count % self._balance_every == 0:
+                self._balance_forces(acceleration, speed_m_s)
+        road = self._estimate_road_from_tyre(acceleration, deflection_variance)
+        self._road, contact, rate, deflection_variance = road
         plane_change = self._follow_plane(speed_m_s, faster, deflection_variance)
         return Estimate(
             time_s=float(measurement.time_s),
             x=self._vehicle_state(),
             road_height=self._road,
-            road_velocity=(self._road - previous_road) / self._period_s - plane_change,
+            road_velocity=rate - plane_change,
             speed_m_s=speed_m_s,
             contact=contact,
             faults=checked.faults,
@@ -127,23 +122,18 @@ class Observer:
 
     def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
         """Filter the reading; return the accelerations and the variance (w,) of deflections due to losses."""
-        w, measurement, plane, model = self._wheels, checked.measurement, self._plane, self._filter.model
-        acceleration = np.concatenate([measurement.body_acc, measurement.wheel_acc])
-        rates = np.array([measurement.pitch_rate, measurement.roll_rate][: gyros(w)])
-        rates[: len(plane.rate) - 1] -= plane.rate[1:]
-        reading = np.zeros(len(model.output))
-        reading[:w], reading[w : w + len(rates)] = measurement.rattle_m, rates
-        reading[self._filter.rows.curve_reading] = -plane.acceleration
+        own, plane, model = self._filter, self._plane, self._filter.model
+        channels = checked.measurement.channels()
+        acceleration, reading = channels[self._channels.acceleration], own.readings(channels, plane.motion)
         acceleration_variance = model.acceleration_variance
-        reading_variance = self._filter.reading_variance(speed_m_s)
-        deflection_variance = np.zeros(w)
-        if any(checked.lost):
+        reading_variance, deflection_variance = own.reading_variance(speed_m_s), self._no_variance
+        if checked.is_incomplete:
             acceleration, acceleration_variance = self._without_lost_accelerations(acceleration, checked.lost)
             reading, reading_variance = self._without_lost_readings(reading, reading_variance, checked.lost)
             surplus = acceleration_variance - model.acceleration_variance
-            deflection_variance = (self._mass / self._stiffness[:, None]) ** 2 @ surplus
-        self._filter.predict(acceleration, acceleration_variance)
-        plane.adjust(self._filter.correct(reading, reading_variance), speed_m_s)
+            deflection_variance = (self._mass / self._tyres[:, :1]) ** 2 @ surplus
+        own.predict(acceleration, acceleration_variance)
+        plane.adjust(own.correct(reading, reading_variance), speed_m_s)
         return acceleration, deflection_variance
 
     def _without_lost_accelerations(
@@ -230,31 +220,24 @@ class Observer:
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
         return self._filter.state[self._filter.rows.offset] + np.concatenate([body, level])
 
-    def _estimate_road_from_tyre(self, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Estimate road height from the tyre force; return it and the contact flag, (wheels,) each.
+    def _estimate_road_from_tyre(self, acceleration: np.ndarray, variance: np.ndarray) -> Any:
+        """Estimate the road's height from the tyre force; return it, contact, its rate and the variance.
 
-        Without contact the height is an upper bound. With more wheels than rigid-body motions, the part of
-        the forces that cancels in the body is taken from the strut model.
+        acceleration: (2w,) as measured. variance: (w,) of the tyre deflections due to lost sensors, to which
+        that of sound ones is added. Without contact the height is an upper bound. With more wheels than
+        rigid-body motions, the part of the forces that cancels in the body is taken from the strut model.
         """
-        ratio, w = self._identifier.result.mass, self._wheels
-        force = ratio * (self._mass[:, :w] @ acceleration[:w] + self._load_transfer * self._forward_acc)
-        force = force + self._mass[:, w:] @ acceleration[w:]
+        by_struts = self._no_force
         if self._residual_projection is not None:
-            force = force + self._residual_projection @ self._struts()
-        rate = self._tyre_damping / self._period_s
-        deflection = (force + rate * self._deflection) / (self._stiffness + rate)
-        self._deflection = deflection
-        road = self._filter.state[self._filter.rows.wheel] + deflection
-        return road, force > -(1.0 - LIFT_OFF_LOAD_RATIO) * self._static
+            by_struts = self._residual_projection @ self._struts()
+        own = self._filter.state, self._road, self._deflection
+        transfer = self._load_transfer * self._forward_acc
+        mass = self._identifier.result.mass, self._mass, transfer
+        return road_from_tyre(*own, acceleration, variance, *mass, by_struts, self._tyres, self._period_s)
 
     def _vehicle_state(self) -> np.ndarray:
-        x, layout, rows = np.empty(self._state.internal_states.stop), self._state, self._filter.rows
-        s = self._filter.state
-        x[layout.body] = self._body @ s[rows.body]
-        x[layout.body_velocity] = self._body @ s[rows.body_velocity]
-        x[layout.wheel], x[layout.wheel_velocity] = s[rows.wheel], s[rows.wheel_velocity]
-        x[layout.damping], x[layout.force] = self._identifier.settings, self._force
-        return x
+        inputs = np.concatenate([self._identifier.settings, self._force])
+        return np.asarray(vehicle_state(self._filter.state, self._body, inputs))
 
     @staticmethod
     def _relative_change(previous: float | None, speed_m_s: float) -> float:

@@ -68,6 +68,11 @@ class RoadPlane:
     level, slope, rate, offset, acceleration = (_row("_motion", row) for row in range(5))
     obstacle_m = _row("_wheels", 0)
 
+    @property
+    def motion(self) -> np.ndarray:
+        """Level, rate per metre, rate, offset and acceleration, (5, body); a step replaces it by a new one."""
+        return self._motion
+
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:
         """Begin in equilibrium on a road of these heights (wheels,), the body moving along its plane."""
         self.reset()

@@ -1,6 +1,7 @@
 """Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,11 @@ class ValidatedReading:
     measurement: Measurement
     lost: tuple[bool, ...]
     faults: tuple[str, ...] = ()
+
+    @cached_property
+    def is_incomplete(self) -> bool:
+        """Whether any channel is lost."""
+        return any(self.lost)
 
 
 class SensorMonitor:
