@@ -1,6 +1,7 @@
 """Controller interface: estimate and preview in, one command per damper and actuator out."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite
 from typing import Annotated, Any, Protocol
 
@@ -58,6 +59,10 @@ class Estimate:
 
     def is_finite(self) -> bool:
         """Whether all numbers of the estimate are finite."""
+        return self._is_finite
+
+    @cached_property
+    def _is_finite(self) -> bool:
         numbers = np.concatenate([self.x, self.road_height, self.road_velocity])
         return isfinite(self.speed_m_s) and bool(np.isfinite(numbers).all())
 

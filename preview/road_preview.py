@@ -9,10 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.files.interpolation import interpolated
+from foreride.files.interpolation import at
 from foreride.files.jit import njit
 
-_DOUBLE, _STRIDE = np.dtype(float), (8,)
+_DOUBLE, _STRIDE, _HERE = np.dtype(float), (8,), np.zeros(1)
 
 PREVIEW_M = 10.0
 """Length of the road ahead that controllers of dampers are given."""
@@ -107,7 +107,7 @@ class RoadPreview:
     @cached_property
     def height_here_m(self) -> np.ndarray:
         """Height at distance zero of each wheel, (wheels,) m; not to be changed."""
-        return np.array([interpolated(0.0, self.distance_m, row) for row in self.height_m])
+        return at(_HERE, self.distance_m, self.height_m)[:, 0]
 
     def height(self, wheel: int, distance: float | np.ndarray) -> np.ndarray:
         """Height (m) at `distance` ahead of `wheel`: linear between grid points, constant beyond."""
@@ -135,18 +135,17 @@ class RoadPreview:
 def _in_range(distance: Any, height: Any, position_sigma: Any, height_sigma: Any, existence: Any) -> bool:
     """Whether distances ascend in equal steps, heights are finite, sigmas >= 0 and existences in 0 ... 1."""
     first = distance[1] - distance[0]
-    if not first > 0.0:
-        return False
-    for i in range(1, len(distance) - 1):
-        if not abs(distance[i + 1] - distance[i] - first) <= 1e-9 + 1e-5 * first:
-            return False
-    for wheel in range(height.shape[0]):
-        for i in range(height.shape[1]):
-            valid = abs(height[wheel, i]) < inf and 0.0 <= existence[wheel, i] <= 1.0
-            valid = valid and 0.0 <= position_sigma[wheel, i] < inf
-            if not (valid and 0.0 <= height_sigma[wheel, i] < inf):
-                return False
-    return True
+    wheels, n = height.shape
+    wrong = 0 if first > 0.0 else 1  # counted without branches, which lets the compiler take several at once
+    for i in range(1, n - 1):
+        wrong += not abs(distance[i + 1] - distance[i] - first) <= 1e-9 + 1e-5 * first
+    for wheel in range(wheels):
+        for i in range(n):
+            wrong += not abs(height[wheel, i]) < inf
+            wrong += not (existence[wheel, i] >= 0.0) & (existence[wheel, i] <= 1.0)
+            wrong += not (position_sigma[wheel, i] >= 0.0) & (position_sigma[wheel, i] < inf)
+            wrong += not (height_sigma[wheel, i] >= 0.0) & (height_sigma[wheel, i] < inf)
+    return wrong == 0
 
 
 def within(preview: RoadPreview, ahead_m: float) -> RoadPreview:

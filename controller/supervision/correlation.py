@@ -1,8 +1,7 @@
 """Correlation of measured and previewed road of one wheel: height differences over a short distance."""
 
 from collections import deque
-
-import numpy as np
+from math import exp, sqrt
 
 LAG_M = 0.2
 """Distance of the differences; they do not contain slow errors, such as an observer's drift."""
@@ -26,7 +25,7 @@ class Correlation:
         self._memory_m, self._least = memory_m, least
         self._past: deque[tuple[float, float, float]] = deque()
         self._travelled_m = 0.0
-        self._moments = np.zeros(3)
+        self._moments = 0.0, 0.0, 0.0
         self.alike = True
 
     def feel(
@@ -34,14 +33,15 @@ class Correlation:
     ) -> bool:
         """Add measured and previewed height, known to `sigma_m` along the road; return if they correlate."""
         self._travelled_m += travelled_m
-        keep = float(np.exp(-travelled_m / self._memory_m))
-        self._moments *= keep
+        keep = exp(-travelled_m / self._memory_m)
+        felt, joint, claimed = self._moments
+        self._moments = keep * felt, keep * joint, keep * claimed
         if contact:
             self._past.append((self._travelled_m, felt_m, claimed_m))
             self._add_difference(1.0 - keep)
         felt, joint, claimed = self._moments
-        least = self._least * np.exp(-0.5 * (sigma_m / WIDTH_M) ** 2)
-        both = np.sqrt(felt * claimed)
+        least = self._least * exp(-0.5 * (sigma_m / WIDTH_M) ** 2)
+        both = sqrt(felt * claimed)
         if claimed > ENERGY_M**2 and joint < least * both:
             self.alike = False
         elif claimed < FORGOTTEN_M**2 or joint > (least + HYSTERESIS) * both:
@@ -59,4 +59,9 @@ class Correlation:
         rise = min(max(past[-1][1] - felt, -CLIP_M), CLIP_M)
         told = min(max(past[-1][2] - claimed, -CLIP_M), CLIP_M)
         if abs(told) > CLAIMED_M:
-            self._moments += share * np.array([rise * rise, rise * told, told * told])
+            squares, joint, told_squares = self._moments
+            self._moments = (
+                squares + share * (rise * rise),
+                joint + share * (rise * told),
+                told_squares + share * (told * told),
+            )

@@ -10,8 +10,7 @@ import numpy as np
 from foreride.controller.interface import Estimate
 from foreride.controller.settings import GateSettings
 from foreride.controller.supervision.correlation import Correlation
-from foreride.controller.supervision.residual import Residual, Strike, expected_at
-from foreride.files.interpolation import interpolated
+from foreride.controller.supervision.residual import Residual, Strike
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 
@@ -81,9 +80,7 @@ class PreviewGate:
             self._front, self._residuals, self._correlations, strict=True
         ):
             felt, contact = float(estimate.road_height[wheel]), bool(estimate.contact[wheel])
-            grid = preview.distance_m
-            claimed = expected_at(0.0, grid, preview.existence[wheel], preview.height_m[wheel])
-            sigma = interpolated(0.0, grid, preview.position_sigma_m[wheel])
             strikes.append(residual.feel(felt, contact, preview, travelled_m))
-            alike = correlation.feel(felt, contact, claimed, sigma, travelled_m) and alike
+            claim = residual.claim
+            alike = correlation.feel(felt, contact, claim.here, claim.sigma, travelled_m) and alike
         return strikes, alike

@@ -6,7 +6,8 @@ Biometrika 41, 1954).
 """
 
 from enum import Enum
-from typing import Any
+from math import exp
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,8 +42,26 @@ class Strike(Enum):
     CONTRADICTED = "contradicted"
 
 
+class Claim(NamedTuple):
+    """What a preview says of one wheel, m: expected height here, with its lowest and highest value nearby.
+
+    sigma, height_sigma: standard deviations of position and height here. up, down: greatest expected rise and
+    fall in the next `LATE_M`, at least zero.
+    """
+
+    here: float
+    low: float
+    high: float
+    sigma: float
+    height_sigma: float
+    up: float
+    down: float
+
+
 class Residual:
-    """Test of one wheel's preview; `feel` once a period."""
+    """Test of one wheel's preview; `feel` once a period. claim: what the last preview said."""
+
+    claim: Claim
 
     def __init__(self, wheel: int, settings: GateSettings):
         self._wheel, self._settings = wheel, settings
@@ -52,11 +71,12 @@ class Residual:
 
     def feel(self, felt_m: float, contact: bool, preview: RoadPreview, travelled_m: float) -> Strike:
         """Add the road height measured now, `travelled_m` after the last one; ignored while in the air."""
-        fade = float(np.exp(-travelled_m / FORGET_M))
+        self.claim = self._claim(preview)
+        fade = exp(-travelled_m / FORGET_M)
         self._unannounced *= fade
         self._contradicted *= fade
         if contact:
-            self._compare(felt_m, preview, travelled_m)
+            self._compare(felt_m, travelled_m)
         limit = self._settings.strike_m
         if self._contradicted > limit:
             return Strike.CONTRADICTED
@@ -64,46 +84,40 @@ class Residual:
             return Strike.CONTRADICTED if self._late else Strike.UNANNOUNCED
         return Strike.CONSISTENT
 
-    def _compare(self, felt_m: float, preview: RoadPreview, travelled_m: float) -> None:
-        claimed, low, high = self._claims(preview)
+    def _compare(self, felt_m: float, travelled_m: float) -> None:
+        claimed, low, high, *_ = self.claim
         felt_level, claimed_level = self._levels or (felt_m, claimed)
         height, low, high = felt_m - felt_level, low - claimed_level, high - claimed_level
         size = max(-low, high)
         plain = size < PLAIN_M
         tolerated = self._settings.height_m + (ROUGHS_PLAIN if plain else ROUGHS_CLAIMED) * self._rough
-        least, most = self._gains(preview, size)
+        least, most = self._gains(size)
         above = height - max(least * high, most * high) - tolerated
         below = min(least * low, most * low) - tolerated - height
         if plain:
             self._unannounced += max(above, below, 0.0)
-            self._late = self._follows(preview, height)
+            self._late = self._follows(height)
             self._learn_roughness(abs(claimed - claimed_level - height), travelled_m)
         else:
             self._contradicted += max(above, below, 0.0)
         share = min(1.0, travelled_m / LEVEL_M)
         self._levels = felt_level + share * height, claimed_level + share * (claimed - claimed_level)
 
-    def _claims(self, preview: RoadPreview) -> tuple[float, float, float]:
-        """Previewed height here, and its lowest and highest value within the tolerated position error."""
+    def _claim(self, preview: RoadPreview) -> Claim:
         settings, wheel = self._settings, self._wheel
-        grid, existence, height = preview.distance_m, preview.existence[wheel], preview.height_m[wheel]
-        sigma = interpolated(0.0, grid, preview.position_sigma_m[wheel])
-        reach = min(float(np.hypot(settings.reach_m, sigma)), settings.widest_m)
-        here, low, high = claims(reach * _SAMPLES, grid, existence, height)
-        return here, low, high
+        rows = preview.existence[wheel], preview.height_m[wheel]
+        sigmas = preview.position_sigma_m[wheel], preview.height_sigma_m[wheel]
+        return Claim(*_told(preview.distance_m, *rows, *sigmas, settings.reach_m, settings.widest_m))
 
-    def _gains(self, preview: RoadPreview, size_m: float) -> tuple[float, float]:
+    def _gains(self, size_m: float) -> tuple[float, float]:
         """Smallest and largest tolerated ratio of measured to previewed height."""
-        sigma = interpolated(0.0, preview.distance_m, preview.height_sigma_m[self._wheel])
-        doubt = self._settings.gain + 2.0 * sigma / max(size_m, _LEAST_SIZE_M)
+        doubt = self._settings.gain + 2.0 * self.claim.height_sigma / max(size_m, _LEAST_SIZE_M)
         return max(self._settings.least_gain, 1.0 - doubt), 1.0 + doubt
 
-    def _follows(self, preview: RoadPreview, height_m: float) -> bool:
+    def _follows(self, height_m: float) -> bool:
         """Whether an obstacle like the one measured is previewed close ahead."""
-        rows = preview.existence[self._wheel], preview.height_m[self._wheel]
-        return bool(
-            _greatest_ahead(preview.distance_m, *rows, np.sign(height_m)) > LATE_SHARE * abs(height_m)
-        )
+        greatest = self.claim.up if height_m > 0.0 else self.claim.down
+        return height_m != 0.0 and greatest > LATE_SHARE * abs(height_m)
 
     def _learn_roughness(self, error_m: float, travelled_m: float) -> None:
         """Update the roughness; an obstacle counts no more than twice the present value."""
@@ -135,10 +149,21 @@ def claims(distances: Any, grid: Any, existence: Any, height: Any) -> tuple[floa
 
 
 @njit
-def _greatest_ahead(grid: Any, existence: Any, height: Any, sign: float) -> float:
-    """Greatest expected height of this sign in the next `LATE_M`, at least zero."""
-    greatest = 0.0
+def _told(
+    grid: Any,
+    existence: Any,
+    height: Any,
+    position_sigma: Any,
+    height_sigma: Any,
+    reach_m: float,
+    widest_m: float,
+) -> tuple[float, float, float, float, float, float, float]:
+    """The numbers of a `Claim`; the place is tolerated within `reach_m` and its sigma, and `widest_m`."""
+    sigma = interpolated(0.0, grid, position_sigma)
+    reach = min(np.hypot(reach_m, sigma), widest_m)
+    here, low, high = claims(reach * _SAMPLES, grid, existence, height)
+    up, down = 0.0, 0.0
     for i in range(len(grid)):
         if 0.0 < grid[i] < LATE_M:
-            greatest = max(greatest, existence[i] * height[i] * sign)
-    return greatest
+            up, down = max(up, existence[i] * height[i]), max(down, -existence[i] * height[i])
+    return here, low, high, sigma, interpolated(0.0, grid, height_sigma), up, down

@@ -141,8 +141,8 @@ def preview_problem(
         return "preview of another car"
     if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
         return "stale preview"
-    level_m = preview.height_here_m - estimate.road_height
-    if relief_m(preview) > settings.highest_m or np.abs(level_m).max() > MAX_LEVEL_M:
+    level_m = (preview.height_here_m - estimate.road_height).tolist()
+    if relief_m(preview) > settings.highest_m or max(map(abs, level_m)) > MAX_LEVEL_M:
         return "absurd preview"
     return None
 

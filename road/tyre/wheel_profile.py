@@ -78,14 +78,8 @@ class WheelProfile(Checked):
 
     def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         found = np.empty(x.shape)
-        _linear(
-            np.ascontiguousarray(x).ravel(),
-            self.x0_m,
-            self.step_m,
-            self._grid_heights,
-            self._rises,
-            found.ravel(),
-        )
+        flat = x if x.ndim == 1 else np.ascontiguousarray(x).ravel()
+        _linear(flat, self.x0_m, self.step_m, self._grid_heights, self._rises, found.ravel())
         return found
 
     def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,10 +1,12 @@
 """Frame of previews in world heights: relative to the plane that the car runs on, as estimates are."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.observer.road_plane import RoadPlane
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
@@ -32,6 +34,15 @@ class PlaneFrame:
             plane.advance(preview.time_s - self._time_s)
             plane.correct(road_m - rows @ plane.level, speed_m_s)
         self._time_s = preview.time_s
-        ahead_m = preview.distance_m[None]
-        height_m = preview.height_m - (rows @ plane.level)[:, None] - (rows @ plane.slope)[:, None] * ahead_m
+        height_m = _over_plane(preview.height_m, preview.distance_m, rows @ plane.level, rows @ plane.slope)
         return replace(preview, height_m=height_m)
+
+
+@njit
+def _over_plane(height: Any, ahead: Any, level: Any, slope: Any) -> Any:
+    """Heights (wheels, n) over lines of these levels and slopes (wheels,)."""
+    relative = np.empty(height.shape)
+    for wheel in range(len(height)):
+        for i in range(len(ahead)):
+            relative[wheel, i] = height[wheel, i] - level[wheel] - slope[wheel] * ahead[i]
+    return relative
