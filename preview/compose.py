@@ -33,8 +33,8 @@ def compose(
     runs over it; `existence` is the probability that it is real. Unconfirmed tracks are left out.
     """
     shape = (len(axle_x_m), len(distance_m))
-    height, existence, position_sigma = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    height_sigma = np.full(shape, settings.background_sigma_m)
+    height, existence, position_sigma, height_sigma = rows = np.zeros((4, *shape))
+    height_sigma += settings.background_sigma_m
     for track in (track for track in tracks if track.confirmed):
         sigma = track.position_sigma_m(x_m, settings)
         for wheel, (axle, y) in enumerate(zip(axle_x_m, wheel_y_m, strict=True)):
@@ -42,18 +42,37 @@ def compose(
             if overlap < _MIN_OVERLAP:
                 continue
             section = track.section(y)
-            mean, spread = mixture(track, y, distance_m + x_m + axle, tyre or Tyre())
-            expected_height = overlap * mean
-            distance_past_edge = distance_m + x_m + axle - section.start_m
-            in_reach = (distance_past_edge > -2 * sigma) & (distance_past_edge < section.length_m + 2 * sigma)
-            # Overlapping tracks are one object tracked twice: the larger one represents both.
-            dominant = (expected_height != 0) | in_reach
-            dominant &= np.abs(expected_height) >= np.abs(height[wheel])
-            height[wheel, dominant] = expected_height[dominant]
-            existence[wheel, dominant] = track.existence
-            position_sigma[wheel, dominant] = sigma
-            height_sigma[wheel, dominant] = np.hypot(settings.background_sigma_m, overlap * spread[dominant])
+            edges = section.start_m, section.length_m, sigma
+            shape_of_wheel = mixture(track, y, distance_m + x_m + axle, tyre or Tyre())
+            told = overlap, track.existence, settings.background_sigma_m, *shape_of_wheel
+            _enter(distance_m, x_m, axle, *edges, *told, rows[:, wheel])
     return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)
+
+
+@njit
+def _enter(
+    distance_m: Any,
+    x_m: float,
+    axle_m: float,
+    start_m: float,
+    length_m: float,
+    sigma: float,
+    overlap: float,
+    existence: float,
+    background_m: float,
+    mean: Any,
+    spread: Any,
+    rows: Any,
+) -> None:
+    """Enter an object into the rows (4, n) of a wheel: height, existence, sigmas of position and height."""
+    height, real, position_sigma, height_sigma = rows
+    for i in range(len(distance_m)):
+        expected, past_edge = overlap * mean[i], distance_m[i] + x_m + axle_m - start_m
+        in_reach = -2 * sigma < past_edge < length_m + 2 * sigma
+        # Overlapping tracks are one object tracked twice: the larger one represents both.
+        if (expected != 0.0 or in_reach) and abs(expected) >= abs(height[i]):
+            height[i], real[i], position_sigma[i] = expected, existence, sigma
+            height_sigma[i] = np.hypot(background_m, overlap * spread[i])
 
 
 class Shape(NamedTuple):

@@ -149,13 +149,11 @@ def observe(
     longitudinal acceleration or None. With casadi as `xp`, rows are lists and the command is a column. The
     dampers' forces are evaluated unless given.
     """
-    xp = xp or (equations.FLOATS if isinstance(x, list) else np)
+    xp, (height, velocity) = xp or (equations.FLOATS if isinstance(x, list) else np), road
     array: Callable[[Any], Any] = np.array if xp in (np, equations.FLOATS) else list
-    height, velocity = road
     state = equations.motion(parameters, x)
-    travel, rate, wheel_forces = equations.evaluate_forces(
-        parameters, state, height, velocity, xp, damper_force
-    )
+    given = parameters, state, height, velocity, xp, damper_force
+    travel, rate, wheel_forces = equations.evaluate_forces(*given)
     body, wheel = equations.accelerations(parameters, wheel_forces, forward_acc)
     zero, wheels = 0.0 * body[0], parameters.wheels
     _, pitch, roll, *_ = [*zip(state.body, state.body_velocity, body, strict=True), *[(zero, zero, zero)] * 2]
@@ -180,9 +178,7 @@ def observe(
         rattle_m=array(travel),
         rattle_velocity=array(rate),
         body_acc=array([equations.point_motion(corner.kinematic_row, body) for corner in parameters.corners]),
-        seat_acc=array(
-            [equations.point_motion(kinematic_row, body) for kinematic_row in parameters.seat_kinematic_rows]
-        ),
+        seat_acc=array([equations.point_motion(row, body) for row in parameters.seat_kinematic_rows]),
         cg_acc=body[0],
         pitch_acc=pitch[2],
         roll_acc=roll[2],

@@ -160,7 +160,7 @@ class CarIdentifier:
 
 @njit
 def _follow(command: Any, commands: Any, every: int, gain: Any, settings: Any) -> None:
-    """Put the command (wheels,) before the others (wheels, n), and let each delay's settings follow its own."""
+    """Put the command (wheels,) before the others (wheels, n); each delay's settings follow its own."""
     for wheel in range(len(command)):
         late = commands[wheel]
         for k in range(len(late) - 1, 0, -1):

@@ -203,9 +203,9 @@ def road_from_tyre(
 
     previous_m: (wheels,) height one period before. deflection: (wheels,) of the tyres, replaced in place.
     acceleration: (2w,) as measured. variance: (wheels,) of the deflections, due to lost sensors. mass: of the
-    body over the known one. masses: (wheels, 2w), see `vehicle.corner_inertia`. transfer, by_struts: (wheels,)
-    forces by the longitudinal acceleration, and those that cancel in the body. tyres: (wheels, 3) stiffness,
-    damping and static force.
+    body over the known one. masses: (wheels, 2w), see `vehicle.corner_inertia`. transfer: (wheels,) forces by
+    the longitudinal acceleration. by_struts: (wheels,) those that cancel in the body. tyres: (wheels, 3)
+    stiffness, damping and static force.
     """
     wheels = len(previous_m)
     road, rate, spread = np.empty(wheels), np.empty(wheels), np.empty(wheels)

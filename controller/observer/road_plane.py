@@ -70,7 +70,7 @@ class RoadPlane:
 
     @property
     def motion(self) -> np.ndarray:
-        """Level, rate per metre, rate, offset and acceleration, (5, body); a step replaces it by a new one."""
+        """Level, slope, rate, offset and acceleration, (5, body); a step replaces it by a new one."""
         return self._motion
 
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:

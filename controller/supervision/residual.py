@@ -43,7 +43,7 @@ class Strike(Enum):
 
 
 class Claim(NamedTuple):
-    """What a preview says of one wheel, m: expected height here, with its lowest and highest value nearby.
+    """Claim of a preview about one wheel, m: expected height here, with its lowest and highest nearby.
 
     sigma, height_sigma: standard deviations of position and height here. up, down: greatest expected rise and
     fall in the next `LATE_M`, at least zero.

@@ -114,7 +114,7 @@ class EgoMotion:
             if step <= 0:
                 raise InputError(f"time_s must advance beyond {previous.time_s}, got {time_s}")
             self.x_m += step * 0.5 * (previous.speed_m_s + measurement.speed_m_s)
-        if np.abs(measurement.wheel_acc).max() > self.settings.strike_acc_m_s2:
+        if max(map(abs, measurement.wheel_acc.tolist())) > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
         self.turn = None
         use_plane = on_plane and time_s >= self._masked_until_s

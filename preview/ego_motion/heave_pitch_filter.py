@@ -9,6 +9,7 @@ frame does not follow the roughness under the wheels. Where the grade changes it
 """
 
 from collections import deque
+from math import radians
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,7 +70,7 @@ class HeavePitchFilter:
     def predict(self, step: float, acceleration: float, pitch_rate: float) -> None:
         """Prediction over `step` seconds with mean readings at the centre of gravity (m/s², rad/s)."""
         settings, has_pitch = self.settings, len(self._observation) > 1
-        noises = settings.accelerometer_noise_m_s2, np.deg2rad(settings.gyro_noise_deg_s)
+        noises = settings.accelerometer_noise_m_s2, radians(settings.gyro_noise_deg_s)
         readings = acceleration, pitch_rate if has_pitch else 0.0
         _predict(self.state, self.covariance, step, *readings, *noises, has_pitch)
 
@@ -86,7 +87,7 @@ class HeavePitchFilter:
         if step > 0 and len(self._past) > max(1, round(_RISE_S / step)):
             rise = self._past[-1] - self._past.popleft()
             share = min(1.0, step / self.settings.roughness_memory_s)
-            rise_m2 = min(float(np.mean(rise**2)), (_MAX_RISE_RATIO * self.roughness_m) ** 2)
+            rise_m2 = min(float(rise @ rise) / len(rise), (_MAX_RISE_RATIO * self.roughness_m) ** 2)
             square = self.roughness_m**2 + share * (rise_m2 - self.roughness_m**2)
             self.roughness_m = max(self.settings.least_roughness_m, square**0.5)
         return turn

@@ -48,4 +48,4 @@ def curvature(yaw_rate: float, speed_m_s: float) -> float:
     """Path curvature (1/m) from yaw rate (rad/s, positive left) and speed; side slip is neglected."""
     if speed_m_s < _MIN_SPEED_M_S:
         return 0.0
-    return float(np.clip(yaw_rate / speed_m_s, -_MAX_CURVATURE_1_M, _MAX_CURVATURE_1_M))
+    return min(max(yaw_rate / speed_m_s, -_MAX_CURVATURE_1_M), _MAX_CURVATURE_1_M)

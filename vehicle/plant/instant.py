@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import fields
 from functools import lru_cache
 from operator import mul
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +33,11 @@ class Instant:
         self._car, self._layout = car, state_layout(car)
         function, self._rows = recorded(car)
         self._inputs, self._outputs = np.zeros(function.size1_in(0)), np.zeros(function.size1_out(0))
-        self._buffer, self._evaluate = function.buffer()
-        self._buffer.set_arg(0, memoryview(self._inputs))
-        self._buffer.set_res(0, memoryview(self._outputs))
+        buffer: Any
+        buffer, self._evaluate = function.buffer()
+        buffer.set_arg(0, memoryview(self._inputs))
+        buffer.set_res(0, memoryview(self._outputs))
+        self._buffer = buffer  # which lives as long as its function is called
 
     def __call__(
         self,
@@ -53,7 +55,7 @@ class Instant:
         self._evaluate()
         values = self._outputs.copy()
         numbers = values.tolist()
-        computed = {
+        computed: dict[str, Any] = {
             name: numbers[rows] if isinstance(rows, int) else values[rows] for name, rows in self._rows
         }
         force = command[wheels:] if len(command) > wheels else np.zeros(wheels)
@@ -95,8 +97,9 @@ def recorded(car: Car) -> tuple["casadi.Function", Sequence[tuple[str, int | sli
     x, height, velocity, damper, acc = np.split(
         np.array(casadi.vertsplit(given), dtype=object), states + wheels * np.arange(4)
     )
-    command = casadi.SX.zeros(input_size(car))
-    seen = observe(car, 0.0, 0.0, 0.0, list(x), command, (list(height), list(velocity)), acc[0], casadi, list(damper))
+    command: Any = casadi.SX.zeros(input_size(car))
+    road = list(height), list(velocity)
+    seen = observe(car, 0.0, 0.0, 0.0, list(x), command, road, acc[0], casadi, list(damper))
     rows: list[tuple[str, int | slice]] = []
     parts: list[casadi.SX] = []
     for name in _COMPUTED:
