@@ -140,3 +140,18 @@ def test_the_motion_takes_each_state_once() -> None:
     layout = state_layout(car)
     assert parts.body == list(range(size))[layout.body]
     assert parts.wheel_velocity == list(range(size))[layout.wheel_velocity]
+
+
+def test_a_command_of_settings_alone_asks_for_no_force_and_a_force_is_clipped_to_the_limit() -> None:
+    actuator = SlowActive(force_limit_n=800.0, lag_s=0.1)
+    car = replace(HALF, actuator=actuator)
+    x, level, layout = equations.rest_state(car), np.zeros(2), state_layout(car)
+    x[layout.force] = 100.0, -50.0
+    for command, asked in (
+        ([1500.0, 1500.0], (0.0, 0.0)),
+        ([1500.0, 1500.0, 300.0, -9e3], (300.0, -800.0)),
+        ([1500.0, 1500.0, 9e3, 0.0], (800.0, 0.0)),
+    ):
+        for inputs in (np.array(command), command):
+            rates = equations.derivative(car, x, inputs, level, level)[layout.force]
+            np.testing.assert_allclose(rates, (np.array(asked) - [100.0, -50.0]) / 0.1)

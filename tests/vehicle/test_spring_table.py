@@ -119,3 +119,12 @@ def test_a_single_curve_gives_its_force_at_any_setting(rate: float) -> None:
 def test_controllers_can_be_built_for_a_car_with_passive_dampers() -> None:
     car = replace(load_vehicle("quarter"), damper=CURVE)
     assert build("passive", car).step is not None
+
+
+def test_the_static_compression_is_that_at_which_the_table_carries_the_body() -> None:
+    (corner,) = QUARTER.corners
+    static_m = float(np.interp(LOAD_N, TABLE.force_n, TABLE.compression_m))
+    assert corner.static_rattle_m == pytest.approx(static_m)
+    assert corner.spring_force(static_m, np) == pytest.approx(-LOAD_N)
+    (plain,) = load_vehicle("quarter").corners
+    assert plain.static_rattle_m == pytest.approx(plain.body_load_n / plain.spring_n_m)

@@ -156,3 +156,14 @@ def test_the_relative_sigma_is_that_of_half_a_metre_behind_to_one_and_a_half_ahe
     doubtful = replace(preview, height_sigma_m=np.full_like(rows[1], 5.0))
     assert PreviewAlignment(0).match(doubtful).gain_sigma == 1.0
     assert PreviewAlignment(0).match(replace(preview, height_m=0.0 * rows[0])).gain_sigma == 0.0
+
+
+@pytest.mark.parametrize(("place_m", "counts"), [(-0.55, False), (-0.45, True), (1.45, True), (1.55, False)])
+def test_an_object_is_here_from_half_a_metre_behind_to_one_and_a_half_ahead(
+    place_m: float, counts: bool
+) -> None:
+    grid = np.linspace(-1.0, 2.0, 61)
+    here = (np.abs(grid - place_m) < 0.01)[None]
+    zero = np.zeros((1, 61))
+    preview = RoadPreview(0.0, grid, 0.08 * here, zero + 0.1, 0.02 * here, zero + 1.0)
+    assert PreviewAlignment(0).match(preview).gain_sigma == pytest.approx(0.25 if counts else 0.0)

@@ -67,3 +67,17 @@ def test_the_least_roughness_of_the_last_six_spans_counts(spans, found):
         watch.add(np.zeros(2), STEP, 0.02)
     answers = [watch.add(np.full(2, 0.05), STEP, 0.02) for _ in range(SPAN)]
     assert (answers[-1] is not None) == found
+
+
+def test_the_first_span_is_a_mean_of_its_own_readings_for_each_axle():
+    """Before it nothing is unsettled; after a change the plane settles by the square of what is left."""
+    watch = GradeChangeDetector(SETTINGS)
+    assert watch.unsettled == 0.0
+    for axles in ([0.05], [0.06]):
+        answers = [watch.add(np.array(axles), STEP, 0.003) for _ in range(SPAN)]
+        assert answers[:-1] == [None] * (SPAN - 1)
+        np.testing.assert_allclose(answers[-1], axles, atol=1e-12)
+    assert watch.unsettled == 1.0
+    for _ in range(SPAN):
+        watch.add(np.zeros(1), STEP, 0.003)
+    assert watch.unsettled == pytest.approx((19.0 / 20.0) ** 2)

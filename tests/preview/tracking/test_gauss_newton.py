@@ -206,3 +206,34 @@ def test_a_vaguer_prior_of_the_height_is_paid_for():
     ]
     expected = np.log(np.hypot(0.06, 0.01) / np.hypot(0.015, 0.01))
     assert costs[1] - costs[0] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(("pulled_m", "reached_m"), [(-500.0, 8.0 - 10.0), (900.0, 24.0 + 100.0)])
+def test_an_edge_stays_within_ten_metres_behind_and_a_hundred_ahead_of_the_cameras(pulled_m, reached_m):
+    unseen = [
+        EdgeBearings(0.0, camera_x, 1.3, np.nan, np.nan, SIGMA, SIGMA) for camera_x in (8.0, 16.0, 24.0)
+    ]
+    pulled = [DirectMeasurement(X, pulled_m, 1e-3)]
+    assert fit(BUMP, unseen, start_of(BUMP, 30.0), PRIOR, pulled, SETTINGS, 2).state[X] == reached_m
+
+
+LIMITS = [
+    (OFFSET, -0.1, 0.1), (GROUND, -0.2, 0.2), (LENGTH, 0.1, 9.0), (HEIGHT, 0.01, 0.3),
+    (EDGE_BIAS, -0.03, 0.03),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("entry", "low", "high"), LIMITS)
+def test_other_states_stay_within_what_roads_and_mountings_can_be(entry, low, high):
+    for value, limit in ((-50.0, low), (50.0, high)):
+        pulled = [DirectMeasurement(X, 30.0, 0.1), DirectMeasurement(entry, value, 1e-6)]
+        assert fit(BUMP, [], start_of(BUMP, 30.0), PRIOR, pulled, SETTINGS, 2).state[entry] == limit
+
+
+def test_only_points_more_than_five_centimetres_ahead_are_on_the_silhouette():
+    """A camera that stands over a table, its end 7 cm ahead, and one from which it is 3 cm."""
+    state = start_of(TABLE, 10.0)
+    end_m = 10.0 + TABLE.length_m
+    ahead, _, share = silhouette(TABLE, state, np.array([end_m - 0.07, end_m - 0.03]), np.full(2, 1.3))
+    assert share.tolist() == [1.0, 0.0]
+    assert ahead[0] == pytest.approx(0.07)

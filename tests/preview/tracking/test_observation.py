@@ -93,19 +93,20 @@ def test_an_object_is_in_view_if_20_cm_of_it_lie_before_the_images_border(
     assert predict_box(view, track).visible == visible
 
 
-def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit() -> None:
+@pytest.mark.parametrize("near_m", [22.0, 13.0])
+def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit(near_m: float) -> None:
     """Mounting 0.004 rad lower, ground 5 cm higher and box edges 0.001 rad lower than the nominal ones."""
     pose = pose_of(CameraMount(), 10.0, 0.02, 0.01)
     shared = Gaussian(np.array([0.004, 0.05, 0.001]), np.diag([1e-3, 0.02, 2e-4]) ** 2)
-    track = Track(0, 0, 0.0, 0.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), first_fits(0, 22.0, 0.1, shared))
-    predicted = predict_box(seen_at(pose, (22.0, 0.0, 0.0)), track)
+    track = Track(0, 0, 0.0, 0.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), first_fits(0, near_m, 0.1, shared))
+    predicted = predict_box(seen_at(pose, (near_m, 0.0, 0.0)), track)
 
     def row(x: float, pitch: float, ground: float, bias: float) -> float:
         return float(
             project(CAMERA, replace(pose, pitch=pose.pitch + pitch - bias), [(x, 0.0, ground)])[0, 1]
         )
 
-    at = np.array([22.0, 0.004, 0.05, 0.001])
+    at = np.array([near_m, 0.004, 0.05, 0.001])
     assert predicted.bottom == pytest.approx(row(*at))
     steps = 1e-5 * np.eye(4)
     slope = np.array([(row(*(at + step)) - row(*(at - step))) / 2e-5 for step in steps])

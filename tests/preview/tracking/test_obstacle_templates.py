@@ -26,6 +26,7 @@ from foreride.road.features.feature import (
     WattsHump,
 )
 from foreride.road.road import Road
+from foreride.road.tyre.tyre import Tyre
 from foreride.road.tyre.wheel_profile import wheel_profile
 
 
@@ -111,3 +112,13 @@ def test_kept_profiles_cannot_be_changed_by_those_who_get_them():
     for values in tyre_profile(BUMP, 0.4, 0.08):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 1.0
+
+
+def test_a_profile_has_a_point_each_centimetre_from_half_a_metre_before_to_half_a_metre_behind():
+    """Lengths are rounded to 1 cm, heights to 2 mm; a large wheel reaches 1.6 times its radius."""
+    x, height = tyre_profile(BUMP, 0.404, 0.0809)
+    np.testing.assert_allclose(x, -0.5 + 0.01 * np.arange(141), atol=1e-12)
+    np.testing.assert_array_equal(height, tyre_profile(BUMP, 0.4, 0.08)[1])
+    assert tyre_profile(BUMP, 0.4, 0.0812)[1].max() > height.max()
+    large = Tyre(radius_m=0.5)
+    assert tyre_profile(BUMP, 0.4, 0.08, large)[0][[0, -1]] == pytest.approx([-0.8, 1.2])

@@ -89,3 +89,13 @@ def test_the_fit_itself_is_not_touched():
     bearings = approach(10.0, 0.0, np.random.default_rng(4))
     start = np.array([OBJECT_M, 0.0, 0.0, BUMP.length_m, BUMP.height_m, 0.0])
     assert fit(BUMP, bearings, start, PRIOR, [], SETTINGS).state[X] == pytest.approx(OBJECT_M, abs=0.15)
+
+
+def test_three_blocks_of_five_are_enough():
+    ahead, state = OBJECT_M - CAMERA_M[:15], np.array([OBJECT_M, 0.0, 0.0, 0.45, 0.075, 0.0])
+    angles = np.arctan2(1.3, ahead) + 0.002 * np.repeat([2.0, -2.0, 2.0], 5)
+    bearings = [
+        EdgeBearings(0.0, x, 1.3, angle, np.nan, 0.002, 0.002)
+        for x, angle in zip(CAMERA_M[:15], angles, strict=True)
+    ]
+    assert residual_variance_ratio(bearings, state) == pytest.approx(5 * 4.0)
