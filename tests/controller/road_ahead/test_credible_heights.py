@@ -89,12 +89,15 @@ def test_moving_means_equal_those_of_scipy(window: int) -> None:
     assert np.array_equal(found, uniform_filter1d(values, window, mode="nearest"))
 
 
-def test_heights_and_existence_are_those_of_their_formulas_at_every_point() -> None:
-    """Errors correlated over 5 m; sigmas over a metre about each point; odds times the measured ratio."""
+@pytest.mark.parametrize("sigma_m", [0.03, 0.2])
+def test_heights_and_existence_are_those_of_their_formulas_at_every_point(sigma_m: float) -> None:
+    """Errors correlated over 5 m; sigmas over a metre about each point, the height's own at most; odds times
+    the measured ratio.
+    """
     rng = np.random.default_rng(4)
     grid, shape = preview().distance_m, (1, len(preview().distance_m))
     height, existence = 0.05 * rng.normal(size=shape), rng.uniform(0.05, 1.0, shape)
-    sigma = 0.03 * np.abs(rng.normal(size=shape))
+    sigma = sigma_m * np.abs(rng.normal(size=shape))
     seen = replace(preview(), height_m=height, height_sigma_m=sigma, existence=existence)
     match, sigmas, belief = PreviewMatch(gain=0.8, gain_sigma=0.25, log_ratio=1.5), 0.7, 0.9
     found = credible(seen, 0, match, sigmas, belief)

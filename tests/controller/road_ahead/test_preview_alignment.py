@@ -167,3 +167,7 @@ def test_an_object_is_here_from_half_a_metre_behind_to_one_and_a_half_ahead(
     zero = np.zeros((1, 61))
     preview = RoadPreview(0.0, grid, 0.08 * here, zero + 0.1, 0.02 * here, zero + 1.0)
     assert PreviewAlignment(0).match(preview).gain_sigma == pytest.approx(0.25 if counts else 0.0)
+
+
+def test_without_a_match_the_preview_stands_as_it_is_stated() -> None:
+    assert PreviewMatch() == (0.0, 1.0, 1.0, 0.0, 0.0)

@@ -8,7 +8,7 @@ import pytest
 
 from foreride.controller.settings import GateSettings
 from foreride.controller.supervision.preview_gate import PreviewGate
-from foreride.preview.road_preview import RoadPreview, distance_grid
+from foreride.preview.road_preview import RoadPreview, distance_grid, flat_preview
 from foreride.vehicle.load import load_vehicle
 from tests.controller.cars import estimate
 
@@ -196,3 +196,15 @@ def test_a_place_is_tolerated_as_far_early_as_late() -> None:
     for shift in (-0.15, 0.15):
         places, used = drive(bump(FIRST_M), bump(FIRST_M + shift), noise_m=0.0)
         assert places[~used][0] < FIRST_M + 0.2
+
+
+@pytest.mark.parametrize(("gap_s", "compared"), [(0.15, True), (0.2, False)])
+def test_samples_up_to_fifteen_hundredths_of_a_second_apart_are_compared(
+    gap_s: float, compared: bool
+) -> None:
+    """After a longer gap a step of 5 cm under the wheel is the beginning of another comparison."""
+    gate, plain = PreviewGate(CAR, GateSettings()), flat_preview(2, distance_m=distance_grid(0.5, 4.0))
+    felt = estimate(CAR, speed_m_s=0.01)
+    assert gate.check(felt, plain) is None
+    later = replace(felt, time_s=gap_s, road_height=np.full(2, 0.05))
+    assert (gate.check(later, plain) is not None) == compared

@@ -151,3 +151,12 @@ def test_expected_heights_are_existence_times_height_between_and_beyond_the_poin
         assert expected_at(value, grid, existence, height) == pytest.approx(np.interp(value, grid, product))
     here, low, high = claims(np.array([-0.5, 0.5]), grid, existence, height)
     assert (here, low, high) == (pytest.approx(3.0), pytest.approx(1.0), pytest.approx(2.0))
+
+
+@pytest.mark.parametrize(("felt_m", "rough_m"), [(0.005, 0.002), (-0.001, 0.002 + 0.1 * 0.002)])
+def test_a_small_height_that_is_felt_as_claimed_is_no_roughness(felt_m: float, rough_m: float) -> None:
+    """Claimed are 5 mm: on plain road the roughness is that of the difference."""
+    test = Residual(0, SURE)
+    test.feel(0.0, True, preview(0.0), 0.0)
+    test.feel(felt_m, True, preview(0.005), 1.0)
+    assert test._rough == pytest.approx(rough_m)
