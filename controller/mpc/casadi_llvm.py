@@ -98,9 +98,10 @@ class CompiledFunction:
             raise ValueError(f"count must be a multiple of {self.lanes}, got {count}")
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def _call(_: Any, address: Any, points: Any, results: Any, count: Any, row_in: Any, row_out: Any) -> Any:
-    """Call the kernel at an address from code that Numba compiles."""
+def _kernel_call(
+    _: Any, address: Any, points: Any, results: Any, count: Any, row_in: Any, row_out: Any
+) -> Any:
+    """Numba's code for the call of a kernel by its address."""
 
     def code(_: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         pointer, number = ir.IntType(8).as_pointer(), ir.IntType(64)
@@ -111,11 +112,14 @@ def _call(_: Any, address: Any, points: Any, results: Any, count: Any, row_in: A
     return types.none(*[types.int64] * 6), code
 
 
+_call: Any = intrinsic(_kernel_call)
+
+
 @njit
 def evaluate(address: int, points: Any, results: Any, count: int) -> None:
     """The same evaluation by its address, for functions that Numba compiles; the arrays are not checked."""
-    row_in, row_out = points.strides[0] // 8, results.strides[0] // 8
-    _call(address, points.ctypes.data, results.ctypes.data, count, row_in, row_out)
+    rows = points.strides[0] // 8, results.strides[0] // 8
+    _call(address, points.ctypes.data, results.ctypes.data, count, *rows)
 
 
 def _module(function: casadi.Function, lanes: int) -> str:
