@@ -11,36 +11,18 @@ import numpy as np
 from foreride.controller.road_ahead.wheelbase_preview import CONTACT_SIGMA_M
 from foreride.files.interpolation import interpolate
 from foreride.files.jit import njit
-from foreride.preview.road_preview import RoadPreview
-
-
-def fused(
-    roads: np.ndarray, variance: np.ndarray, wheel: int, preview: RoadPreview, measured: RoadPreview
-) -> np.ndarray:
-    """Roads (roads, n) of one wheel on the preview's grid, fused with those measured by its leader.
-
-    variance: (n,) of the previewed heights, m². Heights of observer and preview differ by a constant: it is
-    taken where the leader last touched the road, so that measured and previewed road join there.
-    """
-    out = np.empty_like(roads)
-    _fuse(
-        roads,
-        variance,
-        preview.distance_m,
-        measured.distance_m,
-        measured.height_m[wheel],
-        measured.height_sigma_m[wheel],
-        measured.existence[wheel],
-        out,
-    )
-    return out
 
 
 @njit
-def _fuse(
-    roads: Any, variance: Any, grid: Any, distance: Any, height: Any, sigma: Any, existence: Any, out: Any
+def fuse(
+    roads: Any, variance: Any, grid: Any, distance: Any, height: Any, sigma: Any, existence: Any
 ) -> None:
-    """Write the fused roads; the measured one is known where it exists, not beyond its end."""
+    """Fuse a wheel's roads (roads, n) on their grid with that measured by its leader, known where it exists.
+
+    variance: (n,) of the previewed heights, m². distance, height, sigma, existence: of the measured road,
+    which is not known beyond its end. Heights of observer and preview differ by a constant: it is taken where
+    the leader last touched the road, so that measured and previewed road join there.
+    """
     n, join, touched = len(grid), -1, False
     heights, sigmas, exists = np.empty(n), np.empty(n), np.empty(n)
     interpolate(grid, distance, height, heights)
@@ -54,25 +36,17 @@ def _fuse(
     for road in range(len(roads)):
         level = heights[join] - roads[road, join]
         for i in range(n):
-            out[road, i] = roads[road, i]
             if exists[i] > 0.0:
                 share = variance[i] / (variance[i] + sigmas[i] ** 2)
-                out[road, i] += share * (heights[i] - roads[road, i] - level)
-
-
-def previewed_variance(preview: RoadPreview, wheel: int, early: np.ndarray, late: np.ndarray) -> np.ndarray:
-    """Variance (n,) of a wheel's previewed heights, m²: of the height, the position and the existence.
-
-    early, late: the heights (n,) one standard deviation of the position nearer and farther.
-    """
-    height, existence = preview.height_m[wheel], preview.existence[wheel]
-    out = np.empty_like(height)
-    _variance(height, preview.height_sigma_m[wheel], existence, early, late, out)
-    return out
+                roads[road, i] += share * (heights[i] - roads[road, i] - level)
 
 
 @njit
-def _variance(height: Any, sigma: Any, existence: Any, early: Any, late: Any, out: Any) -> None:
+def previewed_variance(height: Any, sigma: Any, existence: Any, early: Any, late: Any, out: Any) -> None:
+    """Write the variance (n,) of a wheel's previewed heights, m²: of the height, the position, the existence.
+
+    early, late: the heights (n,) one standard deviation of the position nearer and farther.
+    """
     for i in range(len(height)):
         position = 0.5 * ((early[i] - height[i]) ** 2 + (late[i] - height[i]) ** 2)
         doubt = existence[i] * (1.0 - existence[i]) * height[i] ** 2

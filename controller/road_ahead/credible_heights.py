@@ -59,20 +59,16 @@ def credible(
     """
     if preview.is_exact:
         return preview.height_m[wheel], preview.existence[wheel]
-    correlation = _correlation(preview.distance_m.tobytes())
-    ratio = np.exp(correlation * match.log_ratio) if match.log_ratio else np.ones_like(correlation)
-    height, existence = preview.height_m[wheel], preview.existence[wheel]
-    prior, heights, probable = np.empty((3, len(height)))
-    window = max(1, round(WINDOW_M / (preview.distance_m[1] - preview.distance_m[0])))
-    _relative_sigmas(height, preview.height_sigma_m[wheel], window, prior)
+    heights, probable = np.empty((2, len(preview.distance_m)))
     _credible(
-        height,
-        existence,
-        prior,
-        correlation,
-        ratio,
+        preview.height_m[wheel],
+        preview.height_sigma_m[wheel],
+        preview.existence[wheel],
+        max(1, round(WINDOW_M / (preview.distance_m[1] - preview.distance_m[0]))),
+        _correlation(preview.distance_m.tobytes()),
         match.gain,
         match.gain_sigma,
+        match.log_ratio,
         sigmas,
         credibility,
         heights,
@@ -92,21 +88,25 @@ def _correlation(distances_m: bytes) -> np.ndarray:
 @njit
 def _credible(
     height: Any,
+    height_sigma: Any,
     existence: Any,
-    prior: Any,
+    window: int,
     correlation: Any,
-    ratio: Any,
     gain: float,
     gain_sigma: float,
+    log_ratio: float,
     sigmas: float,
     credibility: float,
     heights: Any,
     probable: Any,
 ) -> None:
-    """Write the credible heights and their existence; prior: relative standard deviations of the heights.
+    """Write the credible heights and their existence.
 
-    ratio: of the likelihoods of the road measured at the wheel, as far as it is correlated with each point.
+    log_ratio: of the likelihoods of the road measured at the wheel, which counts at a point as far as the
+    errors there are correlated.
     """
+    prior = np.empty(len(height))
+    _relative_sigmas(height, height_sigma, window, prior)
     for i in range(len(height)):
         share = correlation[i] ** 2
         factor = 1.0 + correlation[i] * (gain - 1.0)
@@ -115,7 +115,7 @@ def _credible(
             factor -= sigmas * sigma
         heights[i] = max(factor, 0.0) * height[i]
         likely = min(credibility * existence[i], MAX_EXISTENCE)
-        odds = likely / (1.0 - likely) * ratio[i]
+        odds = likely / (1.0 - likely) * np.exp(correlation[i] * log_ratio)
         probable[i] = min(odds / (1.0 + odds), existence[i])
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from foreride.controller.interface import Estimate
-from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
+from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
 from foreride.controller.road_ahead.credible_heights import Credibility, credible
 from foreride.controller.road_ahead.preview_alignment import PreviewAlignment, PreviewMatch
 from foreride.controller.settings import RoadSettings
@@ -33,6 +33,8 @@ ROAD_HYPOTHESES = (
     RoadHypothesis(0.0, False),
 )
 """Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
+_HYPOTHESES = np.array(ROAD_HYPOTHESES)
+_KINDS = ("early", "blend", "scenarios")
 _POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
 _LEVEL = distance_grid(0.0, 1.0, 1.0)
 """Grid of the level road that is assumed without a preview, m."""
@@ -152,47 +154,93 @@ class RoadReference:
             self._credibility.update(leader, match)
         rows = np.empty((self._hypotheses, self._wheels, len(self._grid)))
         for wheel, leader in enumerate(self._leaders):
-            rows[:, wheel] = self._roads(preview, wheel, matches[leader], measured)
+            self._write(rows, preview, wheel, matches[leader], measured)
         self._previewed_heights = rows
         if self._hypotheses > 1:
             likely = _likelihood(preview) * (1.0 if preview.is_exact else self._credibility.value)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
 
-    def _roads(
-        self, preview: RoadPreview, wheel: int, match: PreviewMatch, measured: RoadPreview | None
-    ) -> np.ndarray:
-        """Heights (roads, n) of one wheel's road hypotheses on the preview's grid."""
-        settings, sigma = self._settings, preview.position_sigma_m[wheel]
-        credibility = self._credibility.value
-        heights, existence = credible(preview, wheel, match, settings.height_sigmas, credibility)
-        earlier_m, remaining_sigma_ratio = match.earlier_m, match.remaining_sigma_ratio
-        if settings.uncertainty == "scenarios":
-            roads = [
-                moved(preview, heights * hypothesis.exists, hypothesis.sigmas * remaining_sigma_ratio * sigma)
-                for hypothesis in ROAD_HYPOTHESES
-            ]
-        elif settings.uncertainty == "blend":
-            roads = [existence * heights / (1.0 + (remaining_sigma_ratio * sigma / settings.blend_m) ** 2)]
-        else:
-            expected = np.empty_like(heights)
-            _lower(heights, existence, sigma, settings.known_m, settings.unknown_m, expected)
-            roads = [moved(preview, expected, settings.sigmas_early * remaining_sigma_ratio * sigma)]
-        if earlier_m:
-            roads = [np.interp(self._grid + earlier_m, self._grid, road) for road in roads]
-        if measured is None or not measured.existence[wheel].any():
-            return np.array(roads)
-        early, late = (moved(preview, heights, sign * remaining_sigma_ratio * sigma) for sign in (1.0, -1.0))
-        variance = previewed_variance(preview, wheel, early, late)
-        return fused(np.array(roads), variance, wheel, preview, measured)
+    def _write(
+        self,
+        rows: np.ndarray,
+        preview: RoadPreview,
+        wheel: int,
+        match: PreviewMatch,
+        measured: RoadPreview | None,
+    ) -> None:
+        """Write one wheel's road hypotheses on the preview's grid into `rows` (roads, wheels, n)."""
+        settings, felt = self._settings, measured or preview
+        _write_roads(
+            rows,
+            wheel,
+            _KINDS.index(settings.uncertainty),
+            (settings.sigmas_early, settings.known_m, settings.unknown_m, settings.blend_m),
+            match.earlier_m,
+            match.remaining_sigma_ratio,
+            *credible(preview, wheel, match, settings.height_sigmas, self._credibility.value),
+            preview.distance_m,
+            preview.height_m,
+            preview.position_sigma_m,
+            preview.height_sigma_m,
+            preview.existence,
+            measured is not None,
+            felt.distance_m,
+            felt.height_m,
+            felt.height_sigma_m,
+            felt.existence,
+        )
 
 
 @njit
-def _lower(heights: Any, existence: Any, sigma: Any, known_m: float, unknown_m: float, out: Any) -> None:
-    """Write the heights, lower the less probable they are and the less is known of their position."""
-    for i in range(len(heights)):
-        usable = min(max((unknown_m - sigma[i]) / (unknown_m - known_m), 0.0), 1.0)
-        out[i] = min(usable, existence[i]) * heights[i]
+def _write_roads(
+    rows: Any,
+    wheel: int,
+    kind: int,
+    settings: Any,
+    earlier_m: float,
+    sigma_ratio: float,
+    heights: Any,
+    existence: Any,
+    grid: Any,
+    height: Any,
+    position_sigma: Any,
+    height_sigma: Any,
+    exists: Any,
+    has_measured: bool,
+    felt_grid: Any,
+    felt: Any,
+    felt_sigma: Any,
+    felt_exists: Any,
+) -> None:
+    """Write the roads of a wheel: of the credible heights and their existence, fused with what was measured.
+
+    kind: index of the treatment of uncertainty. settings: those of the treatments.
+    """
+    sigmas_early, known_m, unknown_m, blend_m = settings
+    sigma, roads, n = position_sigma[wheel], rows[:, wheel], len(grid)
+    road, nearer = np.empty(n), np.zeros(n)
+    for k in range(len(roads)):
+        for i in range(n):
+            if kind == 0:
+                usable = min(max((unknown_m - sigma[i]) / (unknown_m - known_m), 0.0), 1.0)
+                road[i] = min(usable, existence[i]) * heights[i]
+                nearer[i] = sigmas_early * sigma_ratio * sigma[i]
+            elif kind == 1:
+                road[i] = existence[i] * heights[i] / (1.0 + (sigma_ratio * sigma[i] / blend_m) ** 2)
+            else:
+                road[i] = heights[i] * _HYPOTHESES[k, 1]
+                nearer[i] = _HYPOTHESES[k, 0] * sigma_ratio * sigma[i]
+        move(grid, road, nearer, roads[k])
+        if earlier_m != 0.0:
+            road[:] = roads[k]
+            interpolate(grid + earlier_m, grid, road, roads[k])
+    if has_measured and felt_exists[wheel].any():
+        early, late, variance = np.empty(n), np.empty(n), np.empty(n)
+        move(grid, heights, sigma_ratio * sigma, early)
+        move(grid, heights, -sigma_ratio * sigma, late)
+        previewed_variance(height[wheel], height_sigma[wheel], exists[wheel], early, late, variance)
+        fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
 
 
 @njit
@@ -266,22 +314,17 @@ def _likelihood(preview: RoadPreview) -> float:
     return float((size * preview.existence).sum() / total) if total else 1.0
 
 
-def moved(preview: RoadPreview, heights: np.ndarray, nearer_m: np.ndarray) -> np.ndarray:
-    """Return heights (n,) on the preview's grid, each moved towards the car by its own distance (n,).
+@njit
+def move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> None:
+    """Write heights (n,) on a grid, each moved towards the car by its own distance (n,).
 
     The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
     """
-    out = np.empty_like(heights)
-    return out if _move(preview.distance_m, heights, nearer_m, out) else heights
-
-
-@njit
-def _move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> bool:
-    """Write the moved heights and return True, or return False if nothing moves."""
     n = len(grid)
     least, most = nearer_m.min(), nearer_m.max()
     if least == most == 0.0:
-        return False
+        out[:] = heights
+        return
     places = grid - nearer_m
     if least < 0.0:
         for i in range(1, n):
@@ -290,4 +333,3 @@ def _move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> bool:
         for i in range(n - 2, -1, -1):
             places[i] = min(places[i + 1], places[i])
     interpolate(grid, places, heights, out)
-    return True

@@ -5,7 +5,7 @@ import pytest
 
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.controller import PredictiveController
-from foreride.controller.road_ahead.axle_fusion import fused, previewed_variance
+from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
 from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
 from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview
@@ -52,8 +52,16 @@ def measured(wheel_of_bump: int = 0, wheels: int = 2, car: object = HALF) -> Roa
 def row(
     roads: np.ndarray, variance: np.ndarray, wheel: int = 1, seen: RoadPreview | None = None
 ) -> np.ndarray:
-    felt = measured()
-    return fused(roads, variance, wheel, seen or preview(roads[0], 0.0), felt)[0]
+    felt, out = measured(), roads.copy()
+    own = felt.height_m[wheel], felt.height_sigma_m[wheel], felt.existence[wheel]
+    fuse(out, variance, (seen or preview(roads[0], 0.0)).distance_m, felt.distance_m, *own)
+    return np.asarray(out[0])
+
+
+def variance_of(seen: RoadPreview, early: np.ndarray, late: np.ndarray) -> np.ndarray:
+    out = np.empty_like(early)
+    previewed_variance(seen.height_m[0], seen.height_sigma_m[0], seen.existence[0], early, late, out)
+    return out
 
 
 def test_a_certain_preview_is_not_changed() -> None:
@@ -88,10 +96,10 @@ def test_the_front_wheels_keep_their_preview() -> None:
 def test_the_variance_holds_height_position_and_existence() -> None:
     seen = preview(np.full_like(GRID, 0.1), 0.01)
     same = seen.height_m[0]
-    assert previewed_variance(seen, 0, same, same) == pytest.approx(np.full_like(GRID, 1e-4))
+    assert variance_of(seen, same, same) == pytest.approx(np.full_like(GRID, 1e-4))
     doubted = replace(seen, existence=np.full_like(seen.existence, 0.5))
-    assert previewed_variance(doubted, 0, same, same) == pytest.approx(np.full_like(GRID, 1e-4 + 0.25e-2))
-    moved = previewed_variance(seen, 0, same + 0.02, same)
+    assert variance_of(doubted, same, same) == pytest.approx(np.full_like(GRID, 1e-4 + 0.25e-2))
+    moved = variance_of(seen, same + 0.02, same)
     assert moved == pytest.approx(np.full_like(GRID, 1e-4 + 2e-4))
 
 
