@@ -1,6 +1,6 @@
 """Closed-loop simulation speed, as a multiple of real time: `python -m benchmarks.bench_loop`.
 
-Each drive is repeated and the median reported; the first one, which compiles, is left out. `--profile` splits
+Each drive is repeated and the median reported; the first, which compiles and imports, is left out. `--profile` splits
 the CPU time of each drive, which is then written to a folder too, into its parts (`benchmarks.loop_parts`).
 `--against CHECKOUT` drives this version and another one in turn and prints the ratio of their CPU times,
 which other load on the machine hardly changes. `--set detection.threads=1 --set detection.backend=openvino`
@@ -65,8 +65,8 @@ def profile(row: CaseRow, repeats: int, fields: Sequence[str]) -> dict[str, Any]
     """Median CPU time of each part of one kind of drive, ms per simulated second, step and camera frame."""
     case, splits = case_of(row, fields), []
     duration_s = case.scenario.ticks / RATE_HZ
-    simulate_case(case)
     with tempfile.TemporaryDirectory() as folder:
+        run_folder.write(simulate_case(case), Path(folder) / "first")
         for number in range(repeats):
             with measured(PARTS) as timers:
                 run = simulate_case(case)

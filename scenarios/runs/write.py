@@ -163,7 +163,13 @@ def signal_table(signals: Mapping[str, np.ndarray]) -> pa.Table:
         pa.field(name, pa.from_numpy_dtype(values.dtype), metadata={"unit": signal_unit(name)})
         for name, values in signals.items()
     ]
-    return pa.table(dict(signals), schema=pa.schema(fields))
+    return pa.Table.from_arrays([_column(values) for values in signals.values()], schema=pa.schema(fields))
+
+
+def _column(values: np.ndarray) -> pa.Array:
+    """Column of the numbers of an array; PyArrow's own conversion would import pandas, if there is one."""
+    buffers = [None, pa.py_buffer(np.ascontiguousarray(values))]
+    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), values.size, buffers)
 
 
 def to_parquet(table: pa.Table) -> bytes:
@@ -184,5 +190,14 @@ def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:
 
 def preview_table(log: PreviewLog) -> pa.Table:
     """The previews as an Arrow table."""
-    rows = {field.name: list(getattr(log, field.name)) for field in fields(log)}
-    return pa.table(rows | {"distance_m": [log.distance_m] * len(log)})
+    columns = {field.name: getattr(log, field.name) for field in fields(log)}
+    columns["distance_m"] = np.broadcast_to(log.distance_m, np.shape(log.height_m))
+    return pa.table({name: _column_of_rows(values) for name, values in columns.items()})
+
+
+def _column_of_rows(values: np.ndarray) -> pa.Array:
+    """Column of numbers (n,), or of lists of m numbers (n, m)."""
+    if values.ndim == 1:
+        return _column(values)
+    starts = values.shape[1] * np.arange(len(values) + 1, dtype=np.int32)
+    return pa.ListArray.from_arrays(_column(starts), _column(values))
