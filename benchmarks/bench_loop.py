@@ -1,7 +1,8 @@
 """Closed-loop simulation speed, as a multiple of real time: `python -m benchmarks.bench_loop`.
 
-Each drive is repeated and the median reported; the first, which compiles and imports, is left out. `--profile` splits
-the CPU time of each drive, which is then written to a folder too, into its parts (`benchmarks.loop_parts`).
+Each drive is repeated and the median reported; the first one, which compiles and imports, is left out.
+`--profile` splits the CPU time of each drive, which is then written to a folder too, into its parts
+(`benchmarks.loop_parts`).
 `--against CHECKOUT` drives this version and another one in turn and prints the ratio of their CPU times,
 which other load on the machine hardly changes. `--set detection.threads=1 --set detection.backend=openvino`
 times other numbers of threads and backends of the detector.

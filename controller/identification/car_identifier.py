@@ -97,8 +97,7 @@ class CarIdentifier:
         if _filter(*signals, self._slow, self._fast, self._mean, self._band) < LEAST_ACC_M_S2:
             return
         output = self._band[:, 0]
-        springs = np.broadcast_to(self._band[:, 1], (self._delays, len(output)))
-        self._bank.add(output, np.stack([springs, self._band[:, 2:].T], axis=-1))
+        self._bank.add(output, _regressors(self._band))
         self._excited += 1
         if self._excited % self._every == 0:
             self._conclude()
@@ -168,6 +167,17 @@ def _follow(command: Any, commands: Any, every: int, gain: Any, settings: Any) -
         late[0] = command[wheel]
         for delay in range(settings.shape[1]):
             settings[wheel, delay] += gain[wheel, 0] * (late[delay * every] - settings[wheel, delay])
+
+
+@njit
+def _regressors(band: Any) -> Any:
+    """Regressors (delays, body, 2), springs and dampers, of the filtered accelerations."""
+    body, signals = band.shape
+    out = np.empty((signals - 2, body, 2))
+    for delay in range(signals - 2):
+        for i in range(body):
+            out[delay, i, 0], out[delay, i, 1] = band[i, 1], band[i, 2 + delay]
+    return out
 
 
 @njit

@@ -7,9 +7,11 @@ Int. J. Control 58(4), 1993). The variance of e is that of the residuals. As the
 count as one independent residual for each correlation time.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from foreride.files.jit import njit
 
 
 class Fit(NamedTuple):
@@ -53,9 +55,7 @@ class LeastSquaresBank:
 
     def add(self, output: np.ndarray, regressors: np.ndarray) -> None:
         """Take in one sample: outputs (rows,) and regressors (models, rows, n)."""
-        transposed = regressors.transpose(0, 2, 1)
-        self._squares = self._kept * self._squares + transposed @ regressors
-        self._products = self._kept * self._products + transposed @ output
+        _add(output, regressors, self._kept, self._squares, self._products)
         self._output = self._kept * self._output + float(output @ output)
         self._samples = self._kept * self._samples + len(output)
 
@@ -81,3 +81,20 @@ class LeastSquaresBank:
         explained = np.einsum("mi,mij,mj->m", all_of, self._squares, all_of)
         squares = self._output - 2.0 * (self._products * all_of).sum(axis=-1) + explained
         return np.maximum(squares / max(self._samples, 1.0), self._least)
+
+
+@njit
+def _add(output: Any, regressors: Any, kept: float, squares: Any, products: Any) -> None:
+    """Let the data so far fade to the share `kept`, and add a sample."""
+    models, rows, n = regressors.shape
+    for m in range(models):
+        for i in range(n):
+            product = 0.0
+            for row in range(rows):
+                product += regressors[m, row, i] * output[row]
+            products[m, i] = kept * products[m, i] + product
+            for j in range(n):
+                square = 0.0
+                for row in range(rows):
+                    square += regressors[m, row, i] * regressors[m, row, j]
+                squares[m, i, j] = kept * squares[m, i, j] + square

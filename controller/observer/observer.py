@@ -7,7 +7,7 @@ import numpy as np
 from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
-from foreride.controller.observer.filter_steps import road_from_tyre, vehicle_state
+from foreride.controller.observer.filter_steps import road_from_tyre, strut_motion, vehicle_state
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
@@ -194,13 +194,11 @@ class Observer:
 
     def _identify(self, acceleration: np.ndarray) -> None:
         """Compare the body's acceleration by springs and dampers with that of the known ones."""
-        rows, s = self._filter.rows, self._filter.state
-        by_struts = self._measured(acceleration) + self._inertial
+        by_struts, motion = strut_motion(self._filter.state, acceleration, self._inertial, self._body)
         if self._actuators:
             mass = self._identifier.result.mass * self._body_mass
             by_struts -= self._plane.kinematic_rows.T @ self._force / mass
-        travel, rate = s[rows.body] - s[rows.wheel], s[rows.body_velocity] - s[rows.wheel_velocity]
-        self._identifier.update(by_struts, travel, rate)
+        self._identifier.update(by_struts, *motion)
 
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
