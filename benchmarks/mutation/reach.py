@@ -99,11 +99,12 @@ def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
 
 def recorded(folder: Path, files: Sequence[str], out: Path, compiled: bool = True) -> list[TestReach]:
     """Records of test files; those that are missing or whose tests have changed are made."""
-    for file in files:
-        if (file, compiled, _hash(folder / file)) not in _records(out):
-            record(folder, file, out, compiled)
-    records = _records(out)
     keys = [(file, compiled, _hash(folder / file)) for file in files]
+    known = _records(out)
+    for key in keys:
+        if key not in known:
+            record(folder, key[0], out, compiled)
+    records = _records(out)
     return [test for key in keys for test in records.get(key, [])]
 
 
