@@ -7,7 +7,7 @@ import pytest
 
 from foreride.preview.height import height_measurement
 from foreride.preview.height.height_measurement import HeightGauge, _homogeneity_weights, _strip
-from foreride.preview.height.plane_parallax import ImageBand, band
+from foreride.preview.height.plane_parallax import ImageBand, StructureField, band
 from foreride.preview.tracking.gauss_newton import EdgeBearings
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.track import Edge, Track, first_fits
@@ -122,3 +122,61 @@ def test_a_near_edge_is_where_the_boxs_bottom_meets_the_plane_that_was_found() -
     assert gauge._edge(track, pose, nominal[nominal > 6.05], plane) is None
     track.bearings[0] = track.bearings[0]._replace(bottom=np.nan)
     assert gauge._edge(track, pose, nominal, plane) is None
+
+
+def bumpy(view: ImageBand, pose: CameraPose, start_m: float, end_m: float) -> tuple[np.ndarray, np.ndarray]:
+    """Structure of an object 6 cm high, and the distance of each pixel's plane point."""
+    x = pose.x + np.cos(pose.pitch) * view.ahead + np.sin(pose.pitch) * view.up
+    height = np.where((x > start_m) & (x < end_m), 0.06, 0.0)
+    return 1.0 / (1.0 - height / view.height_m), x
+
+
+@pytest.mark.parametrize("stereo", [True, False])
+def test_each_second_row_is_a_sample_of_place_height_and_their_deviations(stereo: bool) -> None:
+    """Means over the strip by texture; the plane from the road beyond 0.3 m and the object's shadow."""
+    gauge, pose, track = HeightGauge(CAMERA, 0.2, unbiased()), pose_of(MOUNT, 20.0, 0.0, 0.0), known(0, 25.0)
+    view = band(CAMERA, pose, replace(pose, y=-0.2), (215, 275), (200, 440))
+    q, x = bumpy(view, pose, track.start_m, track.end_m)
+    ones = np.ones_like(q)
+    weight = np.tile(np.linspace(50.0, 200.0, q.shape[1]), (len(q), 1))
+    field = StructureField(q.astype(np.float32), weight, np.stack([80.0 * ones, 60.0 * ones]), 3.0)
+    found = gauge._profile(pose, view, field, stereo, track, [track])
+    assert found is not None
+    rows, edge = found
+    side = -np.sin(0.0) * view.ahead + view.side
+    strip = (side > -1.5) & (side < 1.5)
+    share = (strip * weight)[::2] / (strip * weight)[::2].sum(axis=1, keepdims=True)
+    ahead = (share * (x - pose.x)[::2]).sum(axis=1)
+    mean_q = (share * q[::2]).sum(axis=1)
+    np.testing.assert_allclose(rows.x_m, pose.x + ahead, rtol=1e-4)
+    np.testing.assert_allclose(rows.z_m, view.height_m * (1.0 - 1.0 / mean_q), atol=1e-3)
+    np.testing.assert_allclose(rows.slant, ahead / view.height_m, rtol=1e-3)
+    np.testing.assert_allclose(rows.smear_m, 3.0 * ahead**2 / view.height_m / CAMERA.focal_px, rtol=1e-3)
+    sigma_px = np.hypot(3.0 / np.sqrt((strip * weight)[::2].sum(axis=1)), 0.05)
+    if stereo:
+        np.testing.assert_allclose(rows.sigma_m, view.height_m * sigma_px / 100.0, rtol=1e-3)
+    else:
+        ratio = rows.sigma_m / (view.height_m * sigma_px / 100.0)
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-3)
+        assert ratio[0] >= 1.0 - 1e-6
+    assert edge is None
+
+
+def test_a_quiet_pair_has_the_noise_of_a_grey_level_at_least_and_a_narrow_band_no_samples() -> None:
+    gauge, pose, track = HeightGauge(CAMERA, 0.2, unbiased()), pose_of(MOUNT, 20.0, 0.0, 0.0), known(0, 25.0)
+    sigmas = []
+    for noise in (0.1, 1.0, 2.0):
+        view = band(CAMERA, pose, replace(pose, y=-0.2), (215, 275), (200, 440))
+        ones = np.ones_like(view.ahead)
+        field = StructureField(ones, 1e-4 * ones, np.stack([80.0 * ones, 60.0 * ones]), noise)
+        found = gauge._profile(pose, view, field, True, track, [track])
+        assert found is not None
+        sigmas.append(found[0].sigma_m)
+    np.testing.assert_allclose(sigmas[0], sigmas[1])
+    np.testing.assert_allclose(sigmas[2], 2.0 * sigmas[1], rtol=1e-3)
+    for last_row, count in ((226, 6), (225, None)):
+        view = band(CAMERA, pose, replace(pose, y=-0.2), (215, last_row), (200, 440))
+        ones = np.ones_like(view.ahead)
+        field = StructureField(ones, ones, np.stack([80.0 * ones, 60.0 * ones]), 1.0)
+        found = gauge._profile(pose, view, field, True, track, [track])
+        assert (None if found is None else len(found[0].x_m)) == count
