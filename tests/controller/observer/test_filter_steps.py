@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from foreride.controller.observer.filter_steps import (
-    AIR_SIGMA_M,
-    DEFLECTION_SIGMA_M,
     corrected,
     expected_covariance,
     product,
@@ -115,7 +113,7 @@ def test_the_road_lies_under_the_wheel_by_the_deflection_that_the_masses_ask_for
     np.testing.assert_allclose(found[0], height)
     assert found[1].tolist() == [not airborne] * 2
     np.testing.assert_allclose(found[2], (height - previous) / period_s)
-    sigma = AIR_SIGMA_M if airborne else DEFLECTION_SIGMA_M
+    sigma = 0.02 if airborne else 3e-4
     np.testing.assert_allclose(found[3], variance + sigma**2)
 
 
