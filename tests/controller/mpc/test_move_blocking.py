@@ -3,9 +3,10 @@
 import numpy as np
 from scipy.optimize import LinearConstraint, minimize
 
-from foreride.controller.mpc.move_blocking import BLOCK_LENGTH, FREE_INTERVALS, MoveBlocks
+from foreride.controller.mpc.move_blocking import MoveBlocks
 from foreride.controller.mpc.qp import ConstraintRows, solve_box
 
+FREE_INTERVALS, BLOCK_LENGTH = 8, 4
 INTERVALS, DAMPERS, FORCES = FREE_INTERVALS + 2 * BLOCK_LENGTH + 1, 2, 2
 N = INTERVALS * (DAMPERS + FORCES)
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from foreride.controller.interface import ALL_SILENT
-from foreride.controller.observer.sensor_monitor import STUCK_READINGS, SensorMonitor
+from foreride.controller.observer.sensor_monitor import SensorMonitor
 from foreride.vehicle.plant.sensors import NO_NOISE, Measurement, SensorNoise
+
+STUCK_READINGS = 4
 
 
 def reading(k: int, wheels: int = 2, **changed: object) -> Measurement:
@@ -96,3 +98,18 @@ def test_a_silent_bus_has_a_name_of_its_own(wheels: int) -> None:
     checked = watch.check(Measurement(0.0, nothing, nothing, nothing, *[float("nan")] * 3))
     assert checked.faults == (ALL_SILENT,)
     assert np.isfinite(checked.measurement.rattle_m).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [("body_acc", 150.0), ("wheel_acc", 2000.0), ("rattle_m", 0.4), ("pitch_rate", 10.0),
+     ("speed_m_s", 110.0), ("roll_rate", 10.0)],
+)  # fmt: skip
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_reading_may_be_as_large_as_sensors_and_cars_allow(name: str, limit: float, sign: float) -> None:
+    for factor, lost in ((1.0, False), (1.001, True)):
+        value: object = sign * factor * limit
+        if name in ("body_acc", "wheel_acc", "rattle_m"):
+            value = np.array([0.1, sign * factor * limit, 0.2, 0.3])
+        checked = SensorMonitor(4, SensorNoise()).check(reading(1, 4, **{name: value}))
+        assert any(checked.lost) == lost

@@ -9,7 +9,9 @@ from scipy.stats import norm
 from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.settings import Settings
+from foreride.preview.tracking import track as track_module
 from foreride.preview.tracking.gauss_newton import SHARED, EdgeBearings
+from foreride.preview.tracking.height_likelihood import HeightSamples
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import HEIGHT, LENGTH, X
 from foreride.preview.tracking.track import LOG_ODDS_LIMIT, Edge, Track, first_fits
@@ -151,3 +153,53 @@ def test_a_new_object_is_as_uncertain_as_its_first_box_its_kind_and_the_calibrat
         assert np.diag(first.covariance)[[X, LENGTH, HEIGHT]] == pytest.approx(own)
         np.testing.assert_array_equal(first.covariance[np.ix_(SHARED, SHARED)], shared)
         assert np.count_nonzero(first.covariance) == 3 + 9
+
+
+def test_the_log_odds_of_existence_are_limited_to_seven_either_way():
+    t = track()
+    for detected, limit in ((True, 7.0), (False, -7.0)):
+        for _ in range(100):
+            t.update_existence(detected, SETTINGS)
+        assert t.log_odds == limit
+
+
+@pytest.mark.parametrize(("ratio", "contradicts", "inflation"), [(2.5, False, 1.0), (4.0, True, 4.0)])
+def test_a_variance_ratio_above_two_and_a_half_contradicts_a_plane_road(ratio, contradicts, inflation):
+    """And inflates the sigma by two for each unit above, but for positions that are triangulated."""
+    t = replace(track(), variance_ratio=ratio)
+    assert t.contradicts_plane == contradicts
+    assert t.is_of_one_plane == (not contradicts)
+    assert t.sigma_m == pytest.approx(inflation * t.best.sigma_m)
+    for absolute in (True, False):
+        t.elevation = HeightSamples(0.03, absolute)
+        assert t.sigma_m == pytest.approx((1.0 if absolute else inflation) * t.best.sigma_m)
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.029, 1), (0.031, 2)])
+def test_kinds_of_less_than_three_percent_are_left_out(share, kept):
+    prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
+    first, second = first_fits(0, 20.0, 0.5, prior)[:2]
+    fits = [first._replace(cost=2.0), second._replace(cost=2.0 + np.log((1.0 - share) / share))]
+    probable = replace(track(), cls=0, fits=fits).probable
+    assert len(probable) == kept
+    assert sum(probability for probability, _ in probable) == pytest.approx(1.0)
+    if kept == 2:
+        assert [probability for probability, _ in probable] == pytest.approx([1.0 - share, share])
+
+
+@pytest.mark.parametrize(("boxes", "worse", "kept"), [(8, 9.9, 2), (8, 10.1, 1), (7, 99.0, 2)])
+def test_a_kind_is_dropped_from_eight_boxes_on_if_the_evidence_against_it_is_ten(
+    boxes, worse, kept, monkeypatch
+):
+    prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
+    fits = first_fits(0, 20.0, 0.5, prior)[:2]
+    costs = dict(zip([one.kind.name for one in fits], (3.0, 3.0 + worse), strict=True))
+
+    def judged(kind, *others):
+        return next(one for one in fits if one.kind is kind)._replace(cost=costs[kind.name])
+
+    monkeypatch.setattr(track_module, "fit", judged)
+    bearings = [EdgeBearings(0.0, 10.0 + k, 1.2, 0.1, 0.09, 0.001, 0.001) for k in range(boxes)]
+    t = replace(track(), cls=0, fits=fits, bearings=bearings)
+    t.refit(prior, SETTINGS)
+    assert len(t.fits) == kept
