@@ -1,13 +1,15 @@
 """Car identifier: mass, damper strength and delay of simulated bodies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.identification.least_squares import Fit
 from foreride.controller.interface import Identified
-from foreride.vehicle.equations import body_acceleration
-from foreride.vehicle.load import Car, load_vehicle
+from foreride.vehicle.equations import body_acceleration, forces, rest_state
+from foreride.vehicle.load import Car, FullCar, load_vehicle
 from foreride.vehicle.state_layout import state_layout
 
 PERIOD_S = 0.005
@@ -134,3 +136,23 @@ def test_a_delay_is_adopted_without_the_ratios() -> None:
     residual[2] = 0.01
     fit = KnownFit(parameters=np.ones((7, 2)), residual=residual)
     assert concluded(fit).result == Identified(delay_s=0.01)
+
+
+@pytest.mark.parametrize("name", ["quarter", "half", "full"])
+def test_known_forces_are_those_of_springs_bars_and_stops_and_those_of_the_dampers(name: str) -> None:
+    """By the equations of motion, with all suspensions in their stops; both axles have anti-roll bars."""
+    car: Car = load_vehicle(name)
+    if isinstance(car, FullCar):
+        car = replace(car, anti_roll_n_m=(12e3, 9e3))
+    layout, rng = state_layout(car), np.random.default_rng(2)
+    travel, rate = (
+        rng.choice([-0.1, 0.1], car.wheels) * rng.uniform(0.9, 1.0, car.wheels),
+        rng.normal(size=car.wheels),
+    )
+    found = CarIdentifier(car, PERIOD_S)._forces(travel.tolist(), rate.tolist())
+    x, level = rest_state(car), np.zeros(car.wheels)
+    x[layout.wheel], x[layout.wheel_velocity] = -travel, -rate
+    acting = forces(car, x, level, level)
+    np.testing.assert_allclose(found[:, 0], acting.spring + acting.stop)
+    for column in found.T[1:]:
+        np.testing.assert_allclose(column, acting.damper)

@@ -32,6 +32,8 @@ def test_curvature_is_yaw_rate_over_speed_from_walking_pace_on():
     assert curvature(0.2, 10.0) == pytest.approx(0.02)
     assert curvature(0.14, 5.0 / 3.6) == pytest.approx(0.1, rel=0.01)
     assert curvature(0.2, 0.9) == 0.0
+    assert curvature(0.2, 1.0) == pytest.approx(0.2)
+    assert (curvature(3.0, 10.0), curvature(-3.0, 10.0)) == (0.2, -0.2)
 
 
 @pytest.mark.parametrize("bend", [1 / 60, -1 / 60])

@@ -184,3 +184,12 @@ def test_a_bouc_wen_damper_at_rest_is_without_force_where_its_node_has_crept_to(
     assert law(part, 0.0, 0.0, 0.02, (0.02, 0.0)) == pytest.approx(0.0, abs=1e-9)
     series = 14649.0 / (784.0 + 14649.0)  # the dashpots c₀ and c₁ divide the force
     assert law(part, 0.0, 0.0, 0.02, (0.01, 0.0)) == pytest.approx(-3610.0 * 0.01 * series)
+
+
+def test_the_default_valve_is_that_of_a_compact_car() -> None:
+    """Currents, speeds of the usual test, and the sums of the forces of each current."""
+    part = ValveDamper()
+    assert part.currents_a == (0.3, 0.8, 1.6)
+    assert part.speeds_m_s == (0.052, 0.131, 0.262, 0.524, 1.048)
+    assert [sum(row) for row in part.rebound_n] == [1900.0, 4870.0, 10350.0]
+    assert [sum(row) for row in part.compression_n] == [1210.0, 2430.0, 4610.0]

@@ -64,3 +64,15 @@ def test_divergence_is_an_error() -> None:
 def test_other_dampers_are_refused() -> None:
     with pytest.raises(InputError, match="engine compiled needs ideal dampers, got"):
         Plant(replace(HALF, damper=ValveDamper()), "compiled")
+
+
+def test_divergence_within_a_single_tick_is_an_error() -> None:
+    plant = Plant(CARS["quarter"], "compiled")
+    plant.reset([WheelProfile(0.0, 0.25, 1e200 * HEIGHTS)], 0.0, 10.0)
+
+    def drive() -> None:
+        for _ in range(900):
+            plant.step([1500.0])
+
+    with pytest.raises(InputError, match=r"vehicle diverged at 0\.\d+ s"):
+        drive()
