@@ -85,12 +85,17 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
-    """Record the tests of a file with the hash of its text, as one more line of a file of records."""
+    """Record the tests of a file with a hash of it and of all that they execute, as a line of the records."""
     recorder = _Recorder(folder)
 
     def write() -> None:
         rows = [asdict(test) | {"functions": sorted(test.functions)} for test in recorder.tests]
-        line = {"file": file, "compiled": compiled, "hash": _hash(folder / file), "tests": rows}
+        line = {
+            "file": file,
+            "compiled": compiled,
+            "hash": _hash(folder, file, recorder.tests),
+            "tests": rows,
+        }
         with out.open("a") as stream:
             stream.write(json.dumps(line) + "\n")
 
@@ -98,25 +103,27 @@ def record(folder: Path, file: str, out: Path, compiled: bool = True) -> None:
 
 
 def recorded(folder: Path, files: Sequence[str], out: Path, compiled: bool = True) -> list[TestReach]:
-    """Records of test files; those that are missing or whose tests have changed are made."""
-    keys = [(file, compiled, _hash(folder / file)) for file in files]
-    known = _records(out)
-    for key in keys:
-        if key not in known:
-            record(folder, key[0], out, compiled)
-    records = _records(out)
-    return [test for key in keys for test in records.get(key, [])]
+    """Records of test files; those that are missing or out of date are made."""
+    known = _records(folder, out)
+    for file in files:
+        if (file, compiled) not in known:
+            record(folder, file, out, compiled)
+    records = _records(folder, out)
+    return [test for file in files for test in records.get((file, compiled), [])]
 
 
-def _records(out: Path) -> dict[tuple[str, bool, str], list[TestReach]]:
-    rows = map(json.loads, out.read_text().splitlines()) if out.exists() else ()
-    return {
-        (row["file"], row["compiled"], row["hash"]): [
-            TestReach(test["name"], test["seconds"], frozenset(test["functions"])) for test in row["tests"]
-        ]
-        for row in rows
-    }
+def _records(folder: Path, out: Path) -> dict[tuple[str, bool], list[TestReach]]:
+    """Records by test file, with and without compilation, of files that are as they were."""
+    found = {}
+    for row in map(json.loads, out.read_text().splitlines() if out.exists() else ()):
+        tests = [TestReach(one["name"], one["seconds"], frozenset(one["functions"])) for one in row["tests"]]
+        if row["hash"] == _hash(folder, row["file"], tests):
+            found[row["file"], row["compiled"]] = tests
+    return found
 
 
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+def _hash(folder: Path, file: str, tests: Sequence[TestReach]) -> str:
+    """Hash of a test file and of the files whose functions its tests execute."""
+    files = {file} | {name.split(":")[0] for test in tests for name in test.functions}
+    texts = [(folder / name).read_bytes() if (folder / name).exists() else b"" for name in sorted(files)]
+    return hashlib.sha256(b"\0".join(texts)).hexdigest()[:16]

@@ -124,6 +124,10 @@ def test_record_holds_the_functions_of_tests_that_pass_in_time_and_is_kept(
     kept = out.read_text()
     assert recorded(root, [file], out) == [test]
     assert out.read_text() == kept
+    source = root / "springs" / "spring.py"
+    source.write_text(source.read_text() + "# another line")
+    recorded(root, [file], out)
+    assert len(out.read_text().splitlines()) == 2
     path.write_text(path.read_text().replace("6.0", "7.0"))
     assert recorded(root, [file], out) == []
 
