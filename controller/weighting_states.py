@@ -1,9 +1,12 @@
 """Comfort filter states: online Wk filtering (ISO 2631-1) of the estimated seat accelerations."""
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg import expm
 
 from foreride.comfort.weighting import wk_second_order
+from foreride.files.jit import njit
 from foreride.vehicle.equations import state_size
 from foreride.vehicle.load import Car
 from foreride.vehicle.state_layout import state_layout
@@ -20,7 +23,7 @@ class ComfortFilter:
         held = np.zeros((3, 3))  # the acceleration as a state that holds its value (Van Loan)
         held[:2, :2], held[:2, 2] = a, b
         transition = expm(held * period_s)
-        self._a, self._b = transition[:2, :2], transition[:2, 2:]
+        self._a, self._b = transition[:2, :2], transition[:2, 2]
         self._seats = len(vehicle.seat_kinematic_rows)
         self._velocities = np.zeros((self._seats, state_size(vehicle)))  # seats by state
         self._velocities[:, state_layout(vehicle).body_velocity] = vehicle.seat_kinematic_rows
@@ -29,14 +32,27 @@ class ComfortFilter:
 
     def reset(self) -> None:
         """Start from rest: zero filter states."""
-        self._states = np.zeros((2, self._seats))
-        self._velocity: np.ndarray | None = None
+        self._states = np.zeros((self._seats, 2))
+        self._velocity = np.full(self._seats, np.nan)
 
     def update(self, x: np.ndarray) -> np.ndarray:
         """Advance one period to the vehicle state x; return the filter states (2 · seats,), by seat."""
-        velocity = self._velocities @ x
-        if self._velocity is not None:
-            mean = (velocity - self._velocity) / self._period_s
-            self._states = self._a @ self._states + self._b * mean
-        self._velocity = velocity
-        return self._states.T.ravel()
+        _advance(self._velocities, x, self._velocity, self._period_s, self._a, self._b, self._states)
+        return self._states.ravel().copy()
+
+
+@njit
+def _advance(
+    velocities: Any, x: Any, velocity: Any, period_s: float, transition: Any, drive: Any, states: Any
+) -> None:
+    """Update the seats' velocities, NaN before the first period, and filter states (seats, 2)."""
+    for seat in range(len(velocity)):
+        now = 0.0
+        for i in range(len(x)):
+            now += velocities[seat, i] * x[i]
+        mean = (now - velocity[seat]) / period_s
+        velocity[seat] = now
+        if np.isfinite(mean):
+            first, second = states[seat]
+            for i in range(2):
+                states[seat, i] = transition[i, 0] * first + transition[i, 1] * second + drive[i] * mean

@@ -57,7 +57,7 @@ class Condenser:
         self._points[-len(KNOWN) - 1, :steps] = grid.step_s
         self.adapt(KNOWN, terminal)
         self._results = np.zeros((groups, model.linearise.rows_out, lanes))
-        self._entries = _entries(model)
+        self._entries, self._places = _entries(model)
         self._hessian = np.zeros((intervals * inputs, intervals * inputs))
         self._gradient = np.zeros(intervals * inputs)
 
@@ -94,7 +94,7 @@ class Condenser:
             points,
             road,
             results,
-            self._entries,
+            self._places,
             *steps,
             ending,
             rest,
@@ -105,17 +105,18 @@ class Condenser:
         return Condensed(hessian, gradient)
 
 
-def _entries(model: PredictionModel) -> np.ndarray:
-    """Nonzero Jacobian entries as (matrix, row, column, place in the matrix of `_fill`) indices.
+def _entries(model: PredictionModel) -> tuple[np.ndarray, np.ndarray]:
+    """Nonzero Jacobian entries as (matrix, row, column), and their places in the matrices of `_cost_to_go`.
 
     Matrices: 0 next state by state, 1 next state by command, 2 residuals by next state.
     """
-    size, listed = model.n_x + input_size(model.vehicle), []
+    size, listed, places = model.n_x + input_size(model.vehicle), [], []
     for matrix, (top, left) in enumerate(((0, 0), (0, model.n_x), (size, 0))):
         rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
         for row, column in zip(rows, columns, strict=True):
-            listed.append((matrix, row, column, (top + row) * size + left + column))
-    return np.array(listed, dtype=np.int64)
+            listed.append((matrix, row, column))
+            places.append((top + row) * size + left + column)
+    return np.array(listed, dtype=np.int64), np.array(places, dtype=np.int64)
 
 
 @njit
@@ -138,7 +139,7 @@ def _condense(
     points: Any,
     road: Any,
     results: Any,
-    entries: Any,
+    places: Any,
     first_steps: Any,
     weights: Any,
     ending: Any,
@@ -159,7 +160,7 @@ def _condense(
             off[i] -= rest[i, w] * road[w, -1]
     onward = np.empty((intervals, size, size))
     _cost_to_go(
-        linearise, points, results, entries, first_steps, weights, ending, ending @ off, onward, gradient
+        linearise, points, results, places, first_steps, weights, ending, ending @ off, onward, gradient
     )
     rows, next_rows = np.zeros((len(gradient), size)), np.zeros((len(gradient), size))
     inputs = size - n_x
@@ -171,7 +172,9 @@ def _condense(
         for a in range(inputs):
             for i in range(start + a + 1):
                 hessian[start + a, i] = hessian[i, start + a] = next_rows[i, n_x + a]
-        next_rows[:end, n_x:] = 0.0
+        for i in range(end):
+            for a in range(n_x, size):
+                next_rows[i, a] = 0.0
         rows, next_rows = next_rows, rows
 
 
@@ -180,7 +183,7 @@ def _cost_to_go(
     linearise: int,
     points: Any,
     results: Any,
-    entries: Any,
+    places: Any,
     first_steps: Any,
     weights: Any,
     ending: Any,
@@ -194,54 +197,55 @@ def _cost_to_go(
     in groups, shortly before they are used.
     """
     size, inputs, lanes = len(ending), len(gradient) // len(onward), results.shape[2]
-    n_x, n_r, most = size - inputs, results.shape[1] - len(entries), np.diff(first_steps).max()
-    matrix, product, cost = np.zeros((size + n_r, size)), np.empty((size, size)), ending.copy()
+    n_x, n_r, most = size - inputs, results.shape[1] - len(places), np.diff(first_steps).max()
+    entries = np.zeros((size + n_r) * size)
+    matrix, by_state = entries[: size * size].reshape(size, size), entries[size * size :].reshape(n_r, size)
     for a in range(n_x, size):
         matrix[a, a] = 1.0
+    product, jacobian, cost = np.empty((size, size)), np.empty((n_r, size)), ending.copy()
     reached, costs = np.empty((size + n_r * most, size)), np.empty((size + n_r * most, size))
     slopes, group = np.empty(len(reached)), len(results)
+    # Views are formed once, as their reference counts take as long as a small product.
+    sensitivity, weighted = reached[:size], costs[:size]
     for k in range(len(onward) - 1, -1, -1):
         while first_steps[k] < group * lanes:
             group -= 1
             evaluate(linearise, points[:, group * lanes :], results[group], lanes)
         end = size
         for step in range(first_steps[k], first_steps[k + 1]):
-            result = results[step // lanes, :, step % lanes]
-            _fill(result[n_r:], entries, matrix)
-            if step > first_steps[k]:
-                np.dot(matrix[:size], reached[:size], product)
-            _copy(matrix if step == first_steps[k] else product, reached[:size])
-            np.dot(matrix[size:], reached[:size], reached[end : end + n_r])
+            at, lane = step // lanes, step % lanes
+            for e in range(len(places)):
+                entries[places[e]] = results[at, n_r + e, lane]
+            if step == first_steps[k]:
+                _copy(matrix, sensitivity)
+            else:
+                np.dot(matrix, sensitivity, product)
+                _copy(product, sensitivity)
+            np.dot(by_state, sensitivity, jacobian)
             for r in range(n_r):
-                slopes[end] = weights[step] * result[r]
+                slopes[end] = weights[step] * results[at, r, lane]
                 for i in range(size):
-                    costs[end, i] = weights[step] * reached[end, i]
+                    reached[end, i], costs[end, i] = jacobian[r, i], weights[step] * jacobian[r, i]
                 end += 1
-        np.dot(cost, reached[:size], costs[:size])
+        np.dot(cost, sensitivity, weighted)
         slopes[:size] = slope
-        np.dot(reached[:end].T, costs[:end], cost)
-        np.dot(reached[:end].T, slopes[:end], slope)
+        across = reached[:end].T
+        np.dot(across, costs[:end], cost)
+        np.dot(across, slopes[:end], slope)
         for i in range(size):
             for j in range(size):
                 onward[k, j, i] = reached[i, j] if i < n_x else cost[i, j]
-        gradient[k * inputs : (k + 1) * inputs] = slope[n_x:]
-        cost[n_x:], cost[:, n_x:], slope[n_x:] = 0.0, 0.0, 0.0
+        for a in range(n_x, size):
+            gradient[k * inputs + a - n_x], slope[a] = slope[a], 0.0
+            for i in range(size):
+                cost[a, i] = cost[i, a] = 0.0
 
 
 @njit
 def _copy(source: Any, target: Any) -> None:
-    """Copy as much as the target holds."""
     for i in range(len(target)):
         for j in range(target.shape[1]):
             target[i, j] = source[i, j]
-
-
-@njit
-def _fill(values: Any, entries: Any, matrix: Any) -> None:
-    """Write the Jacobians of a step, one below the other: of state and command, then of the residuals."""
-    flat = matrix.ravel()
-    for e in range(len(entries)):
-        flat[entries[e, 3]] = values[e]
 
 
 @njit
@@ -251,7 +255,7 @@ def _sensitivities(results: Any, entries: Any, interval: Any, inputs: int, out: 
     for step in range(out.shape[0]):
         start = interval[step] * inputs
         for e in range(len(entries)):
-            matrix, row, column, _ = entries[e]
+            matrix, row, column = entries[e]
             value = results[step // lanes, first + e, step % lanes]
             if matrix == 0 and step > 0:
                 for i in range(start + inputs):

@@ -36,7 +36,7 @@ class Constraints:
 
     def __init__(self, vehicle: Car, grid: TimeGrid, settings: ForceSettings):
         n, corners = state_size(vehicle), vehicle.corners
-        self._wheels, self._n = vehicle.wheels, n
+        self._wheels = vehicle.wheels
         low, high = plan_limits(vehicle)
         self._at_min, self._at_max = low + _ACTIVE_TOLERANCE, high - _ACTIVE_TOLERANCE
         active = input_size(vehicle) > vehicle.wheels
@@ -69,9 +69,11 @@ class Constraints:
         on `road` heights (wheels, steps + 1), m.
         """
         w, first = self._wheels, plan[0]
-        positions = self._motion_rows @ states[: self._n]
         limits = self._at_min, self._at_max, self._jounce, self._rebound, self._deflection
-        flags = dict(zip(_ALWAYS, _reached(first, positions, road, *limits), strict=True))
+        reached = _reached(first, self._motion_rows, states, road, *limits)
+        if rows is None and not any(reached):
+            return ()
+        flags = dict(zip(_ALWAYS, reached, strict=True))
         if rows is not None and self._forces is not None:
             row_values = rows.matrix @ change.ravel()
             at_limit = (row_values <= rows.low + _ACTIVE_TOLERANCE) | (
@@ -90,7 +92,8 @@ class Constraints:
 @njit
 def _reached(
     command: Any,
-    positions: Any,
+    motion_rows: Any,
+    states: Any,
     road: Any,
     at_min: Any,
     at_max: Any,
@@ -100,15 +103,21 @@ def _reached(
 ) -> tuple[bool, bool, bool, bool]:
     """Whether the first command has the least or greatest damping, and any wheel meets a stop or lifts off.
 
-    positions: (2 · wheels, n) travel of the suspensions, then the wheels' heights.
+    motion_rows: (2 · wheels, n) from the car's state to the suspensions' travel, then the wheels' heights.
     """
     low = high = stop = lift = False
     wheels, n = road.shape
     for w in range(wheels):
         low |= command[w] <= at_min[w]
         high |= command[w] >= at_max[w]
+        travel, height = np.zeros(n), np.zeros(n)
+        for j in range(motion_rows.shape[1]):
+            by_travel, by_height = motion_rows[w, j], motion_rows[wheels + w, j]
+            if by_travel != 0.0 or by_height != 0.0:
+                for i in range(n):
+                    travel[i] += by_travel * states[j, i]
+                    height[i] += by_height * states[j, i]
         for i in range(n):
-            travel = positions[w, i]
-            stop |= travel < jounce[w] or travel > rebound[w]
-            lift |= positions[wheels + w, i] - road[w, i] >= deflection[w]
+            stop |= travel[i] < jounce[w] or travel[i] > rebound[w]
+            lift |= height[i] - road[w, i] >= deflection[w]
     return low, high, stop, lift

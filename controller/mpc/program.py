@@ -55,6 +55,8 @@ class Program:
 
         The most likely road comes last, so that the states which the condenser keeps are those on it.
         """
+        if len(roads) == 1:
+            return self.condense(state, plan, roads[0])
         most_likely = int(weights.argmax())
         other_roads = [index for index in np.flatnonzero(weights)[::-1] if index != most_likely]
         hessian, gradient = 0.0, 0.0

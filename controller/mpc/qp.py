@@ -144,11 +144,13 @@ def _solve_free(hessian: Any, slope: Any, free: Any, x: Any) -> None:
     Raises LinAlgError if the matrix is not positive definite.
     """
     n = len(free)
-    matrix, values = np.empty((n, n)), np.empty(n)
-    for i in range(n):
-        row = hessian[free[i]]
-        for j in range(n):
-            matrix[i, j] = row[free[j]]
+    matrix, values = hessian, np.empty(n)
+    if n < len(hessian):
+        matrix = np.empty((n, n))
+        for i in range(n):
+            row = hessian[free[i]]
+            for j in range(n):
+                matrix[i, j] = row[free[j]]
     factor = np.linalg.cholesky(matrix)
     for i in range(n):
         values[i] = (-slope[free[i]] - np.dot(factor[i, :i], values[:i])) / factor[i, i]

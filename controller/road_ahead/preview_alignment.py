@@ -7,11 +7,13 @@ successive heights are compared.
 """
 
 from collections import deque
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from foreride.controller.interface import Estimate
+from foreride.files.interpolation import interpolate
+from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 
 MATCH_LENGTH_M = 0.5
@@ -65,37 +67,54 @@ class PreviewAlignment:
         """Return the posterior errors; their priors are the preview's standard deviations near the wheel."""
         if preview.is_exact:
             return PreviewMatch()
-        distance_m = preview.distance_m
-        near = np.abs(distance_m) < MATCH_LENGTH_M
-        sigma = float(preview.position_sigma_m[self._wheel][near].max(initial=0.0))
-        object_here = (distance_m > -GAIN_BEHIND_M) & (distance_m < GAIN_AHEAD_M)
-        gain_sigma = relative_sigma(preview, self._wheel, object_here)
+        wheel = self._wheel
+        rows = preview.position_sigma_m[wheel], preview.height_m[wheel], preview.height_sigma_m[wheel]
+        sigma, gain_sigma = _prior_sigmas(preview.distance_m, *rows)
         if len(self._measured) < 2 or sigma == gain_sigma == 0.0:
             return PreviewMatch(gain_sigma=gain_sigma)
         return self._posterior(preview, sigma, gain_sigma)
 
     def _posterior(self, preview: RoadPreview, sigma: float, gain_sigma: float) -> PreviewMatch:
-        travelled_m, height = np.array(self._measured).T
+        measured = np.array(self._measured)
+        measured[:, 0] -= self._travelled_m
         shifts_m, prior = _shift_prior(sigma)
-        positions_m = (travelled_m - self._travelled_m) + shifts_m[:, None]
-        previewed = np.interp(positions_m, preview.distance_m, preview.height_m[self._wheel])
-        weight = (NOISE_M**2 + WALK_M2_M * np.diff(travelled_m)) ** -0.5
-        measured, claimed = np.diff(height) * weight, np.diff(previewed, axis=1) * weight
-        residual, variance = measured - claimed, gain_sigma**2
-        spread = 1.0 + variance * (claimed**2).sum(axis=1)
-        joint = (claimed * residual).sum(axis=1)
-        gains = 1.0 + variance * joint / spread
-        cost = 0.5 * ((residual**2).sum(axis=1) - variance * joint**2 / spread + np.log(spread))
-        posterior = prior * np.exp(cost.min() - cost)
-        evidence = float(posterior.sum())
-        posterior /= evidence
-        shift, gain = float(posterior @ shifts_m), float(posterior @ gains)
-        shift_variance = float(posterior @ (shifts_m - shift) ** 2)
-        gain_variance = float(posterior @ (variance / spread + (gains - gain) ** 2))
-        remaining = np.sqrt(shift_variance / (prior @ shifts_m**2)) if sigma else 1.0
-        flat = 0.5 * float((measured**2).sum())
-        log_ratio = float(np.clip(np.log(evidence) + flat - cost.min(), -MAX_LOG_RATIO, MAX_LOG_RATIO))
-        return PreviewMatch(shift, min(1.0, float(remaining)), gain, float(np.sqrt(gain_variance)), log_ratio)
+        heights = preview.height_m[self._wheel]
+        return PreviewMatch(*_posterior(measured, shifts_m, prior, preview.distance_m, heights, gain_sigma))
+
+
+@njit
+def _posterior(
+    measured: Any, shifts_m: Any, prior: Any, grid: Any, heights: Any, gain_sigma: float
+) -> tuple[float, float, float, float, float]:
+    """The fields of the match. measured: (n, 2) positions, from the wheel on, and heights of the road."""
+    count, variance = len(measured) - 1, gain_sigma**2
+    changes, gain_variances, costs = np.empty((3, len(shifts_m)))  # changes of the factor
+    positions, previewed, weight, flat = np.empty(count + 1), np.empty(count + 1), np.empty(count), 0.0
+    for i in range(count):
+        weight[i] = 1.0 / np.sqrt(NOISE_M**2 + WALK_M2_M * (measured[i + 1, 0] - measured[i, 0]))
+        flat += 0.5 * (weight[i] * (measured[i + 1, 1] - measured[i, 1])) ** 2
+    for k in range(len(shifts_m)):
+        for i in range(count + 1):
+            positions[i] = measured[i, 0] + shifts_m[k]
+        interpolate(positions, grid, heights, previewed)
+        squares = joint = errors = 0.0
+        for i in range(count):
+            claimed = weight[i] * (previewed[i + 1] - previewed[i])
+            residual = weight[i] * (measured[i + 1, 1] - measured[i, 1]) - claimed
+            squares, joint, errors = squares + claimed**2, joint + claimed * residual, errors + residual**2
+        spread = 1.0 + variance * squares
+        changes[k], gain_variances[k] = variance * joint / spread, variance / spread
+        costs[k] = 0.5 * (errors - variance * joint**2 / spread + np.log(spread))
+    least = costs.min()
+    posterior = prior * np.exp(least - costs)
+    evidence = posterior.sum()
+    posterior /= evidence
+    shift, change = (posterior * shifts_m).sum(), (posterior * changes).sum()
+    shift_variance, wide = (posterior * (shifts_m - shift) ** 2).sum(), (prior * shifts_m**2).sum()
+    gain_variance = (posterior * (gain_variances + (changes - change) ** 2)).sum()
+    remaining = min(1.0, np.sqrt(shift_variance / wide)) if wide > 0.0 else 1.0
+    log_ratio = min(max(np.log(evidence) + flat - least, -MAX_LOG_RATIO), MAX_LOG_RATIO)
+    return shift, remaining, 1.0 + change, np.sqrt(gain_variance), log_ratio
 
 
 def _shift_prior(sigma: float) -> tuple[np.ndarray, np.ndarray]:
@@ -110,8 +129,13 @@ def _shift_prior(sigma: float) -> tuple[np.ndarray, np.ndarray]:
     return shifts_m, prior / prior.sum()
 
 
-def relative_sigma(preview: RoadPreview, wheel: int, where: np.ndarray) -> float:
-    """Relative standard deviation of a wheel's previewed heights on a stretch: root mean squares' ratio."""
-    square = float((preview.height_m[wheel][where] ** 2).sum())
-    variance = float((preview.height_sigma_m[wheel][where] ** 2).sum())
-    return min(1.0, float(np.sqrt(variance / square))) if square > 0.0 else 0.0
+@njit
+def _prior_sigmas(distance_m: Any, position: Any, height: Any, height_sigma: Any) -> tuple[float, float]:
+    """Standard deviations of the position near the wheel, m, and of the heights' factor: a ratio of RMS."""
+    sigma = square = variance = 0.0
+    for i in range(len(distance_m)):
+        if abs(distance_m[i]) < MATCH_LENGTH_M:
+            sigma = max(sigma, position[i])
+        if -GAIN_BEHIND_M < distance_m[i] < GAIN_AHEAD_M:
+            square, variance = square + height[i] ** 2, variance + height_sigma[i] ** 2
+    return sigma, min(1.0, np.sqrt(variance / square)) if square > 0.0 else 0.0

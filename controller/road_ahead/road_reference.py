@@ -43,8 +43,8 @@ _LEVEL = distance_grid(0.0, 1.0, 1.0)
 class RoadReference:
     """Fusion of preview and measurement: `update` once a period, then query `heights` at future times.
 
-    With `uncertainty` "scenarios" there are several roads, each with its weight; otherwise a single one that
-    represents the whole uncertainty.
+    With `uncertainty` "scenarios" there are several roads, each with its weight, that with the greatest the
+    `most_likely`; otherwise a single one that represents the whole uncertainty.
 
     The preview is shifted and scaled to match the road measured by the leading wheels, by default each wheel
     itself (`controller.road_ahead.preview_alignment`), and planned lower the less certain it is
@@ -119,11 +119,6 @@ class RoadReference:
         """
         return self.roads(times_s)[self.most_likely]
 
-    @property
-    def most_likely(self) -> int:
-        """Index of the road with the greatest weight."""
-        return int(self.weights.argmax())
-
     def roads(self, times_s: np.ndarray) -> np.ndarray:
         """Return the heights for every road hypothesis, (roads, wheels, n); `weights` (roads,) sum to one."""
         if times_s is not self._times_s:
@@ -144,7 +139,7 @@ class RoadReference:
         return out
 
     def _set_preview(self, preview: RoadPreview | None, measured: RoadPreview | None = None) -> None:
-        self.weights = self._certain
+        self.weights, self.most_likely = self._certain, 0
         if preview is None:
             self._grid, self._previewed_heights = _LEVEL, np.zeros((self._hypotheses, self._wheels, 2))
             return
@@ -160,6 +155,7 @@ class RoadReference:
             likely = _likelihood(preview) * (1.0 if preview.is_exact else self._credibility.value)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
+            self.most_likely = int(self.weights.argmax())
 
     def _write(
         self,
