@@ -1,41 +1,23 @@
 """Road reference: the previewed profile, anchored to the road heights estimated under the wheels."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from foreride.controller.interface import Estimate
-from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
 from foreride.controller.road_ahead.credible_heights import Credibility, credible
 from foreride.controller.road_ahead.preview_alignment import PreviewAlignment, PreviewMatch
+from foreride.controller.road_ahead.wheel_roads import ROAD_HYPOTHESES, UNCERTAINTIES, write_roads
 from foreride.controller.settings import RoadSettings
-from foreride.files.interpolation import interpolate, interpolate_rows, interpolated
+from foreride.files.interpolation import interpolate_rows, interpolated
 from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview, distance_grid
 
 _STANDSTILL_M_S = 0.1
 """Speed below which the road is taken not to move under the wheels."""
-
-
-class RoadHypothesis(NamedTuple):
-    """Hypothesis of the road ahead: the previewed one, `sigmas` standard deviations nearer, or a flat one."""
-
-    sigmas: float
-    exists: bool
-
-
-_NODE = np.sqrt(3.0)
-ROAD_HYPOTHESES = (
-    RoadHypothesis(0.0, True),
-    RoadHypothesis(_NODE, True),
-    RoadHypothesis(-_NODE, True),
-    RoadHypothesis(0.0, False),
-)
-"""Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
-_HYPOTHESES = np.array(ROAD_HYPOTHESES)
-_KINDS = ("early", "blend", "scenarios")
 _POSITION = np.array([4.0, 1.0, 1.0, 0.0]) / 6.0
+"""Weights of the road hypotheses of a feature that exists."""
 _LEVEL = distance_grid(0.0, 1.0, 1.0)
 """Grid of the level road that is assumed without a preview, m."""
 
@@ -167,10 +149,10 @@ class RoadReference:
     ) -> None:
         """Write one wheel's road hypotheses on the preview's grid into `rows` (roads, wheels, n)."""
         settings, felt = self._settings, measured or preview
-        _write_roads(
+        write_roads(
             rows,
             wheel,
-            _KINDS.index(settings.uncertainty),
+            UNCERTAINTIES.index(settings.uncertainty),
             (settings.sigmas_early, settings.known_m, settings.unknown_m, settings.blend_m),
             match.earlier_m,
             match.remaining_sigma_ratio,
@@ -186,57 +168,6 @@ class RoadReference:
             felt.height_sigma_m,
             felt.existence,
         )
-
-
-@njit
-def _write_roads(
-    rows: Any,
-    wheel: int,
-    kind: int,
-    settings: Any,
-    earlier_m: float,
-    sigma_ratio: float,
-    heights: Any,
-    existence: Any,
-    grid: Any,
-    height: Any,
-    position_sigma: Any,
-    height_sigma: Any,
-    exists: Any,
-    has_measured: bool,
-    felt_grid: Any,
-    felt: Any,
-    felt_sigma: Any,
-    felt_exists: Any,
-) -> None:
-    """Write the roads of a wheel: of the credible heights and their existence, fused with what was measured.
-
-    kind: index of the treatment of uncertainty. settings: those of the treatments.
-    """
-    sigmas_early, known_m, unknown_m, blend_m = settings
-    sigma, roads, n = position_sigma[wheel], rows[:, wheel], len(grid)
-    road, nearer = np.empty(n), np.zeros(n)
-    for k in range(len(roads)):
-        for i in range(n):
-            if kind == 0:
-                usable = min(max((unknown_m - sigma[i]) / (unknown_m - known_m), 0.0), 1.0)
-                road[i] = min(usable, existence[i]) * heights[i]
-                nearer[i] = sigmas_early * sigma_ratio * sigma[i]
-            elif kind == 1:
-                road[i] = existence[i] * heights[i] / (1.0 + (sigma_ratio * sigma[i] / blend_m) ** 2)
-            else:
-                road[i] = heights[i] * _HYPOTHESES[k, 1]
-                nearer[i] = _HYPOTHESES[k, 0] * sigma_ratio * sigma[i]
-        move(grid, road, nearer, roads[k])
-        if earlier_m != 0.0:
-            road[:] = roads[k]
-            interpolate(grid + earlier_m, grid, road, roads[k])
-    if has_measured and felt_exists[wheel].any():
-        early, late, variance = np.empty(n), np.empty(n), np.empty(n)
-        move(grid, heights, sigma_ratio * sigma, early)
-        move(grid, heights, -sigma_ratio * sigma, late)
-        previewed_variance(height[wheel], height_sigma[wheel], exists[wheel], early, late, variance)
-        fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
 
 
 @njit
@@ -308,24 +239,3 @@ def _likelihood(preview: RoadPreview) -> float:
     size = np.abs(preview.height_m)
     total = size.sum()
     return float((size * preview.existence).sum() / total) if total else 1.0
-
-
-@njit
-def move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> None:
-    """Write heights (n,) on a grid, each moved towards the car by its own distance (n,).
-
-    The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
-    """
-    n = len(grid)
-    least, most = nearer_m.min(), nearer_m.max()
-    if least == most == 0.0:
-        out[:] = heights
-        return
-    places = grid - nearer_m
-    if least < 0.0:
-        for i in range(1, n):
-            places[i] = max(places[i - 1], places[i])
-    else:
-        for i in range(n - 2, -1, -1):
-            places[i] = min(places[i + 1], places[i])
-    interpolate(grid, places, heights, out)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from foreride.controller.road_ahead.road_reference import RoadReference, move
+from foreride.controller.road_ahead.road_reference import RoadReference
 from foreride.controller.settings import RoadSettings
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import load_vehicle
@@ -79,17 +79,6 @@ def test_reset_forgets_what_was_felt() -> None:
     road.reset()
     road.update(estimate(CAR, road=0.09, contact=False), None)
     np.testing.assert_allclose(road.heights(TIMES), 0.0)
-
-
-def test_doubt_about_position_makes_a_feature_come_earlier_by_its_sigma() -> None:
-    preview = step_preview(2.0, 0.08, sigma_m=0.25)
-    sigma, grid = preview.position_sigma_m[0], preview.distance_m
-    early, late, same = np.empty((3, len(grid)))
-    for sign, out in ((1.0, early), (-1.0, late), (0.0, same)):
-        move(grid, preview.height_m[0], sign * sigma, out)
-    assert np.interp([1.9, 1.7], grid, early) == pytest.approx([0.08, 0.0], abs=1e-9)
-    assert np.interp([2.4, 2.2], grid, late) == pytest.approx([0.08, 0.0], abs=1e-9)
-    np.testing.assert_array_equal(same, preview.height_m[0])
 
 
 def credulous(uncertainty: str, **values: float) -> RoadSettings:

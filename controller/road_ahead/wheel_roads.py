@@ -1,0 +1,101 @@
+"""Road hypotheses of one wheel, from the credible heights of the preview and the road felt ahead of it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
+from foreride.files.interpolation import interpolate
+from foreride.files.jit import njit
+
+
+class RoadHypothesis(NamedTuple):
+    """Hypothesis of the road ahead: the previewed one, `sigmas` standard deviations nearer, or a flat one."""
+
+    sigmas: float
+    exists: bool
+
+
+_NODE = np.sqrt(3.0)
+ROAD_HYPOTHESES = (
+    RoadHypothesis(0.0, True),
+    RoadHypothesis(_NODE, True),
+    RoadHypothesis(-_NODE, True),
+    RoadHypothesis(0.0, False),
+)
+"""Three-node Gauss–Hermite quadrature of the position's normal distribution, and the flat road."""
+_HYPOTHESES = np.array(ROAD_HYPOTHESES)
+UNCERTAINTIES = ("early", "blend", "scenarios")
+"""Treatments of uncertainty, as `RoadSettings.uncertainty`."""
+
+
+@njit
+def write_roads(
+    rows: Any,
+    wheel: int,
+    kind: int,
+    settings: Any,
+    earlier_m: float,
+    sigma_ratio: float,
+    heights: Any,
+    existence: Any,
+    grid: Any,
+    height: Any,
+    position_sigma: Any,
+    height_sigma: Any,
+    exists: Any,
+    has_measured: bool,
+    felt_grid: Any,
+    felt: Any,
+    felt_sigma: Any,
+    felt_exists: Any,
+) -> None:
+    """Write the roads of a wheel: of the credible heights and their existence, fused with what was measured.
+
+    rows: (roads, wheels, n). kind: index of the treatment of uncertainty. settings: those of the treatments.
+    """
+    sigmas_early, known_m, unknown_m, blend_m = settings
+    sigma, roads, n = position_sigma[wheel], rows[:, wheel], len(grid)
+    road, nearer = np.empty(n), np.zeros(n)
+    for k in range(len(roads)):
+        for i in range(n):
+            if kind == 0:
+                usable = min(max((unknown_m - sigma[i]) / (unknown_m - known_m), 0.0), 1.0)
+                road[i] = min(usable, existence[i]) * heights[i]
+                nearer[i] = sigmas_early * sigma_ratio * sigma[i]
+            elif kind == 1:
+                road[i] = existence[i] * heights[i] / (1.0 + (sigma_ratio * sigma[i] / blend_m) ** 2)
+            else:
+                road[i] = heights[i] * _HYPOTHESES[k, 1]
+                nearer[i] = _HYPOTHESES[k, 0] * sigma_ratio * sigma[i]
+        move(grid, road, nearer, roads[k])
+        if earlier_m != 0.0:
+            road[:] = roads[k]
+            interpolate(grid + earlier_m, grid, road, roads[k])
+    if has_measured and felt_exists[wheel].any():
+        early, late, variance = np.empty(n), np.empty(n), np.empty(n)
+        move(grid, heights, sigma_ratio * sigma, early)
+        move(grid, heights, -sigma_ratio * sigma, late)
+        previewed_variance(height[wheel], height_sigma[wheel], exists[wheel], early, late, variance)
+        fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
+
+
+@njit
+def move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> None:
+    """Write heights (n,) on a grid, each moved towards the car by its own distance (n,).
+
+    The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
+    """
+    n = len(grid)
+    least, most = nearer_m.min(), nearer_m.max()
+    if least == most == 0.0:
+        out[:] = heights
+        return
+    places = grid - nearer_m
+    if least < 0.0:
+        for i in range(1, n):
+            places[i] = max(places[i - 1], places[i])
+    else:
+        for i in range(n - 2, -1, -1):
+            places[i] = min(places[i + 1], places[i])
+    interpolate(grid, places, heights, out)

@@ -1,0 +1,16 @@
+import numpy as np
+import pytest
+
+from foreride.controller.road_ahead.wheel_roads import move
+from tests.controller.cars import step_preview
+
+
+def test_doubt_about_position_makes_a_feature_come_earlier_by_its_sigma() -> None:
+    preview = step_preview(2.0, 0.08, sigma_m=0.25)
+    sigma, grid = preview.position_sigma_m[0], preview.distance_m
+    early, late, same = np.empty((3, len(grid)))
+    for sign, out in ((1.0, early), (-1.0, late), (0.0, same)):
+        move(grid, preview.height_m[0], sign * sigma, out)
+    assert np.interp([1.9, 1.7], grid, early) == pytest.approx([0.08, 0.0], abs=1e-9)
+    assert np.interp([2.4, 2.2], grid, late) == pytest.approx([0.08, 0.0], abs=1e-9)
+    np.testing.assert_array_equal(same, preview.height_m[0])
