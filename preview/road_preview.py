@@ -58,7 +58,7 @@ class RoadPreview:
         position, sigma = self.position_sigma_m, self.height_sigma_m
         if not type(grid) is type(height) is type(position) is type(sigma) is type(existence) is np.ndarray:
             return False
-        if not grid.dtype is height.dtype is position.dtype is sigma.dtype is existence.dtype is _DOUBLE:
+        if not grid.dtype == height.dtype == position.dtype == sigma.dtype == existence.dtype == _DOUBLE:
             return False
         n, shape, strides = grid.size, height.shape, height.strides
         if n < 2 or grid.shape != (n,) or grid.strides != _STRIDE or len(shape) != 2 or shape[1] != n:
