@@ -201,3 +201,12 @@ def test_only_a_preview_without_any_sigma_is_exact():
     assert not preview(height_sigma_m=none).is_exact
     assert not preview(position_sigma_m=none).is_exact
     np.testing.assert_allclose(preview().height_here_m, preview().height_m[:, 2])
+
+
+def test_arrays_whose_type_is_equal_but_another_object_are_not_converted(monkeypatch):
+    """Compiled functions return such arrays."""
+    grid = distance_grid(0.5, 3.0)
+    rows = np.ones((2, len(grid)), np.dtype(float).newbyteorder("="))
+    assert rows.dtype is not np.dtype(float)
+    monkeypatch.setattr(RoadPreview, "_check", lambda self: pytest.fail("the slow check was taken"))
+    assert RoadPreview(0.0, grid, rows, rows, rows, rows).wheels == 2
