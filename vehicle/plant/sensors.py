@@ -121,8 +121,8 @@ class Measurement:
         return measurement
 
 
-PITCH_RATE, SPEED, ROLL_RATE = -3, -2, -1
-"""Rows of the vehicle's own channels in the vector of all channels, after those of the wheels."""
+PITCH_RATE, ROLL_RATE = -3, -1
+"""Rows of the gyros in the vector of all channels, after those of the wheels, with the speed between them."""
 
 
 class ChannelLayout(NamedTuple):

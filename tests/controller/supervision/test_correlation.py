@@ -70,3 +70,13 @@ def test_an_edge_counts_no_more_than_a_centimetre() -> None:
     for x in np.arange(0.0, 100.0, STEP_M):
         wave, edge = 0.006 * np.sin(2 * np.pi * x / WAVE_M), 0.5 * (x // 10.0)
         assert test.feel(wave - edge, True, wave + edge, 0.0, STEP_M) or x < 1.0
+
+
+@pytest.mark.parametrize(("apart_m", "compared"), [(0.09, True), (0.35, True), (0.45, False)])
+def test_heights_more_than_twice_the_lag_apart_are_not_compared(apart_m: float, compared: bool) -> None:
+    """Contact at every so many metres, on waves felt the other way."""
+    test = Correlation(MEMORY_M, 0.4)
+    for x in np.arange(0.0, 100.0, apart_m):
+        wave = 0.006 * np.sin(2 * np.pi * x / 1.13)
+        test.feel(-wave, True, wave, 0.0, apart_m)
+    assert test.alike != compared

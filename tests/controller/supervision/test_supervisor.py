@@ -11,7 +11,7 @@ from foreride.controller.mpc.qp import Solution
 from foreride.controller.registry import build
 from foreride.controller.settings import ControllerSettings, SupervisorSettings
 from foreride.controller.supervision.preview_gate import INCONSISTENT
-from foreride.controller.supervision.supervisor import FallbackSupervisor
+from foreride.controller.supervision.supervisor import FallbackSupervisor, relief_m
 from foreride.controller.tuned_settings import tuned_settings
 from foreride.files.errors import InputError
 from foreride.preview.road_preview import RoadPreview
@@ -166,3 +166,17 @@ def test_a_command_for_another_number_of_wheels_is_refused() -> None:
     supervised = FallbackSupervisor(inner, inner, inner, half, SupervisorSettings(), Timing())
     with pytest.raises(InputError, match=r"command must have shape \(2,\), got \(1,\)"):
         supervised.step(estimate(half), None)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_relief_is_the_departure_from_straight_lines_or_the_rise_within_a_metre(seed: int) -> None:
+    """By a fitted line for each wheel; a grade is no relief, but for its rise within a metre."""
+    rng, grid = np.random.default_rng(seed), np.linspace(-0.5, 6.0, 53)
+    rows = np.cumsum(0.03 * rng.normal(size=(2, len(grid))), axis=1) + np.outer([0.05, -0.02], grid)
+    departures = [row - np.polyval(np.polyfit(grid, row, 1), grid) for row in rows]
+    rises = rows[:, 8:] - rows[:, :-8]
+    zero = np.zeros_like(rows)
+    found = relief_m(RoadPreview(0.0, grid, rows, zero, zero, zero))
+    assert found == pytest.approx(max(np.abs(departures).max(), np.abs(rises).max()))
+    grade = RoadPreview(0.0, grid, np.tile(-0.1 * grid, (2, 1)), zero, zero, zero)
+    assert relief_m(grade) == pytest.approx(0.1)

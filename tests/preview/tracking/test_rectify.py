@@ -67,3 +67,24 @@ def test_a_known_lens_costs_nothing(feature):
         edges.append(row["x_m"])
     assert edges[0] == pytest.approx(40.0, abs=0.03)
     assert edges[1] == pytest.approx(edges[0], abs=0.015)
+
+
+@pytest.mark.parametrize("side", [0, 2])
+@pytest.mark.parametrize("roll", [-0.04, 0.04])
+def test_a_far_edge_that_the_border_cuts_is_as_wide_as_the_near_one(side, roll):
+    """A bump that reaches out of the image on one side: with that side told as cut its top's row is exact."""
+    camera, sign = Camera(), 1.0 if side == 0 else -1.0
+    tilted, level = (CameraPose(0.0, 0.0, 1.3, angle, 0.0, 0.0) for angle in (roll, 0.0))
+    y = sign * np.linspace(-1.0, 30.0, 20001)
+    edges = [np.column_stack([np.full_like(y, x), y, np.zeros_like(y)]) for x in (6.0, 7.5)]
+    pixels = np.concatenate([project(camera, tilted, edge) for edge in edges])
+    box = around(pixels[(pixels[:, 0] >= 0.0) & (pixels[:, 0] <= camera.width_px)])
+    errors = []
+    for told in (side, 1):
+        cut = np.zeros((1, 4), bool)
+        cut[0, told] = True
+        straight = rectify_boxes(camera, tilted, box, cut, np.array([0]))[0]
+        errors.append(abs(straight[1] - project(camera.pinhole, level, edges[1])[0, 1]))
+    assert errors[0] < 0.1
+    if sign * roll < 0.0:
+        assert errors[1] > 0.5
