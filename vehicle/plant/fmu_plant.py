@@ -66,6 +66,7 @@ class FmuPlant(Plant):
     """Simulated car that is an FMU; `parameters` are what the controllers know of it."""
 
     _engine: Any
+    _instant: Any
 
     def __init__(self, parameters: Car, path: Path | str, names: Mapping[str, str]) -> None:
         """Load the FMU and connect its variables. Raises InputError if it does not fit."""
@@ -74,7 +75,7 @@ class FmuPlant(Plant):
         unit = ForeignFmu(path, "vehicle.fmu", fmu_quantities(parameters), names)
         unit.check_step(STEP_S)
         self._engine = FmuEngine(unit, self._inputs)
-        self._order = self._engine.order
+        self._order, self._instant = self._engine.order, self._observe_instant
         self._roads = unit.inputs[self._inputs :]
         self._shape = (self._inputs,)
         self._dampers, self._forces = np.s_[..., : self._wheels], np.s_[..., self._wheels : self._inputs]
@@ -129,6 +130,11 @@ class FmuPlant(Plant):
             rows = np.broadcast_to(rows, height.shape)
             offered |= {f"road_{name}_{wheel}": rows[wheel] for wheel in wheels}
         return np.column_stack([np.broadcast_to(offered[name], ticks) for name in self._roads])
+
+    def _observe_instant(
+        self, time_s: float, x_m: float, speed_m_s: float, acc: float, x: Array, command: Array, road: Any
+    ) -> VehicleState:
+        return self._observe(time_s, x_m, speed_m_s, x.tolist(), command, acc)
 
     def _observe(
         self, time_s: Any, x_m: Any, speed_m_s: Any, x: Any, command: Array, acc: Any
