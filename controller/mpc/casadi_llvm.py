@@ -62,7 +62,7 @@ class CompiledFunction:
 
     def __init__(self, function: casadi.Function, lanes: int = 1):
         module = llvm.parse_assembly(_module(function, lanes))
-        # Higher optimisation would quadruple the compile time of code that runs in a few microseconds.
+        # One level halves the run time or better; more would only take longer to compile.
         machine = llvm.Target.from_default_triple().create_target_machine(
             cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=1
         )
