@@ -4,7 +4,7 @@ import casadi
 import numpy as np
 import pytest
 
-from foreride.controller.mpc.casadi_llvm import CompiledFunction
+from foreride.controller.mpc.casadi_llvm import CompiledFunction, evaluate
 from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.vehicle.load import load_vehicle
 
@@ -65,6 +65,15 @@ def test_slopes_of_the_car_are_the_same_to_the_last_bit(name: str) -> None:
         outputs = model.slopes(*(part[:, point] for part in parts))
         expected = np.concatenate([output.nonzeros() for output in outputs])
         np.testing.assert_array_equal(results[:, point], expected)
+
+
+def test_compiled_functions_call_a_kernel_by_its_address() -> None:
+    """Of views of larger arrays, whose other entries stay as they are."""
+    kernel = CompiledFunction(casadi.Function("f", [A, B], [A * B, A - B]), 4)
+    results = np.full((2, 12), np.nan)
+    evaluate(kernel.address, VALUES, results[:, 2:], 8)
+    np.testing.assert_array_equal(results[:, 2:10], [VALUES[0] * VALUES[1], VALUES[0] - VALUES[1]])
+    assert np.isnan(results[:, [0, 1, 10, 11]]).all()
 
 
 def test_one_lane_steps_from_point_to_point() -> None:
