@@ -1,5 +1,7 @@
 """Soft limits: exact penalties, sensitivities against differences, and what a limit does to a plan."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,9 +13,11 @@ from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.qp import ConstraintRows, solve_box
 from foreride.controller.mpc.soft_limits import SoftLimits, SoftRows
 from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.settings import LimitSettings, MpcSettings
 from foreride.vehicle.equations import forces, rattle, rest_state
 from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.state_layout import state_layout
 from tests.controller.cars import estimate, step_preview
 
 HALF = load_vehicle("half")
@@ -91,3 +95,34 @@ def test_a_limit_changes_the_plan_towards_itself(kind: int) -> None:
         worst[name] = SoftLimits(HALF, mpc.grid, settings).values(mpc.condense.states, roads)
     worst = {name: float(values[kind : kind + 1 + kind].max()) for name, values in worst.items()}
     assert worst["limited"] < worst["free"] - 0.01
+
+
+class Still:
+    """Condenser of one state trajectory, whose sensitivity to entry i of the plan is i + 1 everywhere."""
+
+    def __init__(self, states: np.ndarray) -> None:
+        self.states = states
+
+    def sensitivities(self, steps: int) -> np.ndarray:
+        return np.ones((steps, len(self.states), 1)) * (1.0 + np.arange(4))
+
+
+@pytest.mark.parametrize(("share", "near"), [(0.69, False), (0.71, True), (1.2, True)])
+@pytest.mark.parametrize(("sign", "gap"), [(-1.0, "stop_gap_m"), (1.0, "rebound_gap_m")])
+def test_a_travel_has_a_row_once_less_than_three_tenths_of_its_limit_are_left(
+    share: float, near: bool, sign: float, gap: str
+) -> None:
+    """One wheel in one step, in jounce or rebound, with half of the way as its limit."""
+    car = replace(HALF, stop_gap_m=(0.06, 0.07), rebound_gap_m=(0.08, 0.09))
+    grid = TimeGrid((0.005,) * 3)
+    limits, layout = SoftLimits(car, grid, LimitSettings(travel=0.5)), state_layout(car)
+    states = np.tile(rest_state(car)[:, None], 4)
+    travel = sign * share * 0.5 * getattr(car, gap)[1]
+    states[layout.wheel.start + layout.wheel.step, 2] = -travel
+    rows = limits.rows(Still(states), np.zeros((2, 4)))  # type: ignore[arg-type]
+    assert (rows is not None) == near
+    if rows is not None:
+        assert rows.kind.tolist() == [1]
+        np.testing.assert_allclose(rows.high, [0.5 - 0.5 * share])
+        lever = sum(rattle(car, np.eye(len(states)))[0][1]) * sign / getattr(car, gap)[1]
+        np.testing.assert_allclose(rows.matrix, [lever * (1.0 + np.arange(4))])

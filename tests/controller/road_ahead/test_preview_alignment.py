@@ -171,3 +171,14 @@ def test_an_object_is_here_from_half_a_metre_behind_to_one_and_a_half_ahead(
 
 def test_without_a_match_the_preview_stands_as_it_is_stated() -> None:
     assert PreviewMatch() == (0.0, 1.0, 1.0, 0.0, 0.0)
+
+
+def test_two_heights_of_the_road_are_enough_for_a_difference() -> None:
+    """A rise of 8 cm in two centimetres, where the preview has an edge 2 cm high and doubts it."""
+    seen = seen_from(0.0, -0.1, height_sigma_m=0.04)
+    for samples, matched in ((1, False), (2, True)):
+        alignment = PreviewAlignment(0)
+        for k in range(samples):
+            felt = estimate(CAR, road=0.08 * k, speed_m_s=SPEED)
+            alignment.record_road(replace(felt, time_s=0.002 * k))
+        assert (alignment.match(seen).log_ratio != 0.0) == matched

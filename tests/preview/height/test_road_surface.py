@@ -1,10 +1,13 @@
 """Tests of the road surface of a stereo pair: a plane with a known hole, seen from an unknown pose."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
 
-from foreride.preview.height.plane_parallax import band, project_structure
+from foreride.preview.height import road_surface as module
+from foreride.preview.height.plane_parallax import StructureField, band, match, project_structure
 from foreride.preview.height.road_surface import road_surface
 from foreride.preview.height.stereo import second_pose
 from foreride.road.camera.pinhole import Camera, CameraPose
@@ -46,3 +49,18 @@ def test_what_only_one_image_shows_is_not_seen() -> None:
     surface = road_surface(CAMERA, BASE_M, left, right, TRUE)
     assert not surface.seen[:, :60].any()  # beyond the right image's left border
     assert surface.seen[100:220, 250:450].all()
+
+
+def test_a_pose_that_is_found_is_not_sought_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    left, right, _ = pair()
+    surface = road_surface(CAMERA, BASE_M, left, right, TRUE)
+    matchings = []
+
+    def counted(*arguments: Any) -> StructureField:
+        matchings.append(1)
+        return match(*arguments)
+
+    monkeypatch.setattr(module, "match", counted)
+    again = road_surface(CAMERA, BASE_M, left, right, surface.pose)
+    assert len(matchings) == 1
+    assert again.pose == surface.pose
