@@ -77,3 +77,12 @@ def test_both_methods_find_the_same_solution(n: int) -> None:
 def test_a_cost_without_a_least_value_is_told() -> None:
     hessian = np.diag([1.0, -1.0, 1.0])
     assert solve_box(hessian, np.ones(3), -np.ones(3), np.ones(3)).problem == "nonconvex"
+
+
+def test_the_search_begins_with_the_bounds_on_which_no_correction_lies() -> None:
+    """Flags of DAQP: 1 for an upper, 3 for a lower bound, 0 for none; within a tolerance of 1e-7."""
+    working = np.zeros(5, dtype=np.intc)
+    low = np.array([-1.0, -9e-8, -2e-7, -1.0, 0.0])
+    high = np.array([0.0, 1.0, 1.0, 2e-7, 0.0])
+    qp._start_at_bounds(low, high, working)
+    assert working.tolist() == [1, 3, 0, 0, 1]

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from foreride.files.errors import InputError
 from foreride.preview.ego_motion.ego_motion import EgoMotion
+from foreride.preview.ego_motion.heave_pitch_filter import PlaneUpdate
 from foreride.preview.settings import Settings
 from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.vertical_alignment import GradeChange, grade_height
@@ -189,3 +190,16 @@ def test_the_history_reaches_back_once_to_twice_its_set_length():
             motion.at(now - 0.5 - 1e-6)
         if now == 0.5:
             assert motion.at(0.0).x_m == 0.0
+
+
+def test_a_turn_of_the_plane_changes_the_states_of_the_last_half_second_alone():
+    """By its own heave, and by its pitch times what the car has travelled since."""
+    motion = run(lambda t: oscillating(t)[0], 1.2)
+    before = [motion.at(STEP * tick) for tick in range(240)]
+    motion._transform_history(PlaneUpdate(0.01, 0.002))
+    for tick, old in enumerate(before):
+        new, turned = motion.at(STEP * tick), STEP * tick > STEP * 239 - 0.5 + 1e-9
+        heave = 0.01 + (motion.x_m - old.x_m) * 0.002 if turned else 0.0
+        assert new.heave_m == pytest.approx(old.heave_m + heave, abs=1e-12)
+        assert new.pitch_rad == pytest.approx(old.pitch_rad + 0.002 * turned, abs=1e-12)
+        assert (new.x_m, new.speed_m_s) == (old.x_m, old.speed_m_s)
