@@ -95,7 +95,7 @@ def match(
     image: Array,
     other: Array,
     start: Array,
-    window_px: int = 31,
+    window_px: int,
     iterations: int = 3,
 ) -> StructureField:
     """Refine the structure `start` (rows, columns) by matching `other` (H, W) to `image` (H, W), both grey.

@@ -107,3 +107,10 @@ def test_runs_are_a_leading_axis():
 def test_bad_input_is_told_in_one_line(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_a_person_sits_upright_in_the_middle_with_back_behind_and_feet_ahead() -> None:
+    person = SeatedPerson.at(0.1)
+    assert person.seat == (0.1, 0.0, 0.0)
+    assert person.backrest == pytest.approx((-0.1, 0.0, 0.35))
+    assert person.feet == pytest.approx((0.9, 0.0, -0.27))

@@ -17,7 +17,7 @@ from foreride.road.road import Road
 
 CAMERA, MOUNT = Camera(), CameraMount()
 ROWS, COLUMNS = (215, 340), (120, 520)
-HEIGHT_M = 0.09
+HEIGHT_M, WINDOW_PX = 0.09, 31
 
 
 def grey(frame: Frame) -> np.ndarray:
@@ -55,7 +55,7 @@ def test_a_pair_sees_depth_to_a_tenth_of_a_pixel(photographs: tuple) -> None:
     reference, right, first, second = photographs
     view = band(CAMERA, reference, right, ROWS, COLUMNS)
     images = grey(first), grey(second)
-    field = match(CAMERA, view, *images, coarse(CAMERA, view, *images))
+    field = match(CAMERA, view, *images, coarse(CAMERA, view, *images), WINDOW_PX)
     error = (field.q - true_structure(view, first)) * field.pixels
     assert abs(np.median(error)) < 0.03
     assert np.median(np.abs(error)) < 0.1
@@ -69,7 +69,7 @@ def test_structure_beyond_the_reach_of_refinement_is_found_by_the_coarse_search(
     images = [grey(scene.render(CAMERA, p, k)) for k, p in enumerate((pose, second_pose(pose, 0.2)))]
     wrong = replace(pose, z=pose.z + 0.25)
     view = band(CAMERA, wrong, second_pose(wrong, 0.2), (260, 340), COLUMNS)
-    field = match(CAMERA, view, images[0], images[1], coarse(CAMERA, view, *images))
+    field = match(CAMERA, view, images[0], images[1], coarse(CAMERA, view, *images), WINDOW_PX)
     assert np.median(field.q) == pytest.approx(wrong.z / pose.z, abs=0.005)
 
 
@@ -78,7 +78,7 @@ def test_plane_of_a_wrong_pitch_is_taken_out(photographs: tuple) -> None:
     wrong = replace(reference, pitch=reference.pitch + np.deg2rad(0.4))
     view = band(CAMERA, wrong, second_pose(wrong, 0.2), ROWS, COLUMNS)
     images = grey(first), grey(second)
-    field = match(CAMERA, view, *images, coarse(CAMERA, view, *images))
+    field = match(CAMERA, view, *images, coarse(CAMERA, view, *images), WINDOW_PX)
     truth = band(CAMERA, reference, right, ROWS, COLUMNS)
     ground = reference.x + reference.rotation[0, 0] * truth.ahead + reference.rotation[0, 2] * truth.up
     bare = (ground < 29.8) | (ground > 34.0)
@@ -99,7 +99,7 @@ def test_one_moving_camera_sees_depth_to_a_third_of_a_pixel(photographs: tuple) 
     earlier = replace(reference, x=reference.x - 1.2)
     view = band(CAMERA, reference, earlier, ROWS, COLUMNS)
     images = grey(first), grey(scene.render(CAMERA, earlier, 2))
-    field = match(CAMERA, view, *images, np.ones_like(view.ahead))
+    field = match(CAMERA, view, *images, np.ones_like(view.ahead), WINDOW_PX)
     error = (field.q - true_structure(view, first)) * field.pixels
     assert abs(np.median(error)) < 0.1
     assert np.median(np.abs(error)) < 0.35

@@ -174,3 +174,7 @@ def test_ramps_of_another_length_do_not_move_the_edge() -> None:
         z = visible_height(TABLE, rows, 30.0, 4.0, 0.1, 0.16)
         longer.add(rows._replace(z_m=z), NearEdge(30.0, 0.05, 0.0))
     assert fitted(TABLE, longer, 30.1).state[0] == pytest.approx(30.0, abs=0.05)
+
+
+def test_positions_are_those_of_a_stereo_pair_unless_told_otherwise() -> None:
+    assert HeightSamples(0.03).absolute

@@ -8,6 +8,7 @@ import pytest
 from foreride.detector.detections import exact
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.mounting_filter import Gaussian
+from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, OFFSET, X
 from foreride.preview.tracking.observation import (
     RectifiedFrame,
     box_sides,
@@ -111,6 +112,13 @@ def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit
     steps = 1e-5 * np.eye(4)
     slope = np.array([(row(*(at + step)) - row(*(at - step))) / 2e-5 for step in steps])
     sigma = np.linalg.norm(slope * [0.1, 1e-3, 0.02, 2e-4])
+    root = np.diag([0.1, 1e-3, 0.02, 2e-4]) @ (np.eye(4) + 0.8 * np.tri(4))
+    entries = np.ix_([X, OFFSET, GROUND, EDGE_BIAS], [X, OFFSET, GROUND, EDGE_BIAS])
+    correlated = track.best.covariance.copy()
+    correlated[entries] = root @ root.T
+    moved = replace(track, fits=[one._replace(covariance=correlated) for one in track.fits])
+    found = predict_box(seen_at(pose, (near_m, 0.0, 0.0)), moved).bottom_sigma
+    assert found == pytest.approx(np.linalg.norm(slope @ root), rel=0.01)
     assert predicted.bottom_sigma == pytest.approx(sigma, rel=0.01)
     top_only = np.sqrt(predicted.top_sigma**2 - sigma**2)  # a shape unknown to a quarter, and 2 px
     assert top_only == pytest.approx(2.0 + 0.25 * (predicted.bottom - predicted.top), rel=0.01)
@@ -170,3 +178,13 @@ def test_sides_are_as_certain_as_two_pixels_at_their_distance_and_the_drift_of_t
     assert [right.y_m, left.y_m] == pytest.approx((0.3 + scale * (CAMERA.cx - columns)).tolist())
     variance = (2.0 * SETTINGS.pixel_sigma * scale) ** 2 + 0.02**2
     assert right.variance == left.variance == pytest.approx(variance)
+
+
+@pytest.mark.parametrize(("rows", "visible"), [(3.9, False), (4.1, True)])
+def test_an_object_of_few_rows_is_in_view_from_four_on(rows: float, visible: bool) -> None:
+    """Two, and the two of the border; the rest of its box lies behind the bonnet."""
+    view = seen_at(pose_of(CameraMount(), 10.0, 0.0, 0.0), (18.3, 0.0, 0.0))
+    track = Track(0, 0, 0.0, 0.0, Edge(-1.0, 0.01), Edge(1.0, 0.01), first_fits(0, 18.3, 0.1, CERTAIN))
+    predicted = predict_box(view, track)
+    assert predicted.bottom - predicted.top < 2.0 * rows
+    assert predict_box(view._replace(limit_row=predicted.top + rows), track).visible == visible
