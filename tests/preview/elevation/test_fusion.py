@@ -123,3 +123,25 @@ def test_a_scan_of_less_than_twenty_cells_says_nothing(count: int, taken: bool) 
     fusion.add(0.4, points, (np.array([0.0, 0.0, 1.3]), np.eye(3)), 0.0)
     assert np.isfinite(fusion.map.variance_m2).any() == taken
     assert fusion.preview(0.5, 0.0).age_s == pytest.approx(0.1)
+
+
+def test_points_lie_at_their_place_over_the_road_with_arms_from_the_sensor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A sensor beside the middle, turned by a quarter: what is on its right lies ahead of the car."""
+    fusion = ElevationFusion(SENSOR, AXLES, SIDES, SETTINGS, 0.0, Tyre())
+    given: list[tuple[ScanCells, np.ndarray]] = []
+    monkeypatch.setattr(fusion, "_insert", lambda *arguments: given.append(arguments))
+    ahead, left = 5.025 + 0.05 * np.arange(24), 0.3
+    position, turned = (
+        np.array([1.0, 0.2, 1.3]),
+        np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    )
+    world = np.stack([ahead, np.full(24, left), np.full(24, 0.04)], axis=1)
+    fusion.add(0.0, (world - position) @ turned, (position, turned), 0.0)
+    ((cells, arms),) = given
+    np.testing.assert_allclose(cells.height_m, 0.04, atol=1e-9)
+    np.testing.assert_allclose(fusion.map.x_m[cells.rows], ahead, atol=0.026)
+    np.testing.assert_allclose(fusion.map.y_m[cells.columns], left, atol=0.051)
+    places = fusion.map.x_m[cells.rows] - 1.0, fusion.map.y_m[cells.columns] - 0.2
+    np.testing.assert_allclose(arms, np.stack([np.ones(24), *places], axis=1))

@@ -178,3 +178,23 @@ def test_ramps_of_another_length_do_not_move_the_edge() -> None:
 
 def test_positions_are_those_of_a_stereo_pair_unless_told_otherwise() -> None:
     assert HeightSamples(0.03).absolute
+
+
+@pytest.mark.parametrize("from_middle", [0.0, 0.7, -0.6])
+@pytest.mark.parametrize("frames", [1, 2])
+def test_a_sample_of_a_flat_top_is_as_certain_as_itself_and_the_ground_of_frame_and_object(
+    from_middle: float, frames: int
+) -> None:
+    """8 mm and 0.8 % of each frame's plane, 15 mm and 0.5 % of the ground at the object; means of frames."""
+    state = np.array([30.0, 0.0, 0.0, 4.0, 0.1, 0.0])
+    x = np.array([32.0 + from_middle])
+    zero, sigma = np.zeros(1), 0.006
+    samples = HeightSamples(0.02)
+    for _ in range(frames):
+        samples.frames.append(HeightRows(x, zero + 0.1, zero + sigma, zero, zero))
+    information, gradient, _ = equations(TABLE, samples, state)
+    own = sigma**2 + 0.008**2 + (0.008 * from_middle) ** 2
+    variance = own / frames + 0.015**2 + (0.005 * from_middle) ** 2
+    assert information[4, 4] == pytest.approx(1.0 / variance, rel=1e-6)
+    np.testing.assert_allclose(gradient, 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.delete(information[4], 4), 0.0, atol=1e-6 * information[4, 4])

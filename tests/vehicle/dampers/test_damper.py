@@ -10,7 +10,14 @@ from scipy.integrate import solve_ivp
 
 from foreride.files.errors import InputError
 from foreride.vehicle import equations
-from foreride.vehicle.dampers.damper import Damper, IdealDamper, MrBoucWenDamper, MrTanhDamper, ValveDamper
+from foreride.vehicle.dampers.damper import (
+    Damper,
+    IdealDamper,
+    MrBoucWenDamper,
+    MrTanhDamper,
+    ScaledDamper,
+    ValveDamper,
+)
 from foreride.vehicle.load import control_model, load_vehicle
 from foreride.vehicle.plant.plant import Plant
 from foreride.vehicle.state_layout import state_layout
@@ -193,3 +200,11 @@ def test_the_default_valve_is_that_of_a_compact_car() -> None:
     assert part.speeds_m_s == (0.052, 0.131, 0.262, 0.524, 1.048)
     assert [sum(row) for row in part.rebound_n] == [1900.0, 4870.0, 10350.0]
     assert [sum(row) for row in part.compression_n] == [1210.0, 2430.0, 4610.0]
+
+
+def test_a_scaled_damper_multiplies_rebound_and_compression_each_by_its_own_ratio() -> None:
+    part = ScaledDamper(1.5, 0.7, base=ValveDamper())
+    for rate in (0.3, -0.3):
+        ratio = 1.5 if rate > 0.0 else 0.7
+        assert law(part, 0.5, rate) == pytest.approx(ratio * law(ValveDamper(), 0.5, rate))
+    assert (ScaledDamper().rebound_ratio, ScaledDamper().compression_ratio) == (1.0, 1.0)
