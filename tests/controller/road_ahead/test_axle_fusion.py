@@ -101,6 +101,7 @@ def test_the_variance_holds_height_position_and_existence() -> None:
     assert variance_of(doubted, same, same) == pytest.approx(np.full_like(GRID, 1e-4 + 0.25e-2))
     moved = variance_of(seen, same + 0.02, same)
     assert moved == pytest.approx(np.full_like(GRID, 1e-4 + 2e-4))
+    assert variance_of(seen, same, same - 0.04) == pytest.approx(np.full_like(GRID, 1e-4 + 8e-4))
 
 
 def test_in_the_full_car_each_side_follows_its_own_front_wheel() -> None:
