@@ -169,3 +169,9 @@ def test_bad_input_names_the_argument(change, message):
         ride_metrics(RATE, **signals(**change))
     with pytest.raises(InputError, match="rate must be"):
         ride_metrics(100.0, **signals())
+
+
+def test_rotations_are_given_by_their_root_mean_squares():
+    wave = np.sin(2 * np.pi * 6 * TIME)
+    m = ride_metrics(RATE, **signals(pitch_acc=0.5 * wave, roll_acc=3.0 * wave))
+    assert (m["pitch_acc_rms"], m["roll_acc_rms"]) == pytest.approx((0.5 / 2**0.5, 3.0 / 2**0.5))

@@ -156,3 +156,21 @@ def test_known_forces_are_those_of_springs_bars_and_stops_and_those_of_the_dampe
     np.testing.assert_allclose(found[:, 0], acting.spring + acting.stop)
     for column in found.T[1:]:
         np.testing.assert_allclose(column, acting.damper)
+
+
+@pytest.mark.parametrize(
+    ("period_s", "step_s", "delays"), [(0.005, 0.005, 7), (0.0025, 0.005, 7), (0.01, 0.01, 4)]
+)
+def test_delays_are_multiples_of_five_milliseconds_up_to_thirty(
+    period_s: float, step_s: float, delays: int
+) -> None:
+    """Settings follow the command of so many periods ago with the damper's lag."""
+    car = load_vehicle("half")
+    identifier, passive = CarIdentifier(car, period_s), car.damping_passive_ns_m[0]
+    assert identifier._settings.shape == (2, delays)
+    periods = 20
+    for _ in range(periods):
+        identifier.follow(np.full(2, passive + 1000.0))
+    followed = periods - round(step_s / period_s) * np.arange(delays)
+    expected = passive + 1000.0 * (1.0 - np.exp(-period_s * followed / car.damper_lag_s))
+    np.testing.assert_allclose(identifier._settings, np.tile(expected, (2, 1)))

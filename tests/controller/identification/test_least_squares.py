@@ -46,3 +46,10 @@ def test_data_fade_and_the_prior_stays() -> None:
         bank.add(np.zeros(2), np.zeros((2, 2, 2)))
     np.testing.assert_allclose(before, TRUTH, atol=0.1)
     np.testing.assert_allclose(bank.fit().parameters[0], 1.0, atol=0.02)
+
+
+def test_mean_squares_are_those_of_a_single_sample_too() -> None:
+    bank = LeastSquaresBank(1, np.ones(2), 0.3, 1e9, 4.0, 1e-3)
+    bank.add(np.array([3.0]), np.zeros((1, 1, 2)))
+    fit = bank.fit()
+    np.testing.assert_allclose([fit.output, fit.residual[0], fit.independent], [9.0, 9.0, 0.25])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from foreride.preview.ego_motion.heave_pitch_filter import HEAVE, HeavePitchFilter
+from foreride.preview.ego_motion.heave_pitch_filter import HEAVE, PITCH, HeavePitchFilter
 from foreride.preview.settings import Settings
 
 SETTINGS = Settings()
@@ -30,6 +30,7 @@ def test_where_the_wheels_leave_the_plane_its_height_is_uncertain_by_two_centime
     updates = [body.level(np.array([-0.05]), 0.005) for _ in range(10)]
     assert updates[:-1] == [None] * 9
     assert updates[-1] == (pytest.approx(-0.025), 0.0)
+    assert body.covariance[PITCH, PITCH] == 0.0
     assert body.covariance[HEAVE, HEAVE] == pytest.approx(0.5 * SETTINGS.grade_rise_m**2, rel=0.01)
 
 

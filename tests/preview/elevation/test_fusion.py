@@ -66,6 +66,7 @@ def test_what_no_scan_has_met_is_uncertain() -> None:
 def test_before_the_first_scan_nothing_exists() -> None:
     fusion = ElevationFusion(SENSOR, AXLES, SIDES, SETTINGS, 0.0, Tyre())
     preview = fusion.preview(0.0, 0.0)
+    assert preview.age_s == 0.0
     assert not preview.height_m.any()
     assert not preview.existence.any()
     fusion.add(0.0, np.zeros((0, 3)), (np.array([0.0, 0.0, 1.3]), np.eye(3)), 0.0)

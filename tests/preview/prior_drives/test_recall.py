@@ -107,3 +107,7 @@ def test_existence_sides_and_class_are_those_remembered() -> None:
     assert found.class_log_odds == 7.0
     assert [measurement.entry for measurement in unlikely.direct_measurements] == [X, HEIGHT]
     assert unlikely.best.state[LENGTH] == pytest.approx(BUMP.length_m)
+
+
+def test_a_mounting_is_the_nominal_one_unless_it_was_learned() -> None:
+    assert not any(vars(Mounting()).values())

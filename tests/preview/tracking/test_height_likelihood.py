@@ -198,3 +198,15 @@ def test_a_sample_of_a_flat_top_is_as_certain_as_itself_and_the_ground_of_frame_
     assert information[4, 4] == pytest.approx(1.0 / variance, rel=1e-6)
     np.testing.assert_allclose(gradient, 0.0, atol=1e-9)
     np.testing.assert_allclose(np.delete(information[4], 4), 0.0, atol=1e-6 * information[4, 4])
+
+
+def test_a_shape_that_is_sampled_at_its_crest_costs_the_doubt_about_the_smear() -> None:
+    """Logarithm of three times the mean's distance from the middle, with the own sigma, over that."""
+    x, one = np.array([30.25]), np.ones(1)
+    rows = HeightRows(x, 0.0 * one, 0.005 * one, 0.3 * one, 1e-9 * one)
+    mean = visible_height(BUMP, rows, 30.0, 0.5, 0.08)
+    crest = visible_height(BUMP, rows._replace(smear_m=0.0 * one), 30.0, 0.5, 0.08)
+    samples = HeightSamples(0.02)
+    samples.frames.append(rows._replace(z_m=mean))
+    cost = equations(BUMP, samples, np.array([30.0, 0.0, 0.0, 0.5, 0.08, 0.0]))[2]
+    assert cost == pytest.approx(np.log(np.hypot(0.005, 3.0 * (crest - mean)[0]) / 0.005))

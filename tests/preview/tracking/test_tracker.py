@@ -11,6 +11,7 @@ from foreride.preview.settings import Settings
 from foreride.preview.tracking.object_state import GROUND, OFFSET
 from foreride.preview.tracking.observation import RectifiedFrame, predict_box, rectify_frame
 from foreride.preview.tracking.realness import mean_surplus, surplus
+from foreride.preview.tracking.track import Edge
 from foreride.preview.tracking.tracker import Tracker
 from foreride.road.camera.pinhole import Camera, CameraMount, pose_of
 from foreride.road.features.feature import FlatTopHump, HalfSineBump, Pothole, SpeedCushion
@@ -235,3 +236,12 @@ def test_after_a_change_of_grade_the_prior_is_wider_the_farther_ahead_the_object
     track.last_seen_x_m = track.start_m + 1.0
     added = tracker._prior(track).covariance - before.covariance
     np.testing.assert_allclose(added, np.diag([0.02**2, 0.0, 0.0]), atol=1e-12)
+
+
+def test_new_objects_are_numbered_after_those_that_are_expected() -> None:
+    (remembered,) = known_bump().tracks
+    tracker = Tracker(SETTINGS, Camera().focal_px)
+    tracker.expect([replace(remembered, identity=4, right=Edge(9.0, 0.01), left=Edge(10.0, 0.01))])
+    tracker.expect([])
+    tracker.update(*looked_at(20.0))
+    assert [track.identity for track in tracker.tracks] == [4, 5]
