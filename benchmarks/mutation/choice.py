@@ -3,7 +3,7 @@
 import ast
 import random
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,33 +58,37 @@ def test_files(root: Path, packages: Sequence[str]) -> list[str]:
     return [str(path.relative_to(root)) for path in paths]
 
 
-def importing(root: Path, file: str, tests: Sequence[str]) -> set[str]:
-    """Those of some test files that import a module."""
+def importing(root: Path, file: str, files: Iterable[str]) -> set[str]:
+    """Those of some files that import a module."""
     name = "foreride." + ".".join(Path(file).with_suffix("").parts).removesuffix(".__init__")
-    return {test for test in tests if re.search(rf"{re.escape(name)}\s", (root / test).read_text())}
+    pattern = re.compile(rf"{re.escape(name)}\s")
+    return {other for other in files if pattern.search((root / other).read_text())}
 
 
 def judging(root: Path, file: str, function: str | None, tests: Sequence[TestReach]) -> list[TestReach]:
     """Tests that judge a mutant, in their order.
 
-    Those that execute its function, or any of its file where it stands outside of all functions, the module's
-    own first and then the cheapest; after them the others of their files, which may share a fixture with
-    those, and of the files that import the module.
+    Those that execute its function, the module's own first and then the cheapest; for a mutant outside of all
+    functions any of its file, and of files that import it. After them the others of their files, which may
+    share a fixture with those, and of the files that import the module.
     """
-    reaching = {test for test in tests if _reaches(test, file, function)}
+    places = {f"{file}:{function}"} if function else _functions(root, file, tests)
+    reaching = {test for test in tests if not test.functions.isdisjoint(places)}
     own = own_tests(root, file)
     files = {test.file for test in reaching} | {own}
-    files |= importing(root, file, sorted({test.file for test in tests}))
+    files |= importing(root, file, {test.file for test in tests})
     return sorted(
         (test for test in tests if test.file in files),
         key=lambda test: (test.file != own, test not in reaching, test.seconds),
     )
 
 
-def _reaches(test: TestReach, file: str, function: str | None) -> bool:
-    if function is not None:
-        return f"{file}:{function}" in test.functions
-    return any(name.startswith(f"{file}:") for name in test.functions)
+def _functions(root: Path, file: str, tests: Sequence[TestReach]) -> set[str]:
+    """Functions that some tests execute of a file and of those that import it."""
+    executed = {name for test in tests for name in test.functions}
+    sources = {name.split(":")[0] for name in executed} - {test.file for test in tests}
+    files = {file} | importing(root, file, filter(lambda name: (root / name).exists(), sources))
+    return {name for name in executed if name.split(":")[0] in files}
 
 
 def within_time(tests: Sequence[TestReach], seconds: float) -> list[TestReach]:

@@ -101,6 +101,10 @@ def test_a_mutant_is_judged_by_the_tests_that_execute_its_function_its_own_and_t
     judges = judging(root, "springs/spring.py", "force", tests)
     names = [test.name.split("::")[1] for test in judges]
     assert names == ["with", "without", "fast", "slow", "beside", "importing"]
+    (root / "car.py").write_text("from foreride.springs.spring import LENGTH\n")
+    tests.append(reach(f"{far}::through_a_car", 0.3, "car.py:drive"))
+    constant = judging(root, "springs/spring.py", None, tests)
+    assert [test.name.split("::")[1] for test in constant][:3] == ["with", "without", "through_a_car"]
     assert [test.seconds for test in within_time(judges, 3.5)] == [3.0, 0.2]
     assert within_time(judges, 0.0) == judges[:1]
 
