@@ -106,11 +106,13 @@ def _drives_on(road_and_numbers: tuple[int, list[int]]) -> list[Row]:
 
 
 def table(rows: Sequence[Row]) -> list[str]:
-    """Lines of the summary, all perceptions together and one by one."""
-    lines = ["| perception | drives | mean | median | 95 % | 99 % | worst | above 1.05 | gate acted |"]
+    """Lines of the summary: all drives, each perception, each model of the car, and chance alone."""
+    lines = ["| perception or car | drives | mean | median | 95 % | 99 % | worst | above 1.05 | gate acted |"]
     lines.append("|---|---|---|---|---|---|---|---|---|")
-    for kind in ("all", "oracle", "map", "boxes", "camera"):
-        chosen = [row for row in rows if kind in ("all", row["perception"])]
+    for kind in ("all", "oracle", "map", "boxes", "camera", "quarter", "half"):
+        chosen = [
+            row for row in rows if kind in ("all", row["perception"], row["scenario"]["vehicle"]["model"])
+        ]
         acted = sum(bool(row["reasons"]) for row in chosen)
         lines += _line_of(kind, [row["ratio"] for row in chosen], str(acted))
     chance = {row["drive"] // A_ROAD: row["other_noise"] for row in rows}

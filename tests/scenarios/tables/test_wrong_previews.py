@@ -17,7 +17,7 @@ def row(number: int, ratio: float, perception: str = "boxes") -> dict:
     return {
         "drive": number, "perception": perception, "ratio": ratio, "reasons": {}, "unstated": {},
         "other_noise": 1.01,
-        "scenario": {"title": "", "camera": {"height_m": 0.3}},
+        "scenario": {"title": "", "vehicle": {"model": "quarter"}, "camera": {"height_m": 0.3}},
     }  # fmt: skip
 
 
@@ -51,6 +51,7 @@ def test_the_summary_counts_drives_above_the_limit_and_names_the_worst() -> None
     lines = table(rows)
     assert lines[2] == "| all | 3 | 1.033 | 1.000 | 1.180 | 1.196 | 1.200 | 1 | 0 |"
     assert lines[3].startswith("| map | 1 | 1.000")
+    assert lines[5].startswith("| quarter | 3 | 1.033")
     assert lines[-1].startswith("| none, other noise | 1 | 1.010")
     assert worst(rows, 1)[0].startswith("1.200 --first 2 --drives 1: boxes")
 
