@@ -116,11 +116,11 @@ def _lines(path: Path) -> list[str]:
 
 def _bench(folder: Path, reach: Path, tests_s: float, mutants: Sequence[Mutant]) -> Bench:
     """Copy with all tests recorded that judge some mutants."""
-    own = {own_tests(folder, mutant.file) for mutant in mutants if is_compiled(folder, mutant.file)}
+    mirrored = (own_tests(folder, mutant.file) for mutant in mutants if is_compiled(folder, mutant.file))
     return Bench(
         folder,
         recorded(folder, test_files(folder, PACKAGES), reach),
-        recorded(folder, sorted(own - {None}), reach, compiled=False),  # type: ignore[type-var]
+        recorded(folder, sorted({file for file in mirrored if file}), reach, compiled=False),
         tests_s,
     )
 

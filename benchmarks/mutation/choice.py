@@ -93,7 +93,8 @@ def _functions(root: Path, file: str, tests: Sequence[TestReach]) -> set[str]:
 
 def within_time(tests: Sequence[TestReach], seconds: float) -> list[TestReach]:
     """First tests of a sequence that take no longer than a time together, and at least one."""
-    total, chosen = 0.0, []
+    total = 0.0
+    chosen: list[TestReach] = []
     for test in tests:
         total += test.seconds
         if chosen and total > seconds:
