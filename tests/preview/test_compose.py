@@ -67,3 +67,16 @@ def test_the_longer_unseen_the_less_is_known_of_the_place() -> None:
     near, far = (composed(t).position_sigma_m.max() for t in (bump, seen_long_ago))
     assert far == pytest.approx(np.hypot(bump.best.covariance[X, X] ** 0.5, 10.0 * SETTINGS.odometry_sigma))
     assert far > near
+
+
+def test_an_object_exists_within_two_sigmas_of_its_place_before_each_axle() -> None:
+    bump = track(24.0)
+    covariance = bump.best.covariance.copy()
+    covariance[X, X] = 0.3**2
+    bump = replace(bump, fits=[bump.best._replace(covariance=covariance)])
+    preview = composed(bump)
+    for wheel, axle in enumerate(AXLES_M):
+        past_edge = DISTANCE_M + 20.0 + axle - 24.0
+        near = (past_edge > -0.6) & (past_edge < bump.section(0.7).length_m + 0.6)
+        np.testing.assert_array_equal(preview.existence[wheel] > 0.0, near)
+        np.testing.assert_allclose(preview.position_sigma_m[wheel], 0.3 * near, rtol=1e-9)

@@ -9,6 +9,7 @@ from foreride.controller.observer.filter_steps import (
     product,
     propagated,
     readings,
+    reframed,
     road_from_tyre,
     taken_in,
     vehicle_state,
@@ -125,3 +126,19 @@ def test_readings_are_travel_rates_over_the_plane_and_no_acceleration_of_it(rng:
     np.testing.assert_array_equal(found, [*channels[8:12], *gyros, *-motion[4], 0.0, 0.0])
     alone = readings(channels[:6], 1, 1, motion[:, :1], 3)
     np.testing.assert_array_equal(alone, [channels[2], channels[3], -motion[4, 0]])
+
+
+def test_a_change_of_the_frame_is_taken_from_the_velocities_of_body_and_wheels(
+    rng: np.random.Generator,
+) -> None:
+    wheels, size = 2, 13
+    state, change, drive = rng.normal(size=size), rng.normal(size=wheels), sparse(rng, size, wheels)
+    frame, faster, variance = sparse(rng, size, size), sparse(rng, size, size), rng.random(wheels)
+    root, before = rng.normal(size=(size, size)), state.copy()
+    found = reframed(state, root @ root.T, change, frame, faster, drive, variance)
+    before[4:6] -= change
+    before[6:8] -= change
+    np.testing.assert_array_equal(state, before)
+    step = frame + faster
+    expected = step @ root @ root.T @ step.T + drive @ np.diag(variance) @ drive.T
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)

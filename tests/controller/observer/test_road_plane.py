@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from foreride.controller.observer.road_plane import RoadPlane
+from foreride.controller.observer.road_plane import RoadPlane, _is_obstacle
 from foreride.vehicle.load import load_vehicle
 
 PERIOD_S, SPEED_M_S = 0.005, 15.0
@@ -104,3 +104,31 @@ def test_a_standing_car_learns_no_grade() -> None:
         plane.advance(PERIOD_S)
         plane.correct(np.array([0.5]) - plane.level, 0.0)
     assert plane.rate == plane.level == 0.0
+
+
+CASES = [
+    ("a rise of three mean departures", 0.03, 0.0, (0.01, 0.0), 0.15, True, 0.01),
+    ("less", 0.0299, 0.0, (0.01, 0.5), 0.15, False, 0.0),
+    ("a standing car, by time", 0.05, 0.0, (0.03, 0.5), 0.0, True, 0.51),
+    ("the longest obstacle has passed", 0.05, 0.0, (0.01, 0.995), 0.15, False, 1.005),
+    ("higher than any obstacle", 0.2, 0.0, (0.01, 0.0), 0.15, False, 1.0),
+    ("a slow departure", 0.05, 0.045, (0.01, 0.5), 0.15, False, 0.0),
+    ("what was none is still learnt", 0.05, 0.0, (0.01, 1.0), 0.15, False, 1.0),
+    ("what was none is learnt", 0.02, 0.0, (0.01, 1.0), 0.15, False, 0.0),
+]
+
+
+@pytest.mark.parametrize(("departure", "base", "memory", "travelled", "told", "passed"),
+                         [case[1:] for case in CASES], ids=[case[0] for case in CASES])  # fmt: skip
+def test_an_obstacle_is_a_rise_that_is_steep_and_neither_long_nor_high(
+    departure: float, base: float, memory: tuple[float, float], travelled: float, told: bool, passed: float
+) -> None:
+    """Mean departure 1 cm, learnt over 50 m, the level over 2 m, but not from obstacles."""
+    for sign in (1.0, -1.0):
+        kept, level = np.array([*memory, 0.01]), np.array([sign * base, 0.0])
+        found = _is_obstacle(np.array([sign * departure, 0.0]), level, kept, travelled)
+        assert (found, kept[1]) == (told, pytest.approx(passed))
+        share = 0.0 if told else travelled
+        rise = abs(departure - base)
+        assert kept[2] == pytest.approx(0.01 + share / 50.0 * (max(rise, 0.01) - 0.01))
+        assert level[0] == pytest.approx(sign * (base + share / 2.0 * (departure - base)))

@@ -14,3 +14,12 @@ def test_doubt_about_position_makes_a_feature_come_earlier_by_its_sigma() -> Non
     assert np.interp([1.9, 1.7], grid, early) == pytest.approx([0.08, 0.0], abs=1e-9)
     assert np.interp([2.4, 2.2], grid, late) == pytest.approx([0.08, 0.0], abs=1e-9)
     np.testing.assert_array_equal(same, preview.height_m[0])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0, 0.0])
+def test_heights_are_moved_each_by_its_own_distance(sign: float) -> None:
+    """By less than the points are apart, so that none overtakes another."""
+    rng, grid = np.random.default_rng(6), np.linspace(-0.5, 3.0, 71)
+    heights, nearer_m, out = rng.normal(size=71), sign * rng.uniform(0.0, 0.045, 71), np.empty(71)
+    move(grid, heights, nearer_m, out)
+    np.testing.assert_allclose(out, np.interp(grid, grid - nearer_m, heights), atol=1e-12)
