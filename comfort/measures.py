@@ -54,11 +54,10 @@ def running_rms(
 
         memory = np.exp(-1.0 / (window_s * rate))
         return np.sqrt(lfilter([1.0 - memory], [1.0, -memory], power, axis=-1))
-    energy = np.cumsum(power, axis=-1)
-    count = round(window_s * rate)
-    outside_window = np.zeros_like(energy)
-    outside_window[..., count:] = energy[..., :-count]
-    return np.sqrt(np.maximum(energy - outside_window, 0.0) / count)
+    energy, count = np.cumsum(power, axis=-1, out=power), round(window_s * rate)
+    in_window = energy.copy()
+    in_window[..., count:] -= energy[..., :-count]
+    return np.sqrt(np.maximum(in_window, 0.0, out=in_window) / count)
 
 
 def mtvv(acc: ArrayLike, rate: float, weighting: str | None = "Wk", averaging: Averaging = "linear") -> Array:

@@ -73,18 +73,18 @@ def ride_metrics(
 
 def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, Array]:
     """Comfort metrics: `seats` (..., seats, n), rotations (..., n)."""
-    weighted = weight(seats, rate, "Wk")
     # The seat is rigidly attached: its motion and the rotations give those of backrest and feet.
     # Pitch and roll axes are taken at seat height, where a car's centre of gravity is.
-    rotations = (np.broadcast_to(acc[..., None, :], seats.shape) for acc in (pitch, roll))
-    total = total_value(axis_values(rate, SeatedPerson.at(0.0), *body_motion(seats, *rotations)))
+    motions = (body_motion(seats[..., seat, :], pitch, roll) for seat in range(seats.shape[-2]))
+    totals = [total_value(axis_values(rate, SeatedPerson.at(0.0), *motion)) for motion in motions]
+    weighted = weight(seats, rate, "Wk")
     return {
         "wk_rms": _rms(weighted),
         "vdv": vdv(weighted, rate, None).max(axis=-1),
         "evdv": evdv(weighted, rate, None).max(axis=-1),
         "mtvv": mtvv(weighted, rate, None).max(axis=-1),
         "crest_factor": crest_factor(weighted, rate, None).max(axis=-1),
-        "vibration_total": total.max(axis=-1),
+        "vibration_total": np.max(totals, axis=0),
         "peak_acc": np.abs(seats).max(axis=(-2, -1)),
         "pitch_acc_rms": np.sqrt(np.mean(pitch**2, axis=-1)),
         "roll_acc_rms": np.sqrt(np.mean(roll**2, axis=-1)),

@@ -85,8 +85,16 @@ def acceleration_at(position_m: Position, acc: ArrayLike, angular_acc: ArrayLike
 
     a + alpha x r: small motion, without the centripetal terms of second order in the angular rates.
     """
-    spin, arm = np.asarray(angular_acc, float), np.asarray(position_m, float)[:, None]
-    return np.asarray(acc, float) + np.cross(spin, arm, axis=-2)
+    translation, spin = np.asarray(acc, float), np.asarray(angular_acc, float)
+    components = [_component(axis, position_m, translation, spin) for axis in (_X, _Y, _Z)]
+    return np.stack(components, axis=-2)
+
+
+def _component(axis: int, position_m: Position, acc: Array, spin: Array) -> Array:
+    """One component (..., n) of `acceleration_at`."""
+    second, third = (axis + 1) % 3, (axis + 2) % 3
+    turned = spin[..., second, :] * position_m[third] - spin[..., third, :] * position_m[second]
+    return acc[..., axis, :] + turned
 
 
 def axis_values(
@@ -101,10 +109,10 @@ def axis_values(
     if translation.ndim < 2 or translation.shape[-2] != 3 or rotation.shape != translation.shape:
         shapes = f"{translation.shape} and {rotation.shape}"
         raise InputError(f"acc and angular_acc must both have shape (..., 3, samples), got {shapes}")
-    points = {name: acceleration_at(getattr(person, name), translation, rotation) for name in _POINTS}
     values = {}
     for name, axis in AXES.items():
-        signal = (rotation if axis.rotation else points[axis.point])[..., axis.direction, :]
+        moving = axis.direction, getattr(person, axis.point), translation, rotation
+        signal = rotation[..., axis.direction, :] if axis.rotation else _component(*moving)
         is_zero = not signal.any()  # avoids most of the filtering for a car without roll and pitch
         values[name] = (
             np.zeros(signal.shape[:-1]) if is_zero else axis.k * weighted_rms(signal, rate, axis.weighting)
@@ -115,6 +123,3 @@ def axis_values(
 def total_value(values: dict[str, Array]) -> Array:
     """Overall vibration total value: root of the sum of squares of `axis_values` (m/s^2; equation 10)."""
     return np.sqrt(np.sum([np.square(value) for value in values.values()], axis=0))
-
-
-_POINTS = ("seat", "backrest", "feet")

@@ -72,15 +72,9 @@ def weight(acc: ArrayLike, rate: float, weighting: str | None = "Wk") -> Array:
     Raises InputError for a rate below five times the upper band limit (500 Hz, for Wf 3.15 Hz),
     acceleration that is not finite, or an unknown name.
     """
-    from scipy.signal import lfilter  # slow to import
-
     samples = _samples(acc)
     check_rate(rate, weighting)
-    if weighting is None:
-        return samples
-    correction, sections = _digital(_weighting_by_name(weighting), float(rate))
-    corrected = lfilter(correction, [1.0], samples, axis=-1)
-    return sum((lfilter(b, a, corrected, axis=-1) for b, a in sections), start=np.zeros_like(samples))
+    return samples if weighting is None else StreamedWeighting(rate, weighting)(samples)
 
 
 class StreamedWeighting:
@@ -89,25 +83,19 @@ class StreamedWeighting:
     def __init__(self, rate: float, weighting: str = "Wk") -> None:
         """Start from rest at this sampling rate, Hz. Raises InputError as `weight`."""
         check_rate(rate, weighting)
-        correction, sections = _digital(_weighting_by_name(weighting), float(rate))
-        self._correction = (correction, np.array([1.0]))
-        self._sections = sections
+        self._correction, self._sections = _digital(_weighting_by_name(weighting), float(rate))
         self._kept: list[Array] = []
 
     def __call__(self, acc: ArrayLike) -> Array:
         """Weighted acceleration of the next samples, m/s^2, in the same shape."""
-        from scipy.signal import lfilter  # slow to import
+        from foreride.comfort.section_filter import in_parallel, moving_sum  # Numba is slow to import
 
         samples = _samples(acc)
-        filters = [self._correction, *self._sections]
         if not self._kept:
-            self._kept = [np.zeros((*samples.shape[:-1], len(a_or_b) - 1)) for a_or_b, _ in filters]
-        corrected, self._kept[0] = lfilter(*filters[0], samples, axis=-1, zi=self._kept[0])
-        weighted = np.zeros_like(samples)
-        for place, (b, a) in enumerate(self._sections, 1):
-            part, self._kept[place] = lfilter(b, a, corrected, axis=-1, zi=self._kept[place])
-            weighted += part
-        return weighted
+            counts = len(self._correction) - 1, *[2] * len(self._sections)
+            self._kept = [np.zeros((*samples.shape[:-1], count)) for count in counts]
+        corrected = moving_sum(self._correction, samples, self._kept[0])
+        return in_parallel(self._sections, corrected, self._kept[1:])
 
     def state(self) -> list[list]:
         """Filter states, as lists of numbers; empty before the first part."""

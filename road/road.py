@@ -19,7 +19,7 @@ from foreride.road.vertical_alignment import GradeChange, check_order, grade_at,
 
 FADE_IN_M = 5.0
 LONGEST_ROUGH_M = 32_768.0
-"""Longest road with roughness, whose realisation takes about 40 kB per metre while it is made."""
+"""Longest road with roughness, whose realisation takes about 12 kB per metre while it is made."""
 
 
 @dataclass(frozen=True)

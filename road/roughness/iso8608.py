@@ -18,6 +18,7 @@ MIN_WAVENUMBER, MAX_WAVENUMBER = 0.01, 10.0  # cycles/m; ISO 8608 itself covers 
 STEP_M = 0.02
 BLOCK_M = 1024.0
 TRACKS = 11
+PART = 4096  # wavenumbers whose matrices are in memory at once
 
 
 @dataclass(frozen=True)
@@ -89,18 +90,31 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     n = np.fft.rfftfreq(samples, STEP_M)
     active = (n >= MIN_WAVENUMBER) & (n <= MAX_WAVENUMBER)
     y = roughness.track_m / 2 * np.arange(-(TRACKS // 2), TRACKS // 2 + 1, dtype=np.float64)
-    distance = np.abs(y[:, None] - y[None, :])
-    coherence = isotropic_coherence(2 * np.pi * n[active, None, None] * distance)
-    root = np.linalg.cholesky(coherence + 1e-9 * np.eye(TRACKS))
-    rng = np.random.default_rng(roughness.seed)
-    line = rng.normal(size=(*n[active].shape, TRACKS, 2)) @ np.array([1.0, 1j])
     # A spectral line Z adds a mean square of 2 E|Z|^2 / samples^2 = G / period, and E|line|^2 is 2.
     scale = np.sqrt(displacement_psd(roughness, n[active]) / period / 4) * samples
-    spectrum = np.zeros((TRACKS, len(n)), complex)
-    spectrum[:, active] = _normalise_bands(np.einsum("kij,kj->ki", root, line).T, n[active]) * scale
-    heights = np.fft.irfft(spectrum, samples, axis=1)
+    lines = _normalise_bands(_correlated_lines(n[active], y, roughness.seed), n[active])
+    heights = np.empty((TRACKS, samples))
+    spectrum = np.zeros(len(n), complex)
+    for track in range(TRACKS):
+        spectrum[active] = lines[track] * scale
+        heights[track] = np.fft.irfft(spectrum, samples)
     heights.setflags(write=False)
     return RoughSurface(y, heights)
+
+
+def _correlated_lines(
+    n: NDArray[np.floating], y: NDArray[np.float64], seed: int
+) -> NDArray[np.complex128]:
+    """Spectral lines (tracks, k) of wavenumbers n, E|line|^2 = 2, correlated across tracks."""
+    distance, rng = np.abs(y[:, None] - y[None, :]), np.random.default_rng(seed)
+    lines = np.empty((len(y), len(n)), complex)
+    for first in range(0, len(n), PART):
+        part = slice(first, first + PART)
+        coherence = isotropic_coherence(2 * np.pi * n[part, None, None] * distance)
+        root = np.linalg.cholesky(coherence + 1e-9 * np.eye(len(y)))
+        line = rng.normal(size=(*n[part].shape, len(y), 2)) @ np.array([1.0, 1j])
+        lines[:, part] = np.einsum("kij,kj->ki", root, line).T
+    return lines
 
 
 def _normalise_bands(lines: NDArray[np.complex128], n: NDArray[np.floating]) -> NDArray[np.complex128]:

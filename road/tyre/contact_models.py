@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.reading.ranges import Checked
 
+PART = 1 << 17  # stations whose means are formed at once
+
 
 @dataclass(frozen=True)
 class RigidWheel(Checked):
@@ -91,9 +93,12 @@ def patch_mean(z: NDArray[np.float64], step_m: float, patch_m: float) -> NDArray
     padded = np.pad(z, [(0, 0)] * (z.ndim - 1) + [(reach + 1, reach + 1)], mode="edge")
     area = np.zeros(padded.shape)
     np.cumsum((padded[..., 1:] + padded[..., :-1]) / 2, axis=-1, out=area[..., 1:])
-    centre = np.arange(z.shape[-1], dtype=np.float64) + (reach + 1)
-    ahead, behind = _integrate_to(padded, area, centre + half), _integrate_to(padded, area, centre - half)
-    return (ahead - behind) / (2 * half)
+    mean = np.empty(z.shape)
+    for first in range(0, z.shape[-1], PART):
+        centre = np.arange(first, min(first + PART, z.shape[-1]), dtype=np.float64) + (reach + 1)
+        ahead, behind = (_integrate_to(padded, area, centre + step) for step in (half, -half))
+        mean[..., first : first + PART] = (ahead - behind) / (2 * half)
+    return mean
 
 
 def _cam_profile(

@@ -18,6 +18,7 @@ from foreride.road.tyre.contact_models import Enveloping, RigidWheel
 WHEEL_RADIUS_M = 0.31
 PATCH_M = 0.1
 STEP_M = 0.005
+PART = 1 << 17  # grid points whose heights are computed at once
 MARGIN_M = 10.0  # extra length before the start and beyond the end, for axles and previews
 
 
@@ -31,18 +32,14 @@ class WheelProfile(Checked):
     x0_m: Annotated[float, Interval(ge=-1e6, le=1e6), "m"]
     step_m: Annotated[float, Interval(gt=0.0, le=10.0), "m"]
     heights: NDArray[np.float64]
-    _table: list[float] = field(init=False, repr=False)
-    _grid_heights: NDArray[np.float64] = field(init=False, repr=False)
-    _rises: NDArray[np.float64] = field(init=False, repr=False)
+    _table: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         heights = np.asarray(self.heights)
         if heights.ndim != 1 or len(heights) < 2 or not np.all(np.isfinite(heights)):
             raise InputError(f"heights must be (n,) finite values, n >= 2, got shape {heights.shape}")
-        object.__setattr__(self, "_table", np.asarray(self.heights, float).tolist())
-        object.__setattr__(self, "_grid_heights", np.ascontiguousarray(heights, float))
-        object.__setattr__(self, "_rises", np.diff(heights).astype(float))
+        object.__setattr__(self, "_table", np.ascontiguousarray(heights, float))
 
     @overload
     def height(self, x: float) -> float: ...
@@ -52,15 +49,15 @@ class WheelProfile(Checked):
         """Effective height (m) at x (m), a float for a float and an array for an array."""
         if not isinstance(x, float | int):
             return self._heights(np.asarray(x, float))
-        table = self._table
+        height, last = self._table.item, len(self._table) - 1
         position = (x - self.x0_m) / self.step_m
         if position <= 0.0:
-            return table[0]
-        if position >= len(table) - 1:
-            return table[-1]
+            return height(0)
+        if position >= last:
+            return height(last)
         index = int(position)
-        low = table[index]
-        return low + (position - index) * (table[index + 1] - low)
+        low = height(index)
+        return low + (position - index) * (height(index + 1) - low)
 
     @overload
     def slope(self, x: float) -> float: ...
@@ -70,16 +67,16 @@ class WheelProfile(Checked):
         """Slope dz/dx at x; at a grid point that of the cell ahead, 0 beyond the ends."""
         if not isinstance(x, float | int):
             return self._slopes(np.asarray(x, float))
-        table = self._table
+        height = self._table.item
         index = floor((x - self.x0_m) / self.step_m)
-        if index < 0 or index >= len(table) - 1:
+        if index < 0 or index >= len(self._table) - 1:
             return 0.0
-        return (table[index + 1] - table[index]) / self.step_m
+        return (height(index + 1) - height(index)) / self.step_m
 
     def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         found = np.empty(x.shape)
         flat = x if x.ndim == 1 else np.ascontiguousarray(x).ravel()
-        _linear(flat, self.x0_m, self.step_m, self._grid_heights, self._rises, found.ravel())
+        _linear(flat, self.x0_m, self.step_m, self._table, found.ravel())
         return found
 
     def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -91,13 +88,13 @@ class WheelProfile(Checked):
 
 
 @njit
-def _linear(x: Any, x0: float, step: float, heights: Any, rises: Any, out: Any) -> None:
+def _linear(x: Any, x0: float, step: float, heights: Any, out: Any) -> None:
     """Heights on a uniform grid at x, constant beyond both ends."""
     last = len(heights) - 1
     for k in range(len(x)):
         position = min(max((x[k] - x0) / step, 0.0), float(last))
         index = min(int(position), last - 1)
-        out[k] = heights[index] + (position - index) * rises[index]
+        out[k] = heights[index] + (position - index) * (heights[index + 1] - heights[index])
 
 
 def envelope(
@@ -132,6 +129,7 @@ def wheel_profile(
     count = int(np.ceil((road.length_m + 2 * MARGIN_M) / step_m)) + 1
     x = step_m * np.arange(count) - MARGIN_M
     model = RigidWheel(PATCH_M) if enveloping is None else enveloping
-    heights = model.effective_height(road.height(x, y_m), step_m, radius_m)
+    own = [road.height(x[first : first + PART], y_m) for first in range(0, count, PART)]
+    heights = model.effective_height(np.concatenate(own), step_m, radius_m)
     heights.setflags(write=False)
     return WheelProfile(-MARGIN_M, step_m, heights)

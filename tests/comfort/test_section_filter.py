@@ -1,0 +1,28 @@
+"""Tests of the compiled filters against those of SciPy, to the last bit."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from foreride.comfort.section_filter import in_parallel, moving_sum
+
+TAPS = np.array([0.9, 0.08, 0.02])
+SECTIONS = [
+    (np.array([0.05, 0.003, -0.04]), np.array([1.0, -1.87, 0.88])),
+    (np.array([-0.04, -0.02, 0.01]), np.array([1.0, -1.15, 0.41])),
+]
+
+
+@pytest.mark.parametrize("shape", [(400,), (2, 400), (3, 2, 400)])
+def test_responses_in_two_parts_are_those_of_scipy(shape: tuple[int, ...]) -> None:
+    samples = np.random.default_rng(1).normal(size=shape)
+    taps_kept, kept = np.zeros((*shape[:-1], 2)), [np.zeros((*shape[:-1], 2)) for _ in SECTIONS]
+    found = []
+    for part in (samples[..., :137], samples[..., 137:]):
+        found.append(in_parallel(SECTIONS, moving_sum(TAPS, part, taps_kept), kept))
+    summed = lfilter(TAPS, [1.0], samples)
+    np.testing.assert_array_equal(
+        np.concatenate(found, axis=-1), sum(lfilter(b, a, summed) for b, a in SECTIONS)
+    )
+    for (b, a), states in zip(SECTIONS, kept, strict=True):
+        np.testing.assert_array_equal(states, lfilter(b, a, summed, zi=np.zeros((*shape[:-1], 2)))[1])
