@@ -16,13 +16,14 @@ SECTIONS = [
 @pytest.mark.parametrize("shape", [(400,), (2, 400), (3, 2, 400)])
 def test_responses_in_two_parts_are_those_of_scipy(shape: tuple[int, ...]) -> None:
     samples = np.random.default_rng(1).normal(size=shape)
-    taps_kept, kept = np.zeros((*shape[:-1], 2)), [np.zeros((*shape[:-1], 2)) for _ in SECTIONS]
-    found = []
+    begun, kept = np.zeros((*shape[:-1], 2)), [np.zeros((*shape[:-1], 2)) for _ in SECTIONS]
+    theirs, of_theirs = begun.copy(), [states.copy() for states in kept]
     for part in (samples[..., :137], samples[..., 137:]):
-        found.append(in_parallel(SECTIONS, moving_sum(TAPS, part, taps_kept), kept))
-    summed = lfilter(TAPS, [1.0], samples)
-    np.testing.assert_array_equal(
-        np.concatenate(found, axis=-1), sum(lfilter(b, a, summed) for b, a in SECTIONS)
-    )
-    for (b, a), states in zip(SECTIONS, kept, strict=True):
-        np.testing.assert_array_equal(states, lfilter(b, a, summed, zi=np.zeros((*shape[:-1], 2)))[1])
+        found = moving_sum(TAPS, part, begun)
+        summed, theirs = lfilter(TAPS, [1.0], part, zi=theirs)
+        np.testing.assert_array_equal(found, summed)
+        responses = [lfilter(b, a, summed, zi=zi) for (b, a), zi in zip(SECTIONS, of_theirs, strict=True)]
+        of_theirs = [zi for _, zi in responses]
+        np.testing.assert_array_equal(in_parallel(SECTIONS, found, kept), sum(out for out, _ in responses))
+        np.testing.assert_array_equal(begun, theirs)
+        np.testing.assert_array_equal(kept, of_theirs)
