@@ -50,7 +50,7 @@ _FUNCTIONS = {
     "logging": [
         "vehicle.plant.plant:Plant.signals",
         "scenarios.simulation.simulate:metrics_of",
-        "scenarios.simulation.simulate:flat_signals",
+        "scenarios.simulation.recorded_signals:RecordedSignals.whole",
         "scenarios.simulation.observer_errors:observer_errors",
         "scenarios.simulation.preview_log:decimated",
         "scenarios.simulation.preview_log:collect",

@@ -34,12 +34,13 @@ def write_text(path: Path, text: str) -> None:
 
 
 @contextmanager
-def writing(path: Path, size: int) -> Iterator[None]:
-    """Convert an OSError of the block to one that names the file and the size to be written."""
+def writing(path: Path, size: int | None) -> Iterator[None]:
+    """Convert an OSError of the block to one that names the file and the size to be written, if known."""
     try:
         yield
     except OSError as error:
-        reason = f"{error.strerror or error}; {size:,} bytes to write".replace(",", " ")
+        needed = "" if size is None else f"; {size:,} bytes to write".replace(",", " ")
+        reason = f"{error.strerror or error}{needed}"
         raise OSError(error.errno, reason, str(path)) from None
 
 

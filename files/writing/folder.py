@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 
 from foreride.files.errors import InputError, printable, shown
 from foreride.files.writing import marker
@@ -36,14 +37,24 @@ class Draft:
 
     def write(self, name: str, data: bytes | str) -> None:
         """Add a file; `name` is its path within the folder, with / as separator."""
-        content, path = data.encode() if isinstance(data, str) else data, self.folder / name
-        with writing(self.name / name, len(content)):
+        content = data.encode() if isinstance(data, str) else data
+        with self.stream(name, len(content)) as stream:
+            stream.write(content)
+
+    @contextmanager
+    def stream(self, name: str, size: int | None = None) -> Iterator[BinaryIO]:
+        """Stream of a file to be added, closed at the end of the block.
+
+        size: number of its bytes, if known, which an error tells.
+        """
+        path = self.folder / name
+        with writing(self.name / name, size):
             path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("wb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-        self.sha256[name] = marker.digest(content)
+            with path.open("wb") as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+        self.sha256[name] = marker.digest_of_file(path)
 
 
 @contextmanager

@@ -53,7 +53,7 @@ def read(folder: Path) -> Marker | None:
 
 def seal(folder: Path, kind: str) -> None:
     """Write the marker of a folder in its present state, with the checksums of all files in it."""
-    sums = {name: digest((folder / name).read_bytes()) for name in sorted(files_in(folder))}
+    sums = {name: digest_of_file(folder / name) for name in sorted(files_in(folder))}
     (folder / MARKER).write_text(Marker(kind, sums).to_json())
 
 
@@ -78,6 +78,12 @@ def verified(folder: Path, kind: str) -> dict[str, bytes]:
 def digest(data: bytes) -> str:
     """SHA-256 in hexadecimal digits."""
     return hashlib.sha256(data).hexdigest()
+
+
+def digest_of_file(path: Path) -> str:
+    """SHA-256 of a file's content, of any size."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def files_in(folder: Path) -> Iterator[str]:

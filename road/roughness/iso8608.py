@@ -102,9 +102,7 @@ def rough_surface(roughness: Roughness, length_m: float) -> RoughSurface:
     return RoughSurface(y, heights)
 
 
-def _correlated_lines(
-    n: NDArray[np.floating], y: NDArray[np.float64], seed: int
-) -> NDArray[np.complex128]:
+def _correlated_lines(n: NDArray[np.floating], y: NDArray[np.float64], seed: int) -> NDArray[np.complex128]:
     """Spectral lines (tracks, k) of wavenumbers n, E|line|^2 = 2, correlated across tracks."""
     distance, rng = np.abs(y[:, None] - y[None, :]), np.random.default_rng(seed)
     lines = np.empty((len(y), len(n)), complex)

@@ -8,7 +8,8 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.fmu.block import Port
 from foreride.scenarios.fmu.signals import signal_ports, values_now
-from foreride.scenarios.simulation.simulate import assembled, flat_signals
+from foreride.scenarios.simulation.recorded_signals import flat_signals
+from foreride.scenarios.simulation.simulate import assembled
 
 
 class LoopBlock:

@@ -16,6 +16,7 @@ from foreride.scenarios.definition.overrides import Overrides
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.gym.observation import ObservationLayout
 from foreride.scenarios.simulation.multirate_loop import Decision
+from foreride.scenarios.simulation.recorded_signals import RecordedSignals
 from foreride.scenarios.simulation.running_metrics import RunningMetrics
 from foreride.scenarios.simulation.simulate import assembled, metrics_of
 
@@ -101,7 +102,7 @@ class DamperEnv(gymnasium.Env[Array, Array]):
         except StopIteration:
             reward = self._reward()
             self.close()
-            metrics = metrics_of(self._plant.signals, self._case)
+            metrics = metrics_of(RecordedSignals(self._plant), self._case)
             return self._seen, reward, False, True, {"metrics": metrics}
         self._seen = self._observation(decision)
         return self._seen, self._reward(), False, False, {}

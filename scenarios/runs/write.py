@@ -5,11 +5,11 @@ import io
 import json
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import cv2
 import numpy as np
@@ -26,6 +26,7 @@ from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.car_notes import car_notes
 from foreride.scenarios.runs.record import RunRecord, vehicle_name
 from foreride.scenarios.simulation.preview_log import PreviewLog
+from foreride.scenarios.simulation.recorded_signals import RecordedSignals, flat_signals
 from foreride.scenarios.simulation.simulate import Run
 from foreride.vehicle.state import signal_unit
 
@@ -143,7 +144,8 @@ def write(run: Run, folder: Path) -> None:
         draft.write(MANIFEST, to_json(manifest(run)) + "\n")
         draft.write("metrics.json", to_json(run.metrics) + "\n")
         draft.write("events.jsonl", "".join(to_json(event, indent=None) + "\n" for event in run.events))
-        draft.write("signals.parquet", to_parquet(signal_table(run.signals)))
+        with draft.stream("signals.parquet") as stream:
+            write_parquet(stream, signal_tables(run.signals))
         draft.write("previews.parquet", to_parquet(preview_table(run.previews)))
         if run.memory is not None:
             draft.write("memory.yaml", memory_text(run.memory))
@@ -172,11 +174,27 @@ def _column(values: np.ndarray) -> pa.Array:
     return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), values.size, buffers)
 
 
+def signal_tables(signals: Mapping[str, np.ndarray]) -> Iterator[pa.Table]:
+    """The signals as one Arrow table, or those of a drive just simulated as one of each part."""
+    parts = map(flat_signals, signals.parts()) if isinstance(signals, RecordedSignals) else [signals]
+    return map(signal_table, parts)
+
+
 def to_parquet(table: pa.Table) -> bytes:
     """Encode the table as a Parquet file."""
     sink = io.BytesIO()
-    pq.write_table(table, sink, compression="zstd")
+    write_parquet(sink, [table])
     return sink.getvalue()
+
+
+def write_parquet(sink: BinaryIO, tables: Iterable[pa.Table]) -> None:
+    """Write the rows of tables of one schema, at least one, as a Parquet file; a row group of each."""
+    remaining = iter(tables)
+    table = next(remaining)
+    with pq.ParquetWriter(sink, table.schema, compression="zstd") as writer:
+        writer.write_table(table)
+        for table in remaining:
+            writer.write_table(table)
 
 
 def encode_jpeg(image: np.ndarray, quality: int = 85) -> bytes:

@@ -6,9 +6,9 @@ import numpy as np
 
 from foreride.controller.interface import Estimate
 from foreride.scenarios.definition.clock import ticks
+from foreride.scenarios.simulation.recorded_signals import RecordedSignals
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car
-from foreride.vehicle.state import VehicleState
 
 
 class EstimateRecord:
@@ -32,7 +32,7 @@ class EstimateRecord:
         return np.array(self._numbers).reshape(self._count, -1).T
 
 
-def observer_errors(car: Car, estimates: EstimateRecord, record: VehicleState) -> dict[str, float]:
+def observer_errors(car: Car, estimates: EstimateRecord, signals: RecordedSignals) -> dict[str, float]:
     """RMS error of each state over the drive, and over the wheels for per-wheel states; {} without estimates.
 
     Heights are compared relative to one another, because the observer's frame follows the road: rattle (body
@@ -42,17 +42,17 @@ def observer_errors(car: Car, estimates: EstimateRecord, record: VehicleState) -
         return {}
     times_s, *_ = columns = estimates.columns()
     estimated, road, in_contact = np.split(columns[1:], [-2 * car.wheels, -car.wheels])
-    tick_indices = [ticks(time_s) for time_s in times_s.tolist()]
-    simulated = record.x[:, tick_indices]
+    simulated, simulated_road, tyre_force = signals.whole(
+        lambda part: {"x": part.x, "road": part.road_height, "force": part.tyre_force},
+        [ticks(time_s) for time_s in times_s.tolist()],
+    ).values()
     estimated_motion, simulated_motion = equations.motion(car, estimated), equations.motion(car, simulated)
     travel, rate = (
         a - b for a, b in zip(equations.rattle(car, estimated), equations.rattle(car, simulated), strict=True)
     )
     estimated_deflection = road - np.array(estimated_motion.wheel)
-    deflection = estimated_deflection - (
-        record.road_height[:, tick_indices] - np.array(simulated_motion.wheel)
-    )
-    contact = (in_contact > 0.0) & (record.tyre_force[:, tick_indices] > 0.0)
+    deflection = estimated_deflection - (simulated_road - np.array(simulated_motion.wheel))
+    contact = (in_contact > 0.0) & (tyre_force > 0.0)
     motions = ("heave_velocity", "pitch_rate", "roll_rate")[: len(car.generalised_mass)]
     errors = {
         "rattle_m": travel,

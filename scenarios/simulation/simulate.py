@@ -1,7 +1,7 @@
 """Multirate closed-loop simulation: plant at 1 kHz, controller and camera at their own rates."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
@@ -23,6 +23,7 @@ from foreride.scenarios.simulation.multirate_loop import MultirateLoop
 from foreride.scenarios.simulation.observer_errors import observer_errors
 from foreride.scenarios.simulation.plants import build_plant
 from foreride.scenarios.simulation.preview_log import PreviewLog, collect
+from foreride.scenarios.simulation.recorded_signals import RecordedSignals
 from foreride.scenarios.simulation.referenced_files import hashes
 from foreride.scenarios.simulation.wheel_profiles import wheel_profiles
 from foreride.vehicle.energy_audit import energy_audit
@@ -50,7 +51,7 @@ class Run:
     """
 
     case: Case
-    signals: dict[str, np.ndarray]
+    signals: Mapping[str, np.ndarray]
     metrics: dict[str, float]
     events: list[Event]
     solver: dict[str, Any]
@@ -98,16 +99,16 @@ def simulate(
         failed = f"{error} at {plant.state.time_s:.3f} s"
     finally:
         perception.close()
-    record = plant.signals
+    signals = RecordedSignals(plant)
     wall_s = perf_counter() - started
-    timing = {"wall_s": wall_s, "real_time_factor": float(record.time_s[-1]) / wall_s}
+    timing = {"wall_s": wall_s, "real_time_factor": plant.state.time_s / wall_s}
     run = Run(
         case=case,
-        signals=flat_signals(record),
-        metrics=metrics_of(record, case) if failed is None else _metrics_of_part(record, case),
+        signals=signals,
+        metrics=metrics_of(signals, case) if failed is None else _metrics_of_part(signals, case),
         events=loop.events,
         solver=loop.solver,
-        observer=observer_errors(control_model(car), loop.estimates, record),
+        observer=observer_errors(control_model(car), loop.estimates, signals),
         perception_stats=perception.stats(),
         timing=timing | loop.timing | perception.timing(),
         files_sha256=files_sha256,
@@ -140,44 +141,43 @@ def assembled(
     return MultirateLoop(case, plant, delivered, perception, faults, controller), plant, perception
 
 
-def metrics_of(record: VehicleState, case: Case) -> dict[str, float]:
+def metrics_of(signals: RecordedSignals, case: Case) -> dict[str, float]:
     """Ride metrics of a recorded drive, with its energy audit (`vehicle.energy_audit`) and added metrics."""
     car = case.scenario.true_car
     ride = ride_metrics(
         TICKS_PER_SECOND,
-        seat_acc=record.seat_acc,
-        rattle=record.rattle_m,
-        tyre_force=record.tyre_force,
-        static_tyre_force=record.static_tyre_force[:, 0],
-        damper_power=-record.damper_force * record.rattle_velocity,
+        **signals.whole(_ride_signals),
+        static_tyre_force=next(signals.parts()).static_tyre_force[:, 0],
         stop_gap_m=np.array([corner.stop_gap_m for corner in car.corners]),
         rebound_gap_m=np.array([corner.rebound_gap_m for corner in car.corners]),
-        pitch_acc=record.pitch_acc,
-        roll_acc=record.roll_acc,
         rho=case.scenario.tyre_load_weight,
     )
-    own = ride | energy_audit(car, record)
-    added = added_metrics(flat_signals(record), TICKS_PER_SECOND)
+    own = ride | energy_audit(car, **signals.whole(_audited_signals))
+    added = added_metrics(signals, TICKS_PER_SECOND)
     if taken := own.keys() & added.keys():
         raise InputError(f"metric {min(taken)}: the name is taken by foreride")
     return own | added
 
 
-def _metrics_of_part(record: VehicleState, case: Case) -> dict[str, float]:
+def _ride_signals(part: VehicleState) -> dict[str, np.ndarray]:
+    return {
+        "seat_acc": part.seat_acc,
+        "rattle": part.rattle_m,
+        "tyre_force": part.tyre_force,
+        "damper_power": -part.damper_force * part.rattle_velocity,
+        "pitch_acc": part.pitch_acc,
+        "roll_acc": part.roll_acc,
+    }
+
+
+def _audited_signals(part: VehicleState) -> dict[str, np.ndarray]:
+    names = "damper_force", "rattle_velocity", "damping", "actuator_force"
+    return {name: getattr(part, name) for name in names}
+
+
+def _metrics_of_part(signals: RecordedSignals, case: Case) -> dict[str, float]:
     """Ride metrics of a drive that ended early; none if it is too short for them."""
     try:
-        return metrics_of(record, case)
+        return metrics_of(signals, case)
     except ValueError:  # filters and windows need some length
         return {}
-
-
-def flat_signals(record: VehicleState) -> dict[str, np.ndarray]:
-    """Signals as one array of length n per name; rows of per-wheel and per-seat signals get their index."""
-    flat: dict[str, np.ndarray] = {}
-    for field in fields(record):
-        values = np.asarray(getattr(record, field.name), dtype=float)
-        if values.ndim == 1:
-            flat[field.name] = values
-        elif field.name != "x":
-            flat |= {f"{field.name}_{index}": row for index, row in enumerate(values)}
-    return flat

@@ -52,7 +52,6 @@ def test_a_run_leaves_nothing_half_written(short: Path, capsys: pytest.CaptureFi
     told = one_line(capsys)
     assert "File too large" in told
     assert "signals.parquet" in told
-    assert "bytes to write" in told
     assert [path.name for path in out.rglob("*")] == ["foreride.json"]
 
 

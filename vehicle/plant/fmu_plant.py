@@ -88,8 +88,7 @@ class FmuPlant(Plant):
             if done := len(failure.outputs):
                 first = self._driven_ticks
                 request = np.array(command, float)
-                self._commands.append(request if request.shape == self._shape else self._pad_command(request))
-                self._hold_ticks.append(done)
+                self._hold(request if request.shape == self._shape else self._pad_command(request), done)
                 self._row = self._rows[first + done - 1]
                 self._driven_ticks, self._tick, self._observed = first + done, self._tick + done, None
             raise

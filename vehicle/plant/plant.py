@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from foreride.files.errors import InputError
 from foreride.vehicle.clock import RATE_HZ, STEP_S
@@ -33,11 +33,25 @@ _CHUNK = 1000  # ticks of road prepared at once: lookup tick by tick would cost 
 
 
 class _Segment(NamedTuple):
-    """Segment of a drive: position, speed and, if any, acceleration at the ends of its ticks, (n,)."""
+    """Segment of a drive: motion (n,) and the engine's rows (n, size) at the ends of its ticks, commands.
+
+    commands: (k, inputs), each held over as many ticks as hold_ticks (k,) says.
+    """
 
     x_m: Array
     speed_m_s: Array
     forward_acc: Array | None
+    rows: Array
+    commands: Array
+    hold_ticks: NDArray[np.int64]
+
+    def part(self, first: int, last: int) -> "_Segment":
+        """The ticks from `first` up to `last`, each with its command."""
+        ticks = slice(max(first, 0), last)
+        acc = None if self.forward_acc is None else self.forward_acc[ticks]
+        commands = np.repeat(self.commands, self.hold_ticks, axis=0)[ticks]
+        motion = self.x_m[ticks], self.speed_m_s[ticks], acc
+        return _Segment(*motion, self.rows[ticks], commands, np.ones(len(commands), dtype=np.int64))
 
 
 class Plant:
@@ -81,8 +95,9 @@ class Plant:
         passive = np.zeros(self._inputs)
         passive[:wheels] = [corner.damping_passive_ns_m for corner in self.parameters.corners]
         self._row = self._standing(float(x_m), passive, grade * self.speed_m_s)
-        self._segments, self._recorded_rows = [self._segment_between(slice(0, 1))], [self._row[None]]
-        self._commands, self._hold_ticks = [passive], [1]
+        self._command, rows = passive, self._row[None]
+        standing = *self._motion_between(slice(0, 1)), rows, passive[None], np.ones(1, dtype=np.int64)
+        self._segments = [_Segment(*standing)]
         self._observed: VehicleState | None = None  # cache of the last observed state
 
     @property
@@ -127,8 +142,7 @@ class Plant:
             control[self._forces] = request[wheels:]
         self._row = self._engine.advance(self._row, control, self._rows[tick_slice])
         self._driven_ticks, self._tick, self._observed = last, self._tick + ticks, None
-        self._commands.append(request)
-        self._hold_ticks.append(ticks)
+        self._hold(request, ticks)
         engine_time_s = self._row.item(0)
         if not engine_time_s >= (self._tick - 0.5) * STEP_S:  # the clock stops if a step fails
             raise InputError(
@@ -140,41 +154,51 @@ class Plant:
         """Present state of the car."""
         if self._observed is None:
             x_m, speed_m_s, acc = (
-                self._segment_between(slice(self._driven_ticks, self._driven_ticks + 1))
+                self._motion_between(slice(self._driven_ticks, self._driven_ticks + 1))
                 if self._driven_ticks
-                else self._segments[-1]
+                else self._segments[-1][:3]
             )
             forward = 0.0 if acc is None else float(acc[-1])
             place, speed = float(x_m[-1]), float(speed_m_s[-1])
             road = road_under(self.parameters, self._profiles, place, speed)
             motion = self._tick / RATE_HZ, place, speed, forward
-            self._observed = self._instant(*motion, self._row[self._order], self._commands[-1], road)
+            self._observed = self._instant(*motion, self._row[self._order], self._command, road)
         return self._observed
 
     @property
     def signals(self) -> VehicleState:
         """Signals of the car at every tick since `reset`, including the standstill; n = ticks + 1."""
-        return self.recent(self._tick + 1)
+        return self.between(0, self.recorded_ticks)
+
+    @property
+    def recorded_ticks(self) -> int:
+        """Number of the ticks at whose ends signals are recorded, with the standstill before the first."""
+        return self._tick + 1
 
     def recent(self, ticks: int) -> VehicleState:
         """Signals of the car at the ends of its last `ticks` ticks; n = ticks."""
-        driven = slice(1, self._driven_ticks + 1)
-        segments = [*self._segments, self._segment_between(driven)]
-        recorded = [*self._recorded_rows, self._rows[: self._driven_ticks]]
-        first = _first_of_last([len(rows) for rows in recorded], ticks)
-        segments, recorded = segments[first:], recorded[first:]
-        first = _first_of_last(self._hold_ticks, ticks)
-        commands = np.repeat(self._commands[first:], self._hold_ticks[first:], axis=0)
+        return self.between(self.recorded_ticks - ticks, self.recorded_ticks)
+
+    def between(self, first: int, last: int) -> VehicleState:
+        """Those of the `recorded_ticks` from number `first` up to `last`; n = last - first."""
+        recorded = [*self._segments, self._driven_segment()]
+        starts = np.cumsum([0, *(len(segment.rows) for segment in recorded)]).tolist()
+        parts = [
+            segment.part(first - start, last - start)
+            for segment, start in zip(recorded, starts, strict=False)
+            if start < last and start + len(segment.rows) > first
+        ]
+        x_m, speed_m_s, acc, rows, commands, _ = zip(*parts, strict=True)
         forward = None
-        if any(segment.forward_acc is not None for segment in segments):
-            parts = [np.zeros(len(g.x_m)) if g.forward_acc is None else g.forward_acc for g in segments]
-            forward = np.concatenate(parts)[-ticks:]
+        if any(segment.forward_acc is not None for segment in recorded):
+            pairs = zip(acc, x_m, strict=True)
+            forward = np.concatenate([np.zeros(len(x)) if known is None else known for known, x in pairs])
         return self._observe(
-            np.arange(self._tick + 1 - ticks, self._tick + 1) / RATE_HZ,
-            np.concatenate([segment.x_m for segment in segments])[-ticks:],
-            np.concatenate([segment.speed_m_s for segment in segments])[-ticks:],
-            np.concatenate(recorded)[-ticks:, self._order].T,
-            commands[-ticks:].T,
+            np.arange(first, last) / RATE_HZ,
+            np.concatenate(x_m),
+            np.concatenate(speed_m_s),
+            np.concatenate(rows)[:, self._order].T,
+            np.concatenate(commands).T,
             forward,
         )
 
@@ -188,10 +212,16 @@ class Plant:
         row[self._order] = start
         return row
 
-    def _segment_between(self, edges: slice) -> _Segment:
-        """Longitudinal motion at these tick boundaries of the current stretch."""
+    def _motion_between(self, edges: slice) -> tuple[Array, Array, Array | None]:
+        """Position, speed and acceleration at these tick boundaries of the current stretch."""
         x_m, _, speed_m_s, acc = self._stretch
-        return _Segment(x_m[edges], speed_m_s[edges], None if acc is None else acc[edges])
+        return x_m[edges], speed_m_s[edges], None if acc is None else acc[edges]
+
+    def _hold(self, command: Array, ticks: int) -> None:
+        """Note the command of these ticks."""
+        self._command = command
+        self._commands.append(command)
+        self._hold_ticks.append(ticks)
 
     def _observe(
         self, time_s: Any, x_m: Any, speed_m_s: Any, x: Any, command: Array, acc: Any
@@ -206,11 +236,17 @@ class Plant:
             raise InputError(f"command must hold {expected} values, got shape {command.shape}")
         return np.concatenate([command, np.zeros(self._inputs - self._wheels)])
 
+    def _driven_segment(self) -> _Segment:
+        """The driven part of the prepared road."""
+        motion = self._motion_between(slice(1, self._driven_ticks + 1))
+        commands = np.array(self._commands).reshape(-1, self._inputs)
+        held = np.array(self._hold_ticks, dtype=np.int64)
+        return _Segment(*motion, self._rows[: self._driven_ticks], commands, held)
+
     def _finish_segment(self) -> None:
         """Record the part of the prepared road that has been driven."""
         if self._driven_ticks:
-            self._segments.append(self._segment_between(slice(1, self._driven_ticks + 1)))
-            self._recorded_rows.append(self._rows[: self._driven_ticks])
+            self._segments.append(self._driven_segment())
 
     def _prepare(self, speed: float | Motion, x_m: float, ticks: int = _CHUNK) -> None:
         """Prepare motion, road forces and pitching moment for the next ticks from x_m on."""
@@ -219,6 +255,8 @@ class Plant:
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
         self._control = self._controls(stretch)
         self._rows: Array = np.empty((self._prepared, self._engine.size))
+        self._commands: list[Array] = []
+        self._hold_ticks: list[int] = []
 
     def _controls(self, stretch: MotionSamples) -> Array:
         """Controls of the engine in each tick of a stretch, without the commands."""
@@ -230,15 +268,6 @@ class Plant:
             arm = self.parameters.generalised_mass[0] * self.parameters.inertial_lever_arm_m[1]
             control[:, -1] = -arm * np.diff(stretch.speed_m_s) / STEP_S
         return control
-
-
-def _first_of_last(lengths: Sequence[int], ticks: int) -> int:
-    """First of the parts of these lengths whose tail holds the last `ticks` ticks."""
-    first = len(lengths)
-    while first > 0 and ticks > 0:
-        first -= 1
-        ticks -= lengths[first]
-    return first
 
 
 def standstill_state(parameters: Car, road_height: list[float]) -> Array:

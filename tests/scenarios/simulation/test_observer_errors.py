@@ -14,23 +14,23 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.runs.write import manifest, row
 from foreride.scenarios.simulation.observer_errors import EstimateRecord, observer_errors
+from foreride.scenarios.simulation.recorded_signals import RecordedSignals
 from foreride.scenarios.simulation.simulate import simulate
 from foreride.vehicle.load import load_vehicle
 from foreride.vehicle.plant.plant import Plant
-from foreride.vehicle.state import VehicleState
 
 CAR = load_vehicle("half")
 SHORT = ["road.length_m=30", "road.features.0.start_m=10"]
 
 
-def drive() -> tuple[list[Estimate], VehicleState]:
+def drive() -> tuple[list[Estimate], RecordedSignals]:
     plant = Plant(CAR)
     plant.reset([wheel_profile(Road(30.0, (HalfSineBump(5.0, 0.05, 0.5),)), -0.75)] * 2, 2.0, 10.0)
     estimates = []
     for _ in range(100):
         estimates.append(exact_estimate(plant.state))
         plant.step([1500.0, 1500.0], 5)
-    return estimates, plant.signals
+    return estimates, RecordedSignals(plant)
 
 
 def recorded(estimates: list[Estimate]) -> EstimateRecord:
