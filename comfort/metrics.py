@@ -76,7 +76,8 @@ def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, 
     # The seat is rigidly attached: its motion and the rotations give those of backrest and feet.
     # Pitch and roll axes are taken at seat height, where a car's centre of gravity is.
     motions = (body_motion(seats[..., seat, :], pitch, roll) for seat in range(seats.shape[-2]))
-    totals = [total_value(axis_values(rate, SeatedPerson.at(0.0), *motion)) for motion in motions]
+    by_seat = [axis_values(rate, SeatedPerson.at(0.0), *motion) for motion in motions]
+    by_axis = {axis: np.stack([values[axis] for values in by_seat], axis=-1) for axis in by_seat[0]}
     weighted = weight(seats, rate, "Wk")
     return {
         "wk_rms": _rms(weighted),
@@ -84,7 +85,7 @@ def _comfort(rate: float, seats: Array, pitch: Array, roll: Array) -> dict[str, 
         "evdv": evdv(weighted, rate, None).max(axis=-1),
         "mtvv": mtvv(weighted, rate, None).max(axis=-1),
         "crest_factor": crest_factor(weighted, rate, None).max(axis=-1),
-        "vibration_total": np.max(totals, axis=0),
+        "vibration_total": total_value(by_axis).max(axis=-1),
         "peak_acc": np.abs(seats).max(axis=(-2, -1)),
         "pitch_acc_rms": np.sqrt(np.mean(pitch**2, axis=-1)),
         "roll_acc_rms": np.sqrt(np.mean(roll**2, axis=-1)),
