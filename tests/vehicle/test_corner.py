@@ -8,7 +8,8 @@ import pytest
 from foreride.files.errors import InputError
 from foreride.vehicle.corner import Corner, require_damping_order
 from foreride.vehicle.dampers.damper import MrTanhDamper, ValveDamper
-from foreride.vehicle.load import load_vehicle
+from foreride.vehicle.load import FullCar, HalfCar, load_vehicle
+from foreride.vehicle.spring_table import SpringTable
 
 QUARTER, HALF, FULL = load_vehicle("quarter"), load_vehicle("half"), load_vehicle("full")
 G = 9.80665
@@ -104,3 +105,14 @@ def test_corners_are_compared_by_their_values() -> None:
     assert isinstance(QUARTER.corners[0], Corner)
     assert replace(QUARTER).corners == QUARTER.corners
     assert replace(QUARTER, tyre_n_m=200e3).corners != QUARTER.corners
+
+
+@pytest.mark.parametrize("car", [HALF, FULL], ids=["half", "full"])
+def test_each_axle_has_a_spring_table_of_its_own(car: HalfCar | FullCar) -> None:
+    half = car.wheels // 2
+    loads = [corner.body_load_n for corner in car.corners][::half]
+    tables = tuple(SpringTable((0.0, 2.0 * load / 21e3), (0.0, 2.0 * load)) for load in loads)
+    changed = replace(car, spring_n_m=(21e3, 21e3), spring_table=tables)
+    assert [corner.spring_table for corner in changed.corners] == [
+        tables[i // half] for i in range(car.wheels)
+    ]

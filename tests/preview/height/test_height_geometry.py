@@ -139,6 +139,8 @@ def test_each_second_row_is_a_sample_of_place_height_and_their_deviations(stereo
     q, x = bumpy(view, pose, track.start_m, track.end_m)
     ones = np.ones_like(q)
     weight = np.tile(np.linspace(50.0, 200.0, q.shape[1]), (len(q), 1))
+    bottom = float(np.arctan2(pose.z, 5.5))
+    track.bearings = [EdgeBearings(0.0, pose.x, pose.z, bottom, bottom - 0.01, 1e-3, 1e-3)]
     field = StructureField(q.astype(np.float32), weight, np.stack([80.0 * ones, 60.0 * ones]), 3.0)
     found = gauge._profile(pose, view, field, stereo, track, [track])
     assert found is not None
@@ -159,7 +161,9 @@ def test_each_second_row_is_a_sample_of_place_height_and_their_deviations(stereo
         ratio = rows.sigma_m / (view.height_m * sigma_px / 100.0)
         np.testing.assert_allclose(ratio, ratio[0], rtol=1e-3)
         assert ratio[0] >= 1.0 - 1e-6
-    assert edge is None
+    assert (edge is not None) == stereo
+    if edge is not None:
+        assert edge.x_m == pytest.approx(pose.x + 5.5, abs=0.05)
 
 
 def test_a_quiet_pair_has_the_noise_of_a_grey_level_at_least_and_a_narrow_band_no_samples() -> None:

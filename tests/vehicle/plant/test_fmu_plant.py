@@ -176,6 +176,7 @@ def test_after_a_failed_step_the_drive_ends_before_it(monkeypatch: pytest.Monkey
         plant.step([1000.0, 2000.0], 5)
     assert len(plant.signals.time_s) == 9
     assert plant.state.time_s == pytest.approx(0.008)
+    assert plant.state.heave_m == pytest.approx(8.0)
     np.testing.assert_allclose(plant.signals.heave_m, np.arange(9.0))
     with pytest.raises(FmuFailed):
         plant.step([1000.0, 2000.0], 5)
