@@ -35,6 +35,7 @@ _MOST_SETS = 12
 _BOUND_TOLERANCE, _SLOPE_TOLERANCE = 1e-10, 1e-12
 """By how much a free entry may leave its bounds, and a fixed one pull away from its bound."""
 _AT_LOW, _AT_HIGH = 3, 1  # DAQP's flags of an active bound
+OPTIMAL = 1
 _STATUS = {-1: "infeasible", -2: "cycling", -3: "unbounded", -4: "iteration limit", -5: "nonconvex"}
 
 
@@ -53,34 +54,41 @@ def solve_box(
     n = len(gradient)
     if not _is_finite(hessian, gradient):
         return Solution(np.zeros(n), "not finite")
+    x, status = minimise(hessian, gradient, low, high, rows)
+    if status != OPTIMAL:
+        return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
+    error = _clip(x, low, high)
+    if rows is not None:
+        row_values = rows.matrix @ x
+        error = max(error, np.maximum(row_values - rows.high, rows.low - row_values).max(initial=0.0))
+    if not error <= FEASIBILITY_TOLERANCE:
+        return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
+    return Solution(x, None)
+
+
+def minimise(
+    hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: ConstraintRows | None
+) -> tuple[np.ndarray, int]:
+    """The method's answer and its status, one of DAQP's; neither is checked."""
     if rows is None:
-        x = np.empty(n)
+        x = np.empty(len(gradient))
         with suppress(np.linalg.LinAlgError):
             if _solve_bounds(hessian, gradient, low, high, x):
-                return Solution(x, None)
+                return x, OPTIMAL
     return _solve_by_daqp(hessian, gradient, low, high, rows)
 
 
 def _solve_by_daqp(
     hessian: np.ndarray, gradient: np.ndarray, low: np.ndarray, high: np.ndarray, rows: ConstraintRows | None
-) -> Solution:
-    n = len(gradient)
-    matrix, lower, upper = np.zeros((0, n)), low, high
+) -> tuple[np.ndarray, int]:
+    matrix, lower, upper = np.zeros((0, len(gradient))), low, high
     if rows is not None:
         matrix = rows.matrix
         lower, upper = np.concatenate([low, rows.low]), np.concatenate([high, rows.high])
     working = np.zeros(len(lower), dtype=np.intc)
     _start_at_bounds(low, high, working)
     x, _, status, _ = daqp.solve(hessian, gradient, matrix, upper, lower, working)
-    if status != 1:
-        return Solution(np.zeros(n), _STATUS.get(status, f"status {status}"))
-    error = _clip(x, low, high)
-    if rows is not None:
-        row_values = matrix @ x
-        error = max(error, np.maximum(row_values - rows.high, rows.low - row_values).max(initial=0.0))
-    if not error <= FEASIBILITY_TOLERANCE:
-        return Solution(np.zeros(n), "outside its bounds" if np.isfinite(error) else "not finite")
-    return Solution(x, None)
+    return x, status
 
 
 @njit

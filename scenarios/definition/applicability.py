@@ -46,8 +46,13 @@ def require_applicable(
             raise _refusal(f"control.settings.mpc.force.{name}", car, "actuator", value)
 
 
+def measures(car: Car, channel: str) -> bool:
+    """Whether the car can move as this channel of its sensors measures."""
+    return len(car.generalised_mass) >= MOTIONS.get(channel, 0)
+
+
 def _require_sensor(car: Car, fault: SensorFault, location: str) -> None:
-    if len(car.generalised_mass) < MOTIONS.get(fault.channel, 0):
+    if not measures(car, fault.channel):
         raise _refusal(f"{location}.channel", car, fault.channel.removesuffix("_rate"), fault.channel)
     highest = car.wheels - 1 if fault.channel in PER_WHEEL else 0
     if fault.wheel > highest:

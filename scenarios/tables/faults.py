@@ -11,13 +11,14 @@ from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
 
-import daqp
 import numpy as np
 
 from foreride.controller.interface import Estimate
+from foreride.controller.mpc import qp
 from foreride.controller.mpc.controller import PredictiveController
 from foreride.files.writing.targets import check_files
 from foreride.preview.road_preview import RoadPreview
+from foreride.scenarios.definition.applicability import measures
 from foreride.scenarios.definition.faults import Fault, LateAnswers, PreviewFault, SensorFault
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.definition.sets import load_all
@@ -28,12 +29,12 @@ AHEAD_S, WINDOW_S = 0.2, 1.0
 LIMIT = 1.02
 CHANNELS = ("body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s")
 
-Answer = Callable[[Any], tuple]
-"""Maps the solver's result (x, value, status, info) to that of a faulty solver."""
+Answer = Callable[[tuple[np.ndarray, int]], tuple[np.ndarray, int]]
+"""Maps the solver's answer and status to those of a faulty solver."""
 
 SOLVER: dict[str, Answer] = {
-    "solver fails": lambda found: (found[0], found[1], -4, found[3]),
-    "solver answers NaN": lambda found: (np.full_like(found[0], np.nan), *found[1:]),
+    "solver fails": lambda found: (found[0], -4),
+    "solver answers NaN": lambda found: (np.full_like(found[0], np.nan), found[1]),
 }
 
 
@@ -59,6 +60,16 @@ def start_s(scenario: Scenario) -> float:
     return max(0.0, (reach_m - scenario.start_m) / scenario.speed_m_s - AHEAD_S)
 
 
+def names_for(scenarios: Sequence[Scenario]) -> list[str]:
+    """Names of all faults that the cars of these scenarios can have."""
+    cars = [scenario.vehicle.parameters for scenario in scenarios]
+    return [
+        name
+        for name, fault in faults(0.0).items()
+        if not isinstance(fault, SensorFault) or all(measures(car, fault.channel) for car in cars)
+    ] + [*SOLVER]
+
+
 @contextmanager
 def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
     """Context in which the solver returns faulty results during the scenario's window.
@@ -66,20 +77,20 @@ def broken_solver(answer: Answer, scenario: Scenario) -> Iterator[None]:
     A step may call the solver more than once, so the window refers to the time of the step.
     """
     rate_hz, begin, now_s = scenario.control.rate_hz, start_s(scenario), 0.0
-    sound, ask = daqp.solve, PredictiveController.step
+    sound, ask = qp.minimise, PredictiveController.step
 
     def step(controller: PredictiveController, estimate: Estimate, preview: RoadPreview | None) -> np.ndarray:
         nonlocal now_s
         now_s = round(estimate.time_s * rate_hz) / rate_hz
         return ask(controller, estimate, preview)
 
-    def solve(*program: Any) -> tuple:
+    def solve(*program: Any) -> tuple[np.ndarray, int]:
         found = sound(*program)
         return answer(found) if begin <= now_s < begin + WINDOW_S else found
 
     with (
         patch.object(PredictiveController, "step", step),
-        patch("foreride.controller.mpc.qp.daqp.solve", solve),
+        patch.object(qp, "minimise", solve),
     ):
         yield
 
@@ -102,7 +113,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     check_files(asked.json)
     scenarios = load_all(asked.events, selected_overrides(asked))
-    known = [*faults(0.0), *SOLVER]
+    known = names_for(scenarios)
     names = parse_words("--lines", asked.lines, known) if asked.lines else known
     wanted = [variant for name in ("no fault", *names) for variant in variants(name, scenarios)]
     done = run_all(wanted, whole_numbers("--seeds", asked.seeds), asked.read)

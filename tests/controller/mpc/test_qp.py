@@ -68,8 +68,9 @@ def test_both_methods_find_the_same_solution(n: int) -> None:
         low, high = -rng.uniform(0.0, 1.0, n).round(1), rng.uniform(0.0, 1.0, n).round(1)
         found = np.empty(n)
         assert qp._solve_bounds(hessian, gradient, low, high, found)
-        other = qp._solve_by_daqp(hessian, gradient, low, high, None)
-        np.testing.assert_allclose(found, other.x, atol=1e-9)
+        other, status = qp._solve_by_daqp(hessian, gradient, low, high, None)
+        assert status == qp.OPTIMAL
+        np.testing.assert_allclose(found, other, atol=1e-9)
         slope = hessian @ found + gradient
         assert np.all((np.abs(slope) < 1e-9) | (slope > 0) & (found == low) | (slope < 0) & (found == high))
 

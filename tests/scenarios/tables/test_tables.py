@@ -14,7 +14,7 @@ from foreride.scenarios.definition.loading import load
 from foreride.scenarios.definition.schema import Scenario
 from foreride.scenarios.runs.write import to_json
 from foreride.scenarios.simulation.simulate import simulate
-from foreride.scenarios.tables.faults import SOLVER, WINDOW_S, broken_solver, start_s
+from foreride.scenarios.tables.faults import SOLVER, WINDOW_S, broken_solver, names_for, start_s, variants
 from foreride.scenarios.tables.runs import Variant, run_all, settings, write
 
 SHORT = """
@@ -154,3 +154,17 @@ def test_random_drives_are_drawn_from_their_number_and_resumed(tmp_path: Path) -
     again, second = rows.read_text().splitlines()
     assert again == first
     assert [json.loads(row)["drive"] for row in (first, second)] == [0, 1]
+
+
+@pytest.mark.parametrize(
+    ("model", "without"), [("quarter", {"pitch_rate stuck", "pitch_rate silent"}), ("half", set())]
+)
+def test_the_table_of_faults_has_each_fault_that_the_car_can_have(
+    tmp_path: Path, model: str, without: set[str]
+) -> None:
+    (tmp_path / "short.yaml").write_text(SHORT)
+    scenarios = [load(str(tmp_path / "short.yaml"), [f"vehicle.model={model}"])]
+    names = names_for(scenarios)
+    assert set(names_for([])) - set(names) == without
+    for name in names:
+        assert len(variants(name, scenarios)) == 2
