@@ -33,7 +33,7 @@ STUDIED = ("hump_flat_30", "pothole_60x8_40")
 SWEEPS: dict[str, tuple[float, ...]] = {
     "oracle.bias_m": (-0.6, -0.4, -0.2, -0.1, 0.0, 0.1, 0.2, 0.4, 0.6),
     "oracle.height_gain": (0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0),
-    "control.settings.mpc.horizon_s": (0.03, 0.05, 0.1, 0.15, 0.2, 0.3),
+    "control.settings.mpc.horizon_s": (0.03, 0.05, 0.1, 0.15, 0.2, 0.3, 0.6),
 }
 TITLES = {
     "oracle.bias_m": "obstacle believed farther ahead by (m)",
