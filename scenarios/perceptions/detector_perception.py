@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from foreride.detector.runtime import Detector
+from foreride.files.allocator import share_heap
 from foreride.files.errors import InputError
 from foreride.files.own_code import error_text, location, say_once
 from foreride.preview.estimator import Estimator
@@ -67,6 +68,7 @@ class DetectorPerception(Perception):
         self._keep_images, self._correct, self._detection = keep_images, correct, detection
         self._latency = ticks(latency_s)
         self._failed = 0
+        share_heap()
         self._exposing, self._detecting = ThreadPoolExecutor(1), ThreadPoolExecutor(1)
         self._pending: deque[tuple[int, Future[Exposure]]] = deque()
         self.estimator_s: list[float] = []
