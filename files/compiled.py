@@ -9,7 +9,7 @@ from pathlib import Path
 
 from foreride.files.cache import cache_folder, temporary_folder, writable
 
-PACKAGES = ("files", "road", "preview", "controller", "vehicle")
+PACKAGES = ("files", "road", "preview", "controller", "vehicle", "comfort", "scenarios")
 """Packages with compiled functions."""
 SOURCE = Path(__file__).resolve().parents[1]
 """Folder of all packages."""
