@@ -11,6 +11,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from foreride.detector.data.crops import ZOOM, TrainingView, part_view
+from foreride.detector.data.light import coloured, hazy, shadowed
 from foreride.detector.data.litter import litter
 from foreride.detector.data.mosaic import mosaic_view
 from foreride.detector.data.weather import fog, rain, snow
@@ -68,24 +69,11 @@ def training_view(
         boxes[:, [0, 2]] = width - boxes[:, [2, 0]]
     if augmentation.litter and rng.random() < augmentation.litter:
         image = litter(image, rng.random() ** 2, rng)
-    image = _light(image, rng)
+    image = hazy(shadowed(coloured(image, rng), rng), rng)
     if augmentation.weather and rng.random() < augmentation.weather:
         effect = (rain, snow, fog)[rng.integers(3)]
         image = effect(image, rng.random(), rng)
     return TrainingView(_sensor(image, rng), classes, boxes)
-
-
-def _light(image: NDArray, rng: Generator) -> NDArray:
-    """Photometric jitter: gamma, contrast, brightness and colour cast as one table per channel."""
-    levels = np.arange(256) / 255
-    gamma, contrast, shift = np.exp(rng.normal(0, 0.2)), np.exp(rng.normal(0, 0.2)), rng.normal(0, 0.06)
-    cast = np.exp(rng.normal(0, 0.04, 3))
-    curve = ((levels**gamma)[:, None] * cast - 0.5) * contrast + 0.5 + shift
-    table = (curve.clip(0, 1) * 255).astype(np.uint8)
-    image = cv2.LUT(np.ascontiguousarray(image), table[None])
-    if rng.random() < 0.1:
-        image = cv2.cvtColor(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), cv2.COLOR_GRAY2RGB)
-    return image.astype(np.uint8, copy=False)
 
 
 def _sensor(image: NDArray, rng: Generator) -> NDArray[np.uint8]:
