@@ -39,14 +39,14 @@ def _parts(value: Any, importer: str) -> Iterator[bytes]:
     elif isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
         yield repr(value._fields).encode()
     elif isinstance(value, ModuleType) and value.__name__.startswith("foreride."):
-        yield _module(value.__name__)
+        yield module_stamp(value.__name__)
     elif (function := getattr(value, "py_func", None)) and function.__module__ != importer:
-        yield _module(function.__module__)
+        yield module_stamp(function.__module__)
 
 
 @cache
-def _module(name: str) -> bytes:
-    """Hash of an imported module: its file, and what its functions take from others."""
+def module_stamp(name: str) -> bytes:
+    """Hash of an imported module: its file, and what its compiled functions take from others."""
     module = sys.modules[name]
     source = Path(module.__file__ or "")
     return hashlib.sha256((source.read_bytes() if source.is_file() else b"") + stamp(vars(module))).digest()

@@ -2,7 +2,7 @@
 
 CasADi interprets its instructions one by one; here each becomes an LLVM instruction, for one point or for
 several side by side in the processor's vector registers. Nothing is reordered or contracted, so the results
-equal CasADi's bit for bit. The compiler is llvmlite, which Numba installs.
+equal CasADi's bit for bit. The compiler is llvmlite, which Numba installs; the object code is cached.
 """
 
 import ctypes
@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import casadi
+import llvmlite
 import llvmlite.binding as llvm
 import numpy as np
 from llvmlite import ir
@@ -18,6 +19,8 @@ from numba import types
 from numba.extending import intrinsic
 
 from foreride.files.jit import njit
+from foreride.files.object_code import object_code
+from foreride.files.stamp import module_stamp
 
 llvm.initialize_native_target()
 llvm.initialize_native_asmprinter()
@@ -61,13 +64,7 @@ class CompiledFunction:
     """
 
     def __init__(self, function: casadi.Function, lanes: int = 1):
-        module = llvm.parse_assembly(_module(function, lanes))
-        # One level halves the run time or better; more would only take longer to compile.
-        machine = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=1
-        )
-        engine = llvm.create_mcjit_compiler(module, machine)
-        engine.finalize_object()
+        engine = _loaded(function, lanes)
         self.address = engine.get_function_address("kernel")
         self._run = _SIGNATURE(self.address)
         self._run.engine = engine  # type: ignore[attr-defined]  # keep the owner of the code alive
@@ -96,6 +93,23 @@ class CompiledFunction:
             raise ValueError(f"{name} must be float64 of at least ({rows}, {count}), got {array.shape}")
         if count % self.lanes:
             raise ValueError(f"count must be a multiple of {self.lanes}, got {count}")
+
+
+def _loaded(function: casadi.Function, lanes: int) -> llvm.ExecutionEngine:
+    """Owner of the executable code of a function, whose object code comes from the cache if it is there."""
+    processor = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    # One level halves the run time or better; more would only take longer to compile.
+    machine = llvm.Target.from_default_triple().create_target_machine(*processor, opt=1)
+    versions = casadi.CasadiMeta.version(), llvmlite.__version__, llvm.llvm_version_info
+    told = repr((lanes, machine.triple, processor, versions)).encode()
+    code = object_code(
+        (module_stamp(__name__), told, function.serialize().encode()),
+        lambda: machine.emit_object(llvm.parse_assembly(_module(function, lanes))),
+    )
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine
 
 
 def _kernel_call(

@@ -135,6 +135,7 @@ def _caches() -> str:
     compiled_folders = [CACHE / package for package in PACKAGES] if CACHE == SOURCE else [CACHE]
     folders_by_cache = {
         "compiled code": [folder for folder in compiled_folders if folder is not None],
+        "kernels": [cached("kernels/any").parent],
         "bounds": [cached("bounds/any").parent],
         "backends": [cached("backends/any").parent],
         "figures": [Path(matplotlib.get_cachedir())],
@@ -145,7 +146,7 @@ def _caches() -> str:
 def _described(folders: Sequence[Path]) -> str:
     if not folders:
         return "nowhere, as no folder can be written"
-    patterns = ("*.nb[ci]", "*.npz", "*.json")
+    patterns = ("*.nb[ci]", "*.o", "*.npz", "*.json")
     files = (file for folder in folders for pattern in patterns for file in folder.rglob(pattern))
     size = sum(file.stat().st_size for file in files)
     usable = "writable" if all(map(writable, folders)) else "read-only"

@@ -1,10 +1,14 @@
 """Tests of compiled functions against CasADi's own evaluation."""
 
+from pathlib import Path
+from unittest.mock import Mock
+
 import casadi
 import numpy as np
 import pytest
 
-from foreride.controller.mpc.casadi_llvm import CompiledFunction, evaluate
+from foreride.controller.mpc import casadi_llvm
+from foreride.controller.mpc.casadi_llvm import CompiledFunction, _module, evaluate
 from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.vehicle.load import load_vehicle
 
@@ -74,6 +78,23 @@ def test_compiled_functions_call_a_kernel_by_its_address() -> None:
     evaluate(kernel.address, VALUES, results[:, 2:], 8)
     np.testing.assert_array_equal(results[:, 2:10], [VALUES[0] * VALUES[1], VALUES[0] - VALUES[1]])
     assert np.isnan(results[:, [0, 1, 10, 11]]).all()
+
+
+def test_cached_code_serves_the_same_function_with_the_same_lanes_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORERIDE_CACHE", str(tmp_path))
+    product, quotient = (casadi.Function("f", [A, B], [value]) for value in (A * B, A / B))
+    expected = np.array([VALUES[0] * VALUES[1], VALUES[0] / VALUES[1]])
+    for lanes_compiled in ([4, 4, 8, 8], []):
+        translated = Mock(wraps=_module)
+        monkeypatch.setattr(casadi_llvm, "_module", translated)
+        for lanes in (4, 8):
+            for function, row in zip((product, quotient), expected, strict=True):
+                results = np.full((1, 8), np.nan)
+                CompiledFunction(function, lanes)(VALUES, results, 8)
+                np.testing.assert_array_equal(results[0], row)
+        assert [call.args[1] for call in translated.call_args_list] == lanes_compiled
 
 
 def test_one_lane_steps_from_point_to_point() -> None:
