@@ -126,7 +126,8 @@ def open_session(
 def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, int]) -> Run:
     import openvino
 
-    core = openvino.Core()
+    from foreride.detector.openvino_model import read_model
+
     config = {
         "INFERENCE_NUM_THREADS": threads,
         "NUM_STREAMS": 1,
@@ -134,9 +135,7 @@ def _open_openvino(path: Path, arithmetic: str, threads: int, size: tuple[int, i
         "PERFORMANCE_HINT": "LATENCY",
     }
     try:
-        model = core.read_model(path)
-        model.reshape({"image": [1, size[1], size[0], 3]})
-        request = core.compile_model(model, "CPU", config).create_infer_request()
+        request = openvino.Core().compile_model(read_model(path, size), "CPU", config).create_infer_request()
     except RuntimeError as error:
         raise InputError(
             f"{path}: not an ONNX model that OpenVINO can run ({type(error).__name__})"

@@ -11,6 +11,24 @@ CHANNEL_PRESERVING = {"Sigmoid", "Mul", "Add", "Resize", "MaxPool"}
 """Operators whose output has as many channels as their first input."""
 
 
+def copied(node: NodeProto, source: str, output: str) -> NodeProto:
+    """Copy of a node that reads `source` first, named after its output."""
+    copy = NodeProto()
+    copy.CopyFrom(node)
+    copy.input[0] = source
+    copy.name = copy.output[0] = output
+    return copy
+
+
+def silu(source: str, output: str) -> list[NodeProto]:
+    """Nodes of output = source · sigmoid(source)."""
+    gate = f"{output}_gate"
+    return [
+        helper.make_node("Sigmoid", [source], [gate], gate),
+        helper.make_node("Mul", [source, gate], [output], output),
+    ]
+
+
 class Graph:
     """Main graph of an ONNX model, edited in place.
 
@@ -57,6 +75,16 @@ class Graph:
         self.graph.initializer.append(numpy_helper.from_array(value, name))
         self.constants[name] = value
         return name
+
+    def convolution(
+        self, like: NodeProto, source: str, weight: NDArray, output: str, bias: NDArray | None = None
+    ) -> NodeProto:
+        """Convolution with the attributes (and, unless given, the bias) of another one."""
+        node = copied(like, source, output)
+        node.input[1] = self.constant(f"{output}_weight", weight)
+        if bias is not None:
+            node.input[2] = self.constant(f"{output}_bias", bias)
+        return node
 
     def channels(self, name: str) -> int:
         """Number of channels of a feature map."""

@@ -104,8 +104,8 @@ def export(
     if calibration := calibration or read_calibration(training_metadata, str(weights)):
         metadata[KEY] = to_text(calibration)
     graph = to_onnx(model, metadata, published=plain)
-    if not plain and precision != "int8-conv":  # joining maps gains nothing with OpenVINO
-        graph = rewrite(graph, join=precision == "int8")
+    if not plain and precision != "int8-conv":  # which OpenVINO quantises best as published
+        graph = rewrite(graph)
     if precision.startswith("int8"):
         graph = quantized(graph, images, convolutions_only=precision == "int8-conv")
     elif precision == "fp16":

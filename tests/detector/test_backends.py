@@ -51,6 +51,15 @@ def test_openvino_answers_as_onnxruntime_does(backend: str, tolerance: float) ->
     assert np.abs(scores[sure] - other_scores[nearest.argmin(1)]).max() <= tolerance
 
 
+def test_openvino_convolves_pairs_of_pixels() -> None:
+    pytest.importorskip("openvino")
+    from foreride.detector.openvino_model import read_model
+
+    nodes = read_model(WEIGHTS, (128, 64)).get_ordered_ops()
+    first = next(node for node in nodes if node.get_type_name() == "Convolution")
+    assert list(first.input_value(0).get_shape()) == [1, 6, 64, 64]  # two pixels of three colours
+
+
 def test_openvino_refuses_a_graph_quantised_for_onnxruntime(tmp_path: Path) -> None:
     onnx = pytest.importorskip("onnx")
     pytest.importorskip("openvino")
