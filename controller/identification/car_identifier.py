@@ -6,6 +6,8 @@ for each of several delays of the commands, and the delay is that whose model ex
 (a bank of models: D. T. Magill, Optimal adaptive estimation of sampled stochastic processes, IEEE Trans.
 Autom. Control 10(4), 1965). All signals pass the same band: below it lie offsets of sensors and grades, above
 it what bushings and noise add. Springs are taken as known, as the body's motion gives ratios alone.
+
+Samples wait until a fit is due and are then taken in together, which gives the same results.
 """
 
 from dataclasses import replace
@@ -36,6 +38,8 @@ UNEXPLAINED = 0.2
 BOUNDS = 0.5, 2.0
 """Least and greatest ratio."""
 FIT_PERIOD_S = 0.05
+WAITING = 50
+"""Greatest number of samples that wait."""
 
 
 class CarIdentifier:
@@ -65,6 +69,10 @@ class CarIdentifier:
             LEAST_SIGMA_M_S2,
         )
         self._every = max(round(FIT_PERIOD_S / period_s), 1)
+        wheels = len(self._corners)
+        self._signals = np.empty((WAITING, len(self._mass) + 2 * wheels))
+        self._settings_then = np.empty((WAITING, wheels, self._delays))
+        self._outputs = np.empty((WAITING, len(self._mass)))
         self.reset()
 
     def reset(self) -> None:
@@ -73,7 +81,7 @@ class CarIdentifier:
         self._commands = np.repeat(self._passive, 1 + (self._delays - 1) * self._every_delay, axis=1)
         signals = len(self._mass), 2 + self._delays
         self._mean, self._band = np.zeros(signals), np.zeros(signals)
-        self._excited = self._chosen = 0
+        self._excited = self._chosen = self._waiting = 0
         self._explained = False
         self._bank.reset()
         self.present = self.result = Identified()
@@ -87,37 +95,50 @@ class CarIdentifier:
         """Take in the damper settings (wheels,) which act from the last period on at the known delay."""
         _follow(command, self._commands, self._every_delay, self._gain, self._settings)
 
-    def update(self, acceleration: np.ndarray, travel: np.ndarray, rate: np.ndarray) -> None:
+    def update(self, signals: np.ndarray) -> None:
         """Compare the body's acceleration (body,) by springs and dampers with that of the known ones.
 
-        travel, rate: (wheels,) of the suspensions, m and m/s.
+        signals: that acceleration, then travel and rate (wheels,) of the suspensions, m and m/s.
         """
-        forces = self._forces(travel.tolist(), rate.tolist())
-        signals = acceleration, forces, self._rows, self._mass, self._arms
-        if _filter(*signals, self._slow, self._fast, self._mean, self._band) < LEAST_ACC_M_S2:
-            return
-        output = self._band[:, 0]
-        self._bank.add(output, _regressors(self._band))
-        self._excited += 1
-        if self._excited % self._every == 0:
+        state, kept = (self._mean, self._band), (self._signals, self._settings_then, self._outputs)
+        own = self._waiting, signals, self._settings, self._arms
+        excited = _record(*own, self._slow, self._fast, *state, *kept)
+        self._waiting, self._excited = self._waiting + 1, self._excited + excited
+        due = excited and self._excited % self._every == 0
+        if due or self._waiting == WAITING:
+            self._take_in()
+        if due:
             self._conclude()
 
-    def _forces(self, travel: list[float], rate: list[float]) -> np.ndarray:
-        """Forces (wheels, 1 + delays) on the body by the known springs and stops, and by the dampers."""
-        forces = np.empty((len(self._corners), 1 + self._delays))
+    def _take_in(self) -> None:
+        """Take in the samples that wait."""
+        count, body, wheels = self._waiting, len(self._mass), len(self._corners)
+        _, travel, rate = np.split(self._signals[:count], [body, body + wheels], axis=1)
+        forces = self._forces(travel, rate, self._settings_then[:count])
+        car, state = (self._rows, self._mass, self._arms), (self._mean, self._band)
+        self._bank.add(*_samples(self._outputs, forces, *car, self._slow, self._fast, *state))
+        self._waiting = 0
+
+    def _forces(self, travel: np.ndarray, rate: np.ndarray, settings: np.ndarray) -> np.ndarray:
+        """Forces (n, wheels, 1 + delays) on the body by the known springs and stops, and by the dampers.
+
+        travel, rate: (n, wheels). settings: (n, wheels, delays).
+        """
+        forces = np.empty((len(travel), len(self._corners), 1 + self._delays))
         for i, corner in enumerate(self._corners):
-            extended, setting = travel[i], self._settings[i]
-            jounce = max(-extended - corner.stop_gap_m, 0.0)
-            rebound = max(extended - corner.rebound_gap_m, 0.0)
+            extended, setting = travel[:, i], settings[:, i]
+            jounce = np.maximum(-extended - corner.stop_gap_m, 0.0)
+            rebound = np.maximum(extended - corner.rebound_gap_m, 0.0)
             stop = corner.stop_n_m2 * (jounce**2 - rebound**2)
-            forces[i, 0] = corner.spring_force(extended, np) + stop
+            forces[:, i, 0] = corner.spring_force(extended, np) + stop
+            motion = extended[:, None], rate[:, i, None]
             normalised = corner.normalised_setting(setting)
-            forces[i, 1:] = corner.damper.force(setting, normalised, extended, rate[i], [], np)
+            forces[:, i, 1:] = corner.damper.force(setting, normalised, *motion, [], np)
         for axle, stiffness in enumerate(self._anti_roll):
             left, right = 2 * axle, 2 * axle + 1
-            twist = stiffness * (travel[left] - travel[right])
-            forces[left, 0] -= twist
-            forces[right, 0] += twist
+            twist = stiffness * (travel[:, left] - travel[:, right])
+            forces[:, left, 0] -= twist
+            forces[:, right, 0] += twist
         return forces
 
     def _conclude(self) -> None:
@@ -170,19 +191,37 @@ def _follow(command: Any, commands: Any, every: int, gain: Any, settings: Any) -
 
 
 @njit
-def _regressors(band: Any) -> Any:
-    """Regressors (delays, body, 2), springs and dampers, of the filtered accelerations."""
-    body, signals = band.shape
-    out = np.empty((signals - 2, body, 2))
-    for delay in range(signals - 2):
-        for i in range(body):
-            out[delay, i, 0], out[delay, i, 1] = band[i, 1], band[i, 2 + delay]
-    return out
+def _record(
+    at: int,
+    signals: Any,
+    settings: Any,
+    arms: Any,
+    slow: float,
+    fast: float,
+    mean: Any,
+    band: Any,
+    kept_signals: Any,
+    kept_settings: Any,
+    outputs: Any,
+) -> bool:
+    """Keep a sample in row `at`; return whether its acceleration in the band is one that counts.
+
+    outputs: (n, body) of the filters, NaN where it does not.
+    """
+    greatest = 0.0
+    kept_signals[at], kept_settings[at] = signals, settings
+    for i in range(len(arms)):
+        outputs[at, i] = _passed(signals[i] * arms[i], slow, fast, mean, band, i, 0)
+        greatest = max(greatest, abs(band[i, 0]))
+    if greatest < LEAST_ACC_M_S2:
+        outputs[at] = np.nan
+        return False
+    return True
 
 
 @njit
-def _filter(
-    acceleration: Any,
+def _samples(
+    outputs: Any,
     forces: Any,
     kinematic_rows: Any,
     inertia: Any,
@@ -191,22 +230,33 @@ def _filter(
     fast: float,
     mean: Any,
     band: Any,
-) -> float:
-    """Pass the acceleration (body,) and those by forces (wheels, n) through the band; return its greatest.
+) -> Any:
+    """Outputs (n, body) and regressors (n, delays, body, 2) of the samples that count.
 
-    mean, band: (body, 1 + n) states of the filters, in place.
+    The accelerations by the forces (samples, wheels, 1 + delays) are filtered by the states mean and band.
     """
-    greatest = 0.0
-    for i in range(len(acceleration)):
-        for k in range(mean.shape[1]):
-            value = acceleration[i]
-            if k > 0:
+    body, delays, count = len(arms), forces.shape[2] - 1, 0
+    counted, regressors = np.empty((len(forces), body)), np.empty((len(forces), delays, body, 2))
+    for sample in range(len(forces)):
+        for i in range(body):
+            for k in range(1 + delays):
                 value = 0.0
-                for wheel in range(len(forces)):
-                    value += kinematic_rows[wheel, i] * forces[wheel, k - 1]
-                value /= inertia[i]
-            value *= arms[i]
-            mean[i, k] += slow * (value - mean[i, k])
-            band[i, k] += fast * (value - mean[i, k] - band[i, k])
-        greatest = max(greatest, abs(band[i, 0]))
-    return greatest
+                for wheel in range(forces.shape[1]):
+                    value += kinematic_rows[wheel, i] * forces[sample, wheel, k]
+                _passed(value / inertia[i] * arms[i], slow, fast, mean, band, i, 1 + k)
+        if not np.isnan(outputs[sample, 0]):
+            for i in range(body):
+                counted[count, i] = outputs[sample, i]
+                for delay in range(delays):
+                    regressors[count, delay, i, 0] = band[i, 1]
+                    regressors[count, delay, i, 1] = band[i, 2 + delay]
+            count += 1
+    return counted[:count], regressors[:count]
+
+
+@njit
+def _passed(value: float, slow: float, fast: float, mean: Any, band: Any, row: int, column: int) -> float:
+    """A signal's next value behind the high pass and the low pass, whose states stand in row and column."""
+    mean[row, column] += slow * (value - mean[row, column])
+    band[row, column] += fast * (value - mean[row, column] - band[row, column])
+    return float(band[row, column])

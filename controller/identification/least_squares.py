@@ -51,16 +51,15 @@ class LeastSquaresBank:
         """Forget all data."""
         n = len(self._prior)
         self._squares, self._products = np.zeros((self._models, n, n)), np.zeros((self._models, n))
-        self._output = self._samples = 0.0
+        self._sums = np.zeros(2)
 
-    def add(self, output: np.ndarray, regressors: np.ndarray) -> None:
-        """Take in one sample: outputs (rows,) and regressors (models, rows, n)."""
-        _add(output, regressors, self._kept, self._squares, self._products)
-        self._output = self._kept * self._output + float(output @ output)
-        self._samples = self._kept * self._samples + len(output)
+    def add(self, outputs: np.ndarray, regressors: np.ndarray) -> None:
+        """Take in samples in turn: outputs (samples, rows), regressors (samples, models, rows, n)."""
+        _add(outputs, regressors, self._kept, self._squares, self._products, self._sums)
 
     def fit(self) -> Fit:
         """Parameters given all data so far."""
+        output, samples = self._sums
         residual = self._residual(self._prior)
         for _ in range(2):  # the residuals decide how much the data weigh against the prior
             information = self._squares / (residual * self._correlation)[:, None, None] + self._weight
@@ -71,30 +70,38 @@ class LeastSquaresBank:
             parameters,
             np.linalg.inv(information),
             residual,
-            self._samples / self._correlation,
-            self._output / max(self._samples, 1.0),
+            samples / self._correlation,
+            output / max(samples, 1.0),
         )
 
     def _residual(self, parameters: np.ndarray) -> np.ndarray:
         """Mean square residual of each model with these parameters, (models,)."""
+        output, samples = self._sums
         all_of = np.broadcast_to(parameters, self._products.shape)
         explained = np.einsum("mi,mij,mj->m", all_of, self._squares, all_of)
-        squares = self._output - 2.0 * (self._products * all_of).sum(axis=-1) + explained
-        return np.maximum(squares / max(self._samples, 1.0), self._least)
+        squares = output - 2.0 * (self._products * all_of).sum(axis=-1) + explained
+        return np.maximum(squares / max(samples, 1.0), self._least)
 
 
 @njit
-def _add(output: Any, regressors: Any, kept: float, squares: Any, products: Any) -> None:
-    """Let the data so far fade to the share `kept`, and add a sample."""
-    models, rows, n = regressors.shape
-    for m in range(models):
-        for i in range(n):
-            product = 0.0
-            for row in range(rows):
-                product += regressors[m, row, i] * output[row]
-            products[m, i] = kept * products[m, i] + product
-            for j in range(n):
-                square = 0.0
+def _add(outputs: Any, regressors: Any, kept: float, squares: Any, products: Any, sums: Any) -> None:
+    """Let the data so far fade to the share `kept`, and add a sample, one after the other.
+
+    sums: of the squared outputs and of the rows, both faded.
+    """
+    samples, models, rows, n = regressors.shape
+    for k in range(samples):
+        output = outputs[k]
+        sums[0] = kept * sums[0] + (output * output).sum()
+        sums[1] = kept * sums[1] + rows
+        for m in range(models):
+            for i in range(n):
+                product = 0.0
                 for row in range(rows):
-                    square += regressors[m, row, i] * regressors[m, row, j]
-                squares[m, i, j] = kept * squares[m, i, j] + square
+                    product += regressors[k, m, row, i] * output[row]
+                products[m, i] = kept * products[m, i] + product
+                for j in range(n):
+                    square = 0.0
+                    for row in range(rows):
+                        square += regressors[k, m, row, i] * regressors[k, m, row, j]
+                    squares[m, i, j] = kept * squares[m, i, j] + square

@@ -168,22 +168,25 @@ def reframed(
 
 
 @njit
-def strut_motion(state: Any, acceleration: Any, inertial: Any, body_of_corners: Any) -> Any:
-    """Acceleration of the body (body,) by its struts, and travel and rate of the suspensions, (2, wheels).
+def strut_motion(
+    state: Any, acceleration: Any, body_of_corners: Any, inertial: Any, forward_acc: float
+) -> Any:
+    """Acceleration of the body (body,) by its struts, then travel and rate (wheels,) of the suspensions.
 
-    acceleration: (2w,) as measured. inertial: (body,) against that by the longitudinal inertial force.
+    acceleration: (2w,) as measured. inertial: (body,) acceleration against that by the longitudinal inertial
+    force, per forward acceleration.
     """
     body, wheels = body_of_corners.shape
-    by_struts, motion = np.empty(body), np.empty((2, wheels))
+    motion = np.empty(body + 2 * wheels)
     for i in range(body):
         measured = 0.0
         for w in range(wheels):
             measured += body_of_corners[i, w] * (acceleration[w] - state[4 * wheels + w])
-        by_struts[i] = measured + inertial[i]
+        motion[i] = measured + inertial[i] * forward_acc
     for w in range(wheels):
-        motion[0, w] = state[w] - state[wheels + w]
-        motion[1, w] = state[2 * wheels + w] - state[3 * wheels + w]
-    return by_struts, motion
+        motion[body + w] = state[w] - state[wheels + w]
+        motion[body + wheels + w] = state[2 * wheels + w] - state[3 * wheels + w]
+    return motion
 
 
 @njit

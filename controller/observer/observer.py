@@ -53,8 +53,8 @@ class Observer:
         arms = np.array(vehicle.inertial_lever_arm_m)
         self._balance_floor = np.array([1.0, *np.full(len(arms) - 1, 3.0)]) ** 2 * BALANCE_SIGMA_M_S2**2
         self._body_mass = np.array(vehicle.generalised_mass)
-        self._body_load = self._body_mass[0] * arms
-        self._load_transfer = force_distribution @ self._body_load
+        self._body_inertial = self._body_mass[0] * arms / self._body_mass
+        self._load_transfer = force_distribution @ (self._body_mass[0] * arms)
         self._tyres = np.array([[c.tyre_n_m, c.tyre_damping_ns_m, c.static_tyre_n] for c in corners])
         self._balance_every = max(round(BALANCE_PERIOD_S / timing.period_s), 1)
         self._no_force = self._no_variance = np.zeros(self._wheels)
@@ -173,7 +173,8 @@ class Observer:
         The first comparisons tell sensors that are as specified from others, of which less is believed.
         """
         own, mass = self._filter, self._identifier.result.mass
-        modelled = self._plane.kinematic_rows.T @ self._struts() / (mass * self._body_mass) - self._inertial
+        modelled = self._plane.kinematic_rows.T @ self._struts() / (mass * self._body_mass)
+        modelled -= self._body_inertial * self._forward_acc
         measured = self._measured(acceleration)
         excess, variance = measured - modelled, self._balance_floor + (BALANCE_SHARE * modelled) ** 2
         self._plane.adjust(own.balance(excess, variance), speed_m_s)
@@ -187,18 +188,14 @@ class Observer:
             self._body @ (acceleration - self._filter.state[self._filter.rows.offset])[: self._wheels]
         )
 
-    @property
-    def _inertial(self) -> np.ndarray:
-        """Acceleration (body,) against that by the longitudinal inertial force."""
-        return np.asarray(self._body_load * self._forward_acc / self._body_mass)
-
     def _identify(self, acceleration: np.ndarray) -> None:
         """Compare the body's acceleration by springs and dampers with that of the known ones."""
-        by_struts, motion = strut_motion(self._filter.state, acceleration, self._inertial, self._body)
+        inertial = self._body_inertial, self._forward_acc
+        signals = strut_motion(self._filter.state, acceleration, self._body, *inertial)
         if self._actuators:
             mass = self._identifier.result.mass * self._body_mass
-            by_struts -= self._plane.kinematic_rows.T @ self._force / mass
-        self._identifier.update(by_struts, *motion)
+            signals[: len(mass)] -= self._plane.kinematic_rows.T @ self._force / mass
+        self._identifier.update(signals)
 
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""

@@ -34,7 +34,7 @@ def identified(
         x[layout.damping] = damper * truth.settings
         corners = body_acceleration(car, x, flat, flat) / mass + 0.1 * rng.normal(size=w)
         identifier.follow(commands[k])
-        identifier.update(np.linalg.pinv(kinematic_rows) @ corners, travel, rate)
+        identifier.update(np.concatenate([np.linalg.pinv(kinematic_rows) @ corners, travel, rate]))
     return identifier
 
 
@@ -45,6 +45,21 @@ def test_a_heavier_body_with_weaker_and_late_dampers_is_identified(name: str) ->
     assert now.damper == pytest.approx(0.75, abs=3.0 * now.damper_sigma)
     assert max(now.mass_sigma, now.damper_sigma) < 0.07
     assert now.delay_s == pytest.approx(0.015)
+
+
+def test_a_fit_does_not_depend_on_how_many_samples_have_waited() -> None:
+    """By the identifier that takes each sample in at once, of a body that is excited now and then."""
+    together, alone = (CarIdentifier(load_vehicle("half"), PERIOD_S) for _ in range(2))
+    rng = np.random.default_rng(6)
+    for k in range(400):
+        size, command = 1.0 if k % 150 < 60 else 0.02, rng.uniform(500.0, 4000.0, 2)
+        signals = size * rng.normal(size=6) * [2.0, 2.0, 0.02, 0.02, 0.5, 0.5]
+        for identifier in (together, alone):
+            identifier.follow(command)
+            identifier.update(signals)
+        alone._take_in()
+        assert together.present == alone.present, k
+    assert together.present != Identified()
 
 
 def test_only_a_significant_difference_is_adopted() -> None:
@@ -149,7 +164,8 @@ def test_known_forces_are_those_of_springs_bars_and_stops_and_those_of_the_dampe
         rng.choice([-0.1, 0.1], car.wheels) * rng.uniform(0.9, 1.0, car.wheels),
         rng.normal(size=car.wheels),
     )
-    found = CarIdentifier(car, PERIOD_S)._forces(travel.tolist(), rate.tolist())
+    identifier = CarIdentifier(car, PERIOD_S)
+    found = identifier._forces(travel[None], rate[None], identifier._settings[None])[0]
     x, level = rest_state(car), np.zeros(car.wheels)
     x[layout.wheel], x[layout.wheel_velocity] = -travel, -rate
     acting = forces(car, x, level, level)

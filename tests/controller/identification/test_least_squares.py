@@ -12,7 +12,7 @@ def filled(seed: int, samples: int, memory: float = 1e9, sigma: float = 0.3) -> 
     rng, bank = np.random.default_rng(seed), LeastSquaresBank(2, np.ones(2), 0.3, memory, 1.0, 1e-3)
     for _ in range(samples):
         own, foreign = rng.normal(size=(2, 2, 2))
-        bank.add(own @ TRUTH + sigma * rng.normal(size=2), np.stack([own, foreign]))
+        bank.add((own @ TRUTH + sigma * rng.normal(size=2))[None], np.stack([own, foreign])[None])
     return bank
 
 
@@ -42,14 +42,13 @@ def test_its_standard_deviations_are_honest() -> None:
 def test_data_fade_and_the_prior_stays() -> None:
     bank = filled(1, 500, memory=50.0)
     before = bank.fit().parameters[0]
-    for _ in range(1000):
-        bank.add(np.zeros(2), np.zeros((2, 2, 2)))
+    bank.add(np.zeros((1000, 2)), np.zeros((1000, 2, 2, 2)))
     np.testing.assert_allclose(before, TRUTH, atol=0.1)
     np.testing.assert_allclose(bank.fit().parameters[0], 1.0, atol=0.02)
 
 
 def test_mean_squares_are_those_of_a_single_sample_too() -> None:
     bank = LeastSquaresBank(1, np.ones(2), 0.3, 1e9, 4.0, 1e-3)
-    bank.add(np.array([3.0]), np.zeros((1, 1, 2)))
+    bank.add(np.array([[3.0]]), np.zeros((1, 1, 1, 2)))
     fit = bank.fit()
     np.testing.assert_allclose([fit.output, fit.residual[0], fit.independent], [9.0, 9.0, 0.25])
