@@ -89,7 +89,7 @@ class CarIdentifier:
     @property
     def settings(self) -> np.ndarray:
         """Present settings of the dampers (wheels,), N·s/m, at the adopted delay."""
-        return self._settings[:, round(self.result.delay_s / self._step_s)]
+        return self._settings[:, round(self.result.delay_s / self._step_s)].copy()
 
     def follow(self, command: np.ndarray) -> None:
         """Take in the damper settings (wheels,) which act from the last period on at the known delay."""

@@ -18,6 +18,7 @@ import numpy as np
 from foreride.controller.observer.filter_layout import filter_layout, gyros
 from foreride.controller.observer.filter_model import filter_model
 from foreride.controller.observer.filter_steps import corrected, predicted, readings, reframed, taken_in
+from foreride.controller.observer.observer_steps import follow_motion
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import SensorNoise
 
@@ -53,10 +54,37 @@ class KinematicFilter:
 
     def reset(self) -> None:
         """Start from rest on the road's plane."""
-        self.state, self.covariance = np.zeros(self.rows.size), self.model.start
+        self.state, self.covariance = np.zeros(self.rows.size), self.model.start.copy()
         readings = len(self.model.output)
         self.innovation, self.innovation_covariance = np.zeros(readings), np.eye(readings)
-        self._samples: np.ndarray | None = None
+        self._samples, self._begun = np.zeros((3, self.model.drive.shape[1])), False
+
+    def follow(self, channels: np.ndarray, plane_motion: np.ndarray, speed_m_s: float) -> None:
+        """Take in a complete reading of the sensors; the motion of the caller's plane is corrected.
+
+        Does what `predict`, `readings` and `correct` do one by one.
+        """
+        model = self.model
+        follow_motion(
+            self.state,
+            self.covariance,
+            self.innovation,
+            self.innovation_covariance,
+            self._samples,
+            self._begun,
+            channels,
+            gyros(self.rows.wheel.start),
+            ALIASING,
+            model.transition,
+            model.drive,
+            model.process,
+            model.output,
+            model.acceleration_variance,
+            self.reading_variance(speed_m_s),
+            plane_motion,
+            speed_m_s,
+        )
+        self._begun = True
 
     def predict(self, acceleration: np.ndarray, variance: np.ndarray) -> None:
         """Move on to this sample (2w,) of the accelerations; the first sample only begins.
@@ -64,10 +92,10 @@ class KinematicFilter:
         The mean over a period is that of the parabola through its two samples and the one before
         (Adams-Moulton).
         """
-        if self._samples is None:
-            self._samples = np.array([acceleration] * 3)
-            return
         samples, model = self._samples, self.model
+        if not self._begun:
+            samples[:], self._begun = acceleration, True
+            return
         samples[2], samples[1], samples[0] = samples[1], samples[0], acceleration
         before, motion = (self.state, self.covariance), (model.transition, model.drive, model.process)
         self.state, self.covariance = predicted(*before, samples, variance, ALIASING, *motion)

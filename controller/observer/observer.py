@@ -1,19 +1,18 @@
 """State observer: state and road estimate from the car's sensors."""
 
-from typing import Any
-
 import numpy as np
 
 from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
-from foreride.controller.observer.filter_steps import road_from_tyre, strut_motion, vehicle_state
+from foreride.controller.observer.filter_steps import strut_motion, vehicle_state
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
+from foreride.controller.observer.observer_steps import follow_road
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
 from foreride.vehicle.arithmetic import FLOATS
 from foreride.vehicle.corner_inertia import corner_inertia
-from foreride.vehicle.equations import body_acceleration, forces
+from foreride.vehicle.equations import body_acceleration, forces, state_size
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
 
@@ -61,6 +60,7 @@ class Observer:
         self._identifier = CarIdentifier(vehicle, timing.period_s)
         self._channels = channel_layout(vehicle.wheels)
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
+        self._states = state_size(vehicle)
         self.reset()
 
     def reset(self) -> None:
@@ -79,7 +79,8 @@ class Observer:
     def claim(self) -> Claim:
         """The filter's state with its covariance, and how the last reading differed from its prediction."""
         own = self._filter
-        return Claim(own.state, own.covariance, own.innovation, own.innovation_covariance)
+        parts = own.state, own.covariance, own.innovation, own.innovation_covariance
+        return Claim(*(part.copy() for part in parts))
 
     @property
     def plane(self) -> RoadPlane:
@@ -105,14 +106,12 @@ class Observer:
             self._identify(acceleration)
             if self._count % self._balance_every == 0:
                 self._balance_forces(acceleration, speed_m_s)
-        road = self._estimate_road_from_tyre(acceleration, deflection_variance)
-        self._road, contact, rate, deflection_variance = road
-        plane_change = self._follow_plane(speed_m_s, faster, deflection_variance)
+        road, rate, contact, x = self._follow_road(acceleration, deflection_variance, speed_m_s, faster)
         return Estimate(
             time_s=float(measurement.time_s),
-            x=self._vehicle_state(),
-            road_height=self._road,
-            road_velocity=rate - plane_change,
+            x=x,
+            road_height=road,
+            road_velocity=rate,
             speed_m_s=speed_m_s,
             contact=contact,
             faults=checked.faults,
@@ -122,19 +121,24 @@ class Observer:
 
     def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
         """Filter the reading; return the accelerations and the variance (w,) of deflections due to losses."""
-        own, plane, model = self._filter, self._plane, self._filter.model
         channels = checked.measurement.channels()
-        acceleration, reading = channels[self._channels.acceleration], own.readings(channels, plane.motion)
-        acceleration_variance = model.acceleration_variance
-        reading_variance, deflection_variance = own.reading_variance(speed_m_s), self._no_variance
+        acceleration = channels[self._channels.acceleration]
         if checked.is_incomplete:
-            acceleration, acceleration_variance = self._without_lost_accelerations(acceleration, checked.lost)
-            reading, reading_variance = self._without_lost_readings(reading, reading_variance, checked.lost)
-            surplus = acceleration_variance - model.acceleration_variance
-            deflection_variance = (self._mass / self._tyres[:, :1]) ** 2 @ surplus
+            return self._follow_incomplete(channels, acceleration, checked.lost, speed_m_s)
+        self._filter.follow(channels, self._plane.motion, speed_m_s)
+        return acceleration, self._no_variance
+
+    def _follow_incomplete(
+        self, channels: np.ndarray, acceleration: np.ndarray, lost: tuple[bool, ...], speed_m_s: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        own, plane, model = self._filter, self._plane, self._filter.model
+        reading, reading_variance = own.readings(channels, plane.motion), own.reading_variance(speed_m_s)
+        acceleration, acceleration_variance = self._without_lost_accelerations(acceleration, lost)
+        reading, reading_variance = self._without_lost_readings(reading, reading_variance, lost)
+        surplus = acceleration_variance - model.acceleration_variance
         own.predict(acceleration, acceleration_variance)
         plane.adjust(own.correct(reading, reading_variance), speed_m_s)
-        return acceleration, deflection_variance
+        return acceleration, (self._mass / self._tyres[:, :1]) ** 2 @ surplus
 
     def _without_lost_accelerations(
         self, acceleration: np.ndarray, lost: tuple[bool, ...]
@@ -156,16 +160,6 @@ class Observer:
         variance = np.where(read, SUBSTITUTE_RATTLE_SIGMA_M**2, variance)
         variance[w : w + g][mask[[PITCH_RATE, ROLL_RATE][:g]]] = UNKNOWN_RATE_SIGMA_RAD_S**2
         return reading, variance
-
-    def _follow_plane(self, speed_m_s: float, faster: float, deflection_variance: np.ndarray) -> np.ndarray:
-        """Change the frame's velocity to that of the road's plane; return the change (wheels,) at the wheels.
-
-        The frame is inertial between updates, as the prediction of the controllers takes it to be.
-        """
-        self._plane.advance(self._period_s)
-        change = self._plane.kinematic_rows @ self._plane.correct(self._road, speed_m_s)
-        self._filter.move_frame(change, not self._plane.obstacle_m.any(), faster, deflection_variance)
-        return change
 
     def _balance_forces(self, acceleration: np.ndarray, speed_m_s: float) -> None:
         """Compare the body's measured acceleration with that which the forces of its struts give it.
@@ -215,24 +209,56 @@ class Observer:
         body = body_acceleration(self._vehicle, self._vehicle_state(), level, level)
         return self._filter.state[self._filter.rows.offset] + np.concatenate([body, level])
 
-    def _estimate_road_from_tyre(self, acceleration: np.ndarray, variance: np.ndarray) -> Any:
-        """Estimate the road's height from the tyre force; return it, contact, its rate and the variance.
+    def _follow_road(
+        self, acceleration: np.ndarray, variance: np.ndarray, speed_m_s: float, faster: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Estimate the road from the tyre force, and let the frame follow its plane.
 
-        acceleration: (2w,) as measured. variance: (w,) of the tyre deflections due to lost sensors, to which
-        that of sound ones is added. Without contact the height is an upper bound. With more wheels than
-        rigid-body motions, the part of the forces that cancels in the body is taken from the strut model.
+        Returns the road's height, its rate, contact and the state of the vehicle. acceleration: (2w,) as
+        measured. variance: (w,) of the tyre deflections due to lost sensors, to which that of sound ones is
+        added. Without contact the height is an upper bound. With more wheels than rigid-body motions, the
+        part of the forces that cancels in the body is taken from the strut model. The frame is inertial
+        between updates, as the prediction of the controllers takes it to be.
         """
         by_struts = self._no_force
         if self._residual_projection is not None:
             by_struts = self._residual_projection @ self._struts()
-        own = self._filter.state, self._road, self._deflection
-        transfer = self._load_transfer * self._forward_acc
-        mass = self._identifier.result.mass, self._mass, transfer
-        return road_from_tyre(*own, acceleration, variance, *mass, by_struts, self._tyres, self._period_s)
+        own, model, wheels = self._filter, self._filter.model, self._wheels
+        before, self._road = self._road, np.empty(wheels)
+        found = self._road, np.empty(wheels), np.empty(wheels, dtype=bool), np.empty(self._states)
+        follow_road(
+            own.state,
+            own.covariance,
+            model.frame,
+            model.frame_drive,
+            model.faster,
+            *self._plane.parts,
+            self._deflection,
+            acceleration,
+            variance,
+            self._identifier.result.mass,
+            self._mass,
+            self._load_transfer,
+            self._forward_acc,
+            by_struts,
+            self._tyres,
+            self._period_s,
+            speed_m_s,
+            faster,
+            self._body,
+            self._inputs(),
+            before,
+            *found,
+        )
+        return found
+
+    def _inputs(self) -> np.ndarray:
+        """Settings of the dampers, then forces of the actuators."""
+        settings = self._identifier.settings
+        return np.concatenate([settings, self._force]) if self._actuators else settings
 
     def _vehicle_state(self) -> np.ndarray:
-        inputs = np.concatenate([self._identifier.settings, self._force])
-        return np.asarray(vehicle_state(self._filter.state, self._body, inputs))
+        return np.asarray(vehicle_state(self._filter.state, self._body, self._inputs()))
 
     @staticmethod
     def _relative_change(previous: float | None, speed_m_s: float) -> float:

@@ -36,8 +36,8 @@ LEAST_SPEED_M_S = 1.0
 
 
 def _row(name: str, row: int) -> Any:
-    """Property of a row of an array, which a step replaces by a new one."""
-    return property(lambda plane: getattr(plane, name)[row])
+    """Property that copies a row of an array, which steps change."""
+    return property(lambda plane: getattr(plane, name)[row].copy())
 
 
 class RoadPlane:
@@ -70,8 +70,13 @@ class RoadPlane:
 
     @property
     def motion(self) -> np.ndarray:
-        """Level, slope, rate, offset and acceleration, (5, body); a step replaces it by a new one."""
+        """Level, slope, rate, offset and acceleration, (5, body); steps change it."""
         return self._motion
+
+    @property
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """Arguments of `followed_plane` before the road: states, which it changes, then constants."""
+        return self._motion, self._wheels, self._memory, self.kinematic_rows, self._body_of_road
 
     def start(self, road_m: np.ndarray, body_velocity: np.ndarray, speed_m_s: float) -> None:
         """Begin in equilibrium on a road of these heights (wheels,), the body moving along its plane."""
@@ -83,7 +88,6 @@ class RoadPlane:
     def advance(self, elapsed_s: float) -> None:
         """Move the frame on at its present velocity."""
         self._memory[0] = elapsed_s
-        self._motion = self._motion.copy()
         self._motion[0] += elapsed_s * self._motion[2]
 
     def correct(
@@ -95,15 +99,12 @@ class RoadPlane:
 
         Returns the change (body,) of the frame's velocity, to be subtracted from velocities relative to it.
         """
-        self._motion, self._wheels = self._motion.copy(), self._wheels.copy()
-        own, maps = (self._motion, self._wheels, self._memory), (self.kinematic_rows, self._body_of_road)
         given = -1 if obstacle is None else int(obstacle)
-        return np.asarray(_correct(*own, *maps, road_over_plane_m, float(speed_m_s), given))
+        return np.asarray(followed_plane(*self.parts, road_over_plane_m, float(speed_m_s), given))
 
     def adjust(self, corrections: np.ndarray, speed_m_s: float) -> None:
         """Add the observer's corrections to offset, acceleration and rate, one after the other."""
-        self._motion = self._motion.copy()
-        _adjust(self._motion, corrections, speed_m_s)
+        adjust_plane(self._motion, corrections, speed_m_s)
 
     @property
     def road_m(self) -> np.ndarray:
@@ -112,7 +113,8 @@ class RoadPlane:
 
 
 @njit
-def _adjust(motion: Any, corrections: Any, speed_m_s: float) -> None:
+def adjust_plane(motion: Any, corrections: Any, speed_m_s: float) -> None:
+    """Add corrections to the plane's motion: `RoadPlane.adjust`."""
     _, slope, rate, offset, acceleration = motion
     size = len(slope)
     for i in range(size):
@@ -123,7 +125,7 @@ def _adjust(motion: Any, corrections: Any, speed_m_s: float) -> None:
 
 
 @njit
-def _correct(
+def followed_plane(
     motion: Any,
     wheels: Any,
     memory: Any,

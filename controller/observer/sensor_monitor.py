@@ -1,7 +1,6 @@
 """Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -37,10 +36,10 @@ class ValidatedReading:
     lost: tuple[bool, ...]
     faults: tuple[str, ...] = ()
 
-    @cached_property
+    @property
     def is_incomplete(self) -> bool:
         """Whether any channel is lost."""
-        return any(self.lost)
+        return True in self.lost
 
 
 class SensorMonitor:

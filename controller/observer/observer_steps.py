@@ -1,0 +1,118 @@
+"""Compiled steps of the observer: what it does in each period, in two calls rather than one for each part."""
+
+from typing import Any
+
+import numpy as np
+
+from foreride.controller.observer.filter_steps import (
+    corrected,
+    predicted,
+    product,
+    readings,
+    reframed,
+    road_from_tyre,
+    vehicle_state,
+)
+from foreride.controller.observer.road_plane import adjust_plane, followed_plane
+from foreride.files.jit import njit
+
+_UNKNOWN = -1
+"""Whether the road is that of an obstacle: for `RoadPlane` to decide."""
+
+
+@njit
+def follow_motion(
+    state: Any,
+    covariance: Any,
+    innovation: Any,
+    innovation_covariance: Any,
+    samples: Any,
+    begun: bool,
+    channels: Any,
+    gyros: int,
+    aliasing: float,
+    transition: Any,
+    drive: Any,
+    process: Any,
+    output: Any,
+    acceleration_variance: Any,
+    reading_variance: Any,
+    plane: Any,
+    speed_m_s: float,
+) -> None:
+    """Take in a complete reading, its accelerations first; the last states are corrections to the plane.
+
+    As `KinematicFilter.predict`, `readings`, `correct` and `RoadPlane.adjust`. The first five arguments are
+    the filter's and change in place, as the motion of the plane (5, body) does. begun: there are samples.
+    """
+    count, wheels, size = samples.shape[1], samples.shape[1] // 2, plane.shape[1]
+    reading = readings(channels, wheels, gyros, plane, len(output))
+    for i in range(count):
+        samples[2, i] = samples[1, i] if begun else channels[i]
+        samples[1, i] = samples[0, i] if begun else channels[i]
+        samples[0, i] = channels[i]
+    now, spread = state, covariance
+    if begun:
+        before = state, covariance
+        now, spread = predicted(*before, samples, acceleration_variance, aliasing, transition, drive, process)
+    after = corrected(now, spread, output, reading, reading_variance)
+    state[:], covariance[:], innovation[:], innovation_covariance[:] = after
+    start = len(state) - 3 * size
+    adjust_plane(plane, state[start:], speed_m_s)
+    state[start:] = 0.0
+
+
+@njit
+def follow_road(
+    state: Any,
+    covariance: Any,
+    frames: Any,
+    frame_drives: Any,
+    by_speed: Any,
+    plane: Any,
+    plane_wheels: Any,
+    memory: Any,
+    kinematic_rows: Any,
+    body_of_road: Any,
+    deflection: Any,
+    acceleration: Any,
+    variance: Any,
+    mass: float,
+    masses: Any,
+    transfer: Any,
+    forward_acc: float,
+    by_struts: Any,
+    tyres: Any,
+    period_s: float,
+    speed_m_s: float,
+    faster: float,
+    body_of_corners: Any,
+    inputs: Any,
+    previous_m: Any,
+    road: Any,
+    rate: Any,
+    contact: Any,
+    x: Any,
+) -> None:
+    """Write the road's height, its rate of change, contact (wheels,) and the state of the vehicle.
+
+    As `road_from_tyre`, then `RoadPlane.advance` and `correct`, `KinematicFilter.move_frame` and
+    `vehicle_state`; the filter's state and covariance, those of the plane and deflection change in place.
+    faster: relative change of the speed. inputs: settings of the dampers, then forces of the actuators.
+    """
+    force = transfer * forward_acc
+    tyre = acceleration, variance, mass, masses, force, by_struts, tyres, period_s
+    found = road_from_tyre(state, previous_m, deflection, *tyre)
+    road[:], contact[:], rate[:], spread = found
+    memory[0] = period_s
+    plane[0] += period_s * plane[2]
+    maps = kinematic_rows, body_of_road
+    change = product(
+        kinematic_rows,
+        followed_plane(plane, plane_wheels, memory, *maps, road, speed_m_s, _UNKNOWN),
+    )
+    follows = int(not np.any(plane_wheels[0]))
+    frame = frames[follows], faster * by_speed, frame_drives[follows]
+    covariance[:] = reframed(state, covariance, change, *frame, spread)
+    rate -= change
+    x[:] = vehicle_state(state, body_of_corners, inputs)
