@@ -118,9 +118,9 @@ def road_heights(
     parameters: Car, profiles: Sequence[EffectiveProfile], stretch: MotionSamples
 ) -> RoadHeights:
     """Road heights of a stretch, the same for all cars of the same axle positions."""
-    edge_height, _ = road_under(parameters, profiles, stretch.edges_m, 0.0)
-    mid_height, _ = road_under(parameters, profiles, stretch.middles_m, 0.0)
-    return RoadHeights(mid_height, [np.diff(heights) for heights in edge_height])
+    under = list(zip(profiles, parameters.axle_x_m, strict=True))
+    middle = [profile.height(stretch.middles_m + axle) for profile, axle in under]
+    return RoadHeights(middle, [np.diff(profile.height(stretch.edges_m + axle)) for profile, axle in under])
 
 
 def road_forces(parameters: Car, heights: RoadHeights) -> list[Array]:

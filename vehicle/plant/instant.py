@@ -1,10 +1,10 @@
 """Signals of a car at one instant: `vehicle.state.observe`, recorded once by CasADi and evaluated alone.
 
 A closed loop asks for them at each decision, when the Python of the equations would cost more than the
-integration. The dampers' forces, which may be a user's, are not recorded but evaluated with floats.
+integration. The forces of dampers that are not ideal may be a user's: they are not recorded but evaluated
+with floats.
 """
 
-from collections.abc import Sequence
 from dataclasses import fields
 from functools import lru_cache
 from operator import mul
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS, input_size, state_size
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState, observe
@@ -26,13 +27,34 @@ _GIVEN = "time_s", "x_m", "speed_m_s", "forward_acc", "x", "command", "force_com
 _COMPUTED = tuple(item.name for item in fields(VehicleState) if item.name not in _GIVEN)
 
 
+class _Seen(VehicleState):
+    """Signals of one instant; the computed ones are taken from the results when they are first read."""
+
+    _values: Array
+    _rows: dict[str, int | slice]
+
+    def __getattr__(self, name: str) -> Any:
+        own = self.__dict__
+        try:
+            rows, values = own["_rows"][name], own["_values"]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__} has no {name}") from None
+        value = own[name] = values.item(rows) if isinstance(rows, int) else values[rows]
+        return value
+
+
 class Instant:
     """Observer of one car at one instant."""
 
     def __init__(self, car: Car) -> None:
-        self._car, self._layout = car, state_layout(car)
+        self._car, self._layout, self._wheels = car, state_layout(car), car.wheels
+        self._recorded_forces = _ideal(car)
         function, self._rows = recorded(car)
         self._inputs, self._outputs = np.zeros(function.size1_in(0)), np.zeros(function.size1_out(0))
+        states = state_size(car)
+        road = slice(states, states + 2 * car.wheels)
+        self._state, self._road, self._forces = np.split(self._inputs[:-1], [road.start, road.stop])
+        self._no_force = np.zeros(car.wheels)
         buffer: Any
         buffer, self._evaluate = function.buffer()
         buffer.set_arg(0, memoryview(self._inputs))
@@ -47,28 +69,26 @@ class Instant:
         forward_acc: float,
         x: Array,
         command: Array,
-        road: tuple[list, list],
+        road: Array,
     ) -> VehicleState:
-        """All signals as `observe` gives them; x: (states,)."""
-        wheels, numbers = self._car.wheels, x.tolist()
-        self._inputs[:] = [*numbers, *road[0], *road[1], *self._damper_forces(numbers), forward_acc]
+        """All signals as `observe` gives them; x: (states,); road: (2 · wheels,) heights, then their rates."""
+        self._state[:], self._road[:], self._inputs[-1] = x, road, forward_acc
+        if not self._recorded_forces:
+            self._forces[:] = self._damper_forces(x.tolist())
         self._evaluate()
-        values = self._outputs.copy()
-        numbers = values.tolist()
-        computed: dict[str, Any] = {
-            name: numbers[rows] if isinstance(rows, int) else values[rows] for name, rows in self._rows
-        }
-        force = command[wheels:] if len(command) > wheels else np.zeros(wheels)
-        return VehicleState(
+        wheels, seen = self._wheels, _Seen.__new__(_Seen)
+        seen.__dict__.update(
             time_s=time_s,
             x_m=x_m,
             speed_m_s=speed_m_s,
             forward_acc=forward_acc,
             x=x,
             command=command[:wheels],
-            force_command=force,
-            **computed,
+            force_command=command[wheels:] if len(command) > wheels else self._no_force,
+            _values=self._outputs.copy(),
+            _rows=self._rows,
         )
+        return seen
 
     def _damper_forces(self, x: list[float]) -> list[float]:
         layout, found = self._layout, []
@@ -88,22 +108,28 @@ class Instant:
 
 
 @lru_cache(maxsize=32)
-def recorded(car: Car) -> tuple["casadi.Function", Sequence[tuple[str, int | slice]]]:
-    """The function of state, road heights and rates, damper forces and acceleration, and its rows by name."""
+def recorded(car: Car) -> tuple["casadi.Function", dict[str, int | slice]]:
+    """The function of state, road heights and rates, damper forces and acceleration, and its rows by name.
+
+    The forces of ideal dampers are not among the inputs.
+    """
     import casadi
 
     states, wheels = state_size(car), car.wheels
-    given = casadi.SX.sym("given", states + 3 * wheels + 1)
-    x, height, velocity, damper, acc = np.split(
-        np.array(casadi.vertsplit(given), dtype=object), states + wheels * np.arange(4)
-    )
+    ends = states + wheels * np.arange(3 if _ideal(car) else 4)
+    given = casadi.SX.sym("given", int(ends[-1]) + 1)
+    x, height, velocity, *damper, acc = np.split(np.array(casadi.vertsplit(given), dtype=object), ends)
     command: Any = casadi.SX.zeros(input_size(car))
-    road = list(height), list(velocity)
-    seen = observe(car, 0.0, 0.0, 0.0, list(x), command, road, acc[0], casadi, list(damper))
-    rows: list[tuple[str, int | slice]] = []
+    road, forces = (list(height), list(velocity)), list(damper[0]) if damper else None
+    seen = observe(car, 0.0, 0.0, 0.0, list(x), command, road, acc[0], casadi, forces)
+    rows: dict[str, int | slice] = {}
     parts: list[casadi.SX] = []
     for name in _COMPUTED:
         value, start = getattr(seen, name), len(parts)
         parts += value if isinstance(value, list) else [value]
-        rows.append((name, slice(start, len(parts)) if isinstance(value, list) else start))
+        rows[name] = slice(start, len(parts)) if isinstance(value, list) else start
     return casadi.Function("instant", [given], [casadi.vertcat(*parts)]), rows
+
+
+def _ideal(car: Car) -> bool:
+    return all(isinstance(corner.damper, IdealDamper) for corner in car.corners)

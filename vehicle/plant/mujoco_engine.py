@@ -66,7 +66,8 @@ class RolloutEngine:
             mujoco.mj_getState(self._model, self._only, rows, _FULL_STATE)
             self._reached = rows
             return rows
-        control, rows = np.atleast_2d(control, rows)
+        if rows.ndim == 1:
+            control, rows = control[None], rows[None]
         self._rollout.rollout(
             self._models,
             self._data,

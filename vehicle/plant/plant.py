@@ -153,15 +153,15 @@ class Plant:
     def state(self) -> VehicleState:
         """Present state of the car."""
         if self._observed is None:
-            x_m, speed_m_s, acc = (
-                self._motion_between(slice(self._driven_ticks, self._driven_ticks + 1))
-                if self._driven_ticks
-                else self._segments[-1][:3]
-            )
-            forward = 0.0 if acc is None else float(acc[-1])
-            place, speed = float(x_m[-1]), float(speed_m_s[-1])
-            road = road_under(self.parameters, self._profiles, place, speed)
-            motion = self._tick / RATE_HZ, place, speed, forward
+            at, (edges_m, _, speeds, acc) = self._driven_ticks, self._stretch
+            if at:
+                road = self._road[at]
+            else:  # the speed may change here
+                edges_m, speeds, acc, *_ = self._segments[-1]
+                at = len(edges_m) - 1
+                road = self._road_under(edges_m[at:], speeds[at:])[0]
+            forward = 0.0 if acc is None else acc.item(at)
+            motion = self._tick / RATE_HZ, edges_m.item(at), speeds.item(at), forward
             self._observed = self._instant(*motion, self._row[self._order], self._command, road)
         return self._observed
 
@@ -212,6 +212,18 @@ class Plant:
         row[self._order] = start
         return row
 
+    @property
+    def _road(self) -> Array:
+        """Heights and rates at the edges of the stretch's ticks, (ticks + 1, 2 · wheels)."""
+        if self._edge_road is None:
+            self._edge_road = self._road_under(self._stretch.edges_m, self._stretch.speed_m_s)
+        return self._edge_road
+
+    def _road_under(self, x_m: Array, speed_m_s: Array) -> Array:
+        """Heights under the wheels and their rates, (n, 2 · wheels), for the car at x_m (n,)."""
+        height, velocity = road_under(self.parameters, self._profiles, x_m, speed_m_s)
+        return np.column_stack([*height, *velocity])
+
     def _motion_between(self, edges: slice) -> tuple[Array, Array, Array | None]:
         """Position, speed and acceleration at these tick boundaries of the current stretch."""
         x_m, _, speed_m_s, acc = self._stretch
@@ -253,6 +265,7 @@ class Plant:
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
         self._prepared, self._driven_ticks = ticks, 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
+        self._edge_road: Array | None = None
         self._control = self._controls(stretch)
         self._rows: Array = np.empty((self._prepared, self._engine.size))
         self._commands: list[Array] = []

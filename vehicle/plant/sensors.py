@@ -14,6 +14,7 @@ Bosch's SMI230 (0.244 mg at ±8 g, 0.0038 °/s at ±125 °/s), high-g accelerome
 """
 
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache
 from typing import Annotated, Any, NamedTuple
@@ -121,6 +122,8 @@ class Measurement:
         return measurement
 
 
+_DRAWN = 100
+"""Readings whose noise is drawn at once."""
 PITCH_RATE, ROLL_RATE = -3, -1
 """Rows of the gyros in the vector of all channels, after those of the wheels, with the speed between them."""
 
@@ -142,13 +145,13 @@ def channel_layout(wheels: int) -> ChannelLayout:
 
 
 class Sensors:
-    """Sensors of one car: offsets are drawn once, noise at each reading, both from `rng`.
+    """Sensors of one car: offsets are drawn once, noise for each reading, both from `rng`, which is theirs.
 
     offset: of each channel, in the order of `Measurement.channels`.
     """
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
-        self._rng, self._count = rng, 3 * wheels + 3
+        self._rng, self._count, self._layout = rng, 3 * wheels + 3, channel_layout(wheels)
         self._roll_rng = rng.spawn(1)[0]  # independent of the other channels' draws
         noise_levels = self._noise = noise or SensorNoise()
         width = np.sqrt(noise_levels.bandwidth_hz)
@@ -178,7 +181,7 @@ class Sensors:
                 has_roll * noise_levels.roll_rate_offset_rad_s,
             ]
         )
-        self.offset = offset_sigma * self._normal()
+        self.offset = offset_sigma * self._normal(1)[0]
         self._scale = 1.0 + noise_levels.speed_scale * rng.standard_normal()
         resolution = noise_levels.interface
         sizes = np.repeat(
@@ -195,21 +198,30 @@ class Sensors:
         self._delay_line: deque[Array] = deque(maxlen=resolution.delay_readings + 1)
         self._received: Array | None = None
         self._ideal_interface = resolution == SensorInterface()
+        self._errors = self._error_rows()
 
     def measure(self, state: VehicleState) -> Measurement:
         """Return the reading for the present state."""
-        error = self.offset + self._sigma * self._normal()
-        moved = [state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate]
-        reading = np.concatenate([state.body_acc, state.wheel_acc, state.rattle_m, moved]) + error
+        reading, rows = np.empty(self._count), self._layout
+        reading[rows.body_acc] = state.body_acc
+        reading[rows.wheel_acc] = state.wheel_acc
+        reading[rows.rattle] = state.rattle_m
+        reading[PITCH_RATE:] = state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate
+        reading += next(self._errors)
         if not self._ideal_interface:
             reading = self._transmit(reading)
         return Measurement.of_channels(state.time_s, reading)
 
-    def _normal(self) -> Array:
-        """Draw a standard normal number for each channel."""
-        numbers = np.empty(self._count)
-        self._rng.standard_normal(out=numbers[:-1])
-        numbers[-1] = self._roll_rng.standard_normal()
+    def _error_rows(self) -> Iterator[Array]:
+        """Offsets and noise of one reading after the other; drop-outs are drawn between those of two."""
+        while True:
+            yield from self.offset + self._sigma * self._normal(_DRAWN if self._ideal_interface else 1)
+
+    def _normal(self, readings: int) -> Array:
+        """Draw a standard normal number for each channel of each reading, (readings, channels)."""
+        numbers = np.empty((readings, self._count))
+        numbers[:, :-1] = self._rng.standard_normal((readings, self._count - 1))
+        numbers[:, -1] = self._roll_rng.standard_normal(readings)
         return numbers
 
     def _transmit(self, reading: Array) -> Array:

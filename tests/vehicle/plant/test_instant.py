@@ -1,5 +1,6 @@
 """Tests of the signals at one instant: they are those of the equations for every kind of car."""
 
+import pickle
 from dataclasses import fields, replace
 from typing import Any
 
@@ -38,7 +39,8 @@ def test_signals_at_one_instant_are_those_of_the_equations(name: str) -> None:
     instant = Instant(car)
     for _ in range(50):
         given = somewhere(car, rng)
-        found = instant(1.5, 20.0, 10.0, given["forward_acc"], given["x"], given["command"], given["road"])
+        road = np.concatenate(given["road"])
+        found = instant(1.5, 20.0, 10.0, given["forward_acc"], given["x"], given["command"], road)
         expected = observe(car, 1.5, 20.0, 10.0, **given | {"x": given["x"].tolist()})
         for item in fields(expected):
             ours, theirs = getattr(found, item.name), getattr(expected, item.name)
@@ -49,8 +51,18 @@ def test_signals_at_one_instant_are_those_of_the_equations(name: str) -> None:
 
 def test_signals_of_an_instant_stay_when_the_next_ones_come() -> None:
     car, rng = HALF, np.random.default_rng(4)
-    instant, road = Instant(car), ([0.0, 0.0], [0.0, 0.0])
+    instant, road = Instant(car), np.zeros(4)
     first = instant(0.0, 0.0, 10.0, 0.0, somewhere(car, rng)["x"], np.zeros(2), road)
     before = first.body_acc.copy()
     instant(0.1, 1.0, 10.0, 0.0, somewhere(car, rng)["x"], np.zeros(2), road)
     np.testing.assert_array_equal(first.body_acc, before)
+
+
+def test_signals_of_an_instant_can_be_copied_changed_and_pickled() -> None:
+    car, rng = HALF, np.random.default_rng(5)
+    seen = Instant(car)(0.0, 1.0, 10.0, 0.0, somewhere(car, rng)["x"], np.zeros(2), np.zeros(4))
+    changed = replace(pickle.loads(pickle.dumps(seen)), x_m=2.0)
+    assert changed.x_m == 2.0
+    np.testing.assert_array_equal(changed.seat_acc, seen.seat_acc)
+    with pytest.raises(AttributeError, match="no sound"):
+        _ = seen.sound  # type: ignore[attr-defined]

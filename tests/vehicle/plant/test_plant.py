@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import mujoco
@@ -188,7 +188,8 @@ def test_state_is_the_last_column_of_the_signals(car: Car) -> None:
     plant.reset([Haversine(0.08, 0.5)] * car.wheels, 0.0, 12.0)
     plant.step(np.full(car.wheels, 2500.0), 137)
     now, run = plant.state, plant.signals
-    for name, value in vars(now).items():
+    for name in (item.name for item in fields(now)):
+        value = getattr(now, name)
         np.testing.assert_allclose(value, getattr(run, name)[..., -1], rtol=1e-12, atol=1e-15, err_msg=name)
 
 
