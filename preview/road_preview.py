@@ -193,12 +193,13 @@ def oracle_preview(
         raise InputError(f"profiles must be one per wheel ({len(wheel_x_m)}), got {len(profiles)}")
     distance = distance_grid() if distance_m is None else distance_m
     height = np.array([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
-    zeros, ones = _constant(height.shape, 0.0), _constant(height.shape, 1.0)
+    zeros, ones = constant_rows(height.shape, 0.0), constant_rows(height.shape, 1.0)
     return RoadPreview(time_s, distance, height, zeros, zeros, ones)
 
 
 @lru_cache(maxsize=8)
-def _constant(shape: tuple[int, int], value: float) -> np.ndarray:
+def constant_rows(shape: tuple[int, int], value: float) -> np.ndarray:
+    """Rows (wheels, n) of one value, read-only."""
     rows = np.full(shape, value)
     rows.setflags(write=False)
     return rows

@@ -59,6 +59,10 @@ class WheelProfile(Checked):
         low = height(index)
         return low + (position - index) * (height(index + 1) - low)
 
+    def heights_ahead(self, x_m: float, ahead_m: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+        """Fill `out` (n,) with the heights at distances ahead_m (n,) from x_m."""
+        _linear(ahead_m, x_m, self.x0_m, self.step_m, self._table, out)
+
     @overload
     def slope(self, x: float) -> float: ...
     @overload
@@ -76,7 +80,7 @@ class WheelProfile(Checked):
     def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         found = np.empty(x.shape)
         flat = x if x.ndim == 1 else np.ascontiguousarray(x).ravel()
-        _linear(flat, self.x0_m, self.step_m, self._table, found.ravel())
+        _linear(flat, 0.0, self.x0_m, self.step_m, self._table, found.ravel())
         return found
 
     def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -88,11 +92,11 @@ class WheelProfile(Checked):
 
 
 @njit
-def _linear(x: Any, x0: float, step: float, heights: Any, out: Any) -> None:
-    """Heights on a uniform grid at x, constant beyond both ends."""
+def _linear(x: Any, shift: float, x0: float, step: float, heights: Any, out: Any) -> None:
+    """Heights on a uniform grid at shift + x, constant beyond both ends."""
     last = len(heights) - 1
     for k in range(len(x)):
-        position = min(max((x[k] - x0) / step, 0.0), float(last))
+        position = min(max((shift + x[k] - x0) / step, 0.0), float(last))
         index = min(int(position), last - 1)
         out[k] = heights[index] + (position - index) * (heights[index + 1] - heights[index])
 

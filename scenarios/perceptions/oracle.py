@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.preview.road_preview import PREVIEW_M, RoadPreview, distance_grid, oracle_preview
+from foreride.preview.road_preview import PREVIEW_M, RoadPreview, constant_rows, distance_grid
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
@@ -42,6 +42,9 @@ class OraclePerception(Perception):
         self._exact = errors == OracleErrors()
         self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
         self._grid = distance_grid(ahead_m=ahead_m)
+        self._ahead_m, self._here = self._grid.copy(), int(np.searchsorted(self._grid, 0.0))
+        shape = len(believed), len(self._grid)
+        self._nothing, self._certain = constant_rows(shape, 0.0), constant_rows(shape, 1.0)
         self._speed_m_s = 0.0
         self._travelled_m = 0.0
         self._views: deque[tuple[float, float, float]] = deque()
@@ -56,19 +59,29 @@ class OraclePerception(Perception):
         errors = self._errors
         if errors.latency_s > 0.0:
             x_m = self._carried_forward(time_s, x_m)
-        believed = oracle_preview(self._believed, x_m - errors.bias_m + self._axles, time_s, self._grid)
-        seen = self._frame.relative(believed, state)
+        height = self._relative_heights(time_s, x_m - errors.bias_m, state)
         if self._exact:
-            return seen
-        height = errors.height_gain * seen.height_m
-        return replace(
-            seen,
-            height_m=height,
+            nothing = self._nothing
+            return RoadPreview(time_s, self._grid, height, nothing, nothing, self._certain)
+        height *= errors.height_gain
+        return RoadPreview(
+            time_s,
+            self._grid,
+            height,
             position_sigma_m=np.full_like(height, errors.position_sigma_m),
             height_sigma_m=np.hypot(errors.height_sigma * height, self._unseen_sigma_m),
             existence=np.full_like(height, errors.existence),
             age_s=errors.latency_s,
         )
+
+    def _relative_heights(self, time_s: float, x_m: float, state: VehicleState) -> np.ndarray:
+        """Believed heights ahead of the wheels of a car at x_m, (wheels, n), over the plane that it runs on."""
+        height = np.empty(self._nothing.shape)
+        for profile, wheel_m, row in zip(self._believed, (x_m + self._axles).tolist(), height, strict=True):
+            profile.heights_ahead(wheel_m, self._ahead_m, row)
+        frame, here_m = self._frame, height[:, self._here].copy()
+        frame.lower(time_s, height, self._grid, here_m, float(state.speed_m_s), frame.body_velocity(state))
+        return height
 
     def _carried_forward(self, time_s: float, x_m: float) -> float:
         """Position extrapolated from the view's time by the measured speed."""

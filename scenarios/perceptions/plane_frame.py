@@ -14,7 +14,7 @@ from foreride.vehicle.state_layout import state_layout
 
 
 class PlaneFrame:
-    """Converter of previews with absolute heights; `relative` once a period, in order of time."""
+    """Converter of previews with absolute heights, once a period, in order of time."""
 
     def __init__(self, car: Car) -> None:
         self._plane, self._body_velocity = RoadPlane(car), state_layout(car).body_velocity
@@ -22,27 +22,41 @@ class PlaneFrame:
 
     def relative(self, preview: RoadPreview, state: VehicleState) -> RoadPreview:
         """Return the preview over the plane of the previewed road under the wheels so far."""
-        return self.of_car(preview, float(state.speed_m_s), np.array(state.x[self._body_velocity], float))
+        return self.of_car(preview, float(state.speed_m_s), self.body_velocity(state))
+
+    def body_velocity(self, state: VehicleState) -> np.ndarray:
+        """Velocities of the body in a state, (body,)."""
+        return state.x[self._body_velocity]
 
     def of_car(self, preview: RoadPreview, speed_m_s: float, body_velocity: np.ndarray) -> RoadPreview:
         """As `relative`, of a car with this speed that began with these velocities (body,)."""
+        height_m, road_m = preview.height_m.copy(), preview.height_here_m
+        self.lower(preview.time_s, height_m, preview.distance_m, road_m, speed_m_s, body_velocity)
+        return replace(preview, height_m=height_m)
+
+    def lower(
+        self,
+        time_s: float,
+        height_m: np.ndarray,
+        ahead_m: np.ndarray,
+        road_m: np.ndarray,
+        speed_m_s: float,
+        body_velocity: np.ndarray,
+    ) -> None:
+        """Subtract the plane from heights (wheels, n) at distances ahead (n,) of wheels on road_m (wheels,)."""
         plane, rows = self._plane, self._plane.kinematic_rows
-        road_m = preview.height_here_m
         if self._time_s is None:
             plane.start(road_m, body_velocity, speed_m_s)
         else:
-            plane.advance(preview.time_s - self._time_s)
+            plane.advance(time_s - self._time_s)
             plane.correct(road_m - rows @ plane.level, speed_m_s)
-        self._time_s = preview.time_s
-        height_m = _over_plane(preview.height_m, preview.distance_m, rows @ plane.level, rows @ plane.slope)
-        return replace(preview, height_m=height_m)
+        self._time_s = time_s
+        _lower(height_m, ahead_m, rows @ plane.level, rows @ plane.slope)
 
 
 @njit
-def _over_plane(height: Any, ahead: Any, level: Any, slope: Any) -> Any:
-    """Heights (wheels, n) over lines of these levels and slopes (wheels,)."""
-    relative = np.empty(height.shape)
+def _lower(height: Any, ahead: Any, level: Any, slope: Any) -> None:
+    """Subtract lines of these levels and slopes (wheels,) from heights (wheels, n)."""
     for wheel in range(len(height)):
         for i in range(len(ahead)):
-            relative[wheel, i] = height[wheel, i] - level[wheel] - slope[wheel] * ahead[i]
-    return relative
+            height[wheel, i] = height[wheel, i] - level[wheel] - slope[wheel] * ahead[i]
