@@ -23,6 +23,12 @@ def _installed() -> EntryPoints:
     return entry_points()
 
 
+@cache
+def _of_group(group: str) -> tuple[EntryPoint, ...]:
+    """Those of a group."""
+    return tuple(_installed().select(group=group))
+
+
 class Registry(Generic[Part]):
     """Parts of one sort by name.
 
@@ -58,7 +64,7 @@ class Registry(Generic[Part]):
 
     def names(self) -> list[str]:
         """Names of all parts: foreride's own first, then the others in alphabetical order."""
-        others = {*self._registered, *(entry.name for entry in _installed().select(group=self.group))}
+        others = {*self._registered, *(entry.name for entry in _of_group(self.group))}
         return [*self.own, *sorted(others - set(self.own))]
 
     def find(self, name: str) -> Part | None:
@@ -120,7 +126,7 @@ class Registry(Generic[Part]):
             raise InputError(f"{label}: {error}") from None
 
     def _entries(self, name: str) -> list[EntryPoint]:
-        return list(_installed().select(group=self.group, name=name))
+        return [entry for entry in _of_group(self.group) if entry.name == name]
 
     def _holders(self, name: str) -> list[str]:
         own = ["foreride"] if name in self.own else []

@@ -24,8 +24,10 @@ def registry() -> Registry[float]:
 @pytest.fixture(autouse=True)
 def _entry_points_read_anew() -> Iterator[None]:
     plugins._installed.cache_clear()
+    plugins._of_group.cache_clear()
     yield
     plugins._installed.cache_clear()
+    plugins._of_group.cache_clear()
 
 
 def install(folder: Path, package: str, code: str, *entries: str) -> None:
