@@ -75,7 +75,7 @@ class OraclePerception(Perception):
         )
 
     def _relative_heights(self, time_s: float, x_m: float, state: VehicleState) -> np.ndarray:
-        """Believed heights ahead of the wheels of a car at x_m, (wheels, n), over the plane that it runs on."""
+        """Believed heights (wheels, n) ahead of the wheels of a car at x_m, over the plane of its road."""
         height = np.empty(self._nothing.shape)
         for profile, wheel_m, row in zip(self._believed, (x_m + self._axles).tolist(), height, strict=True):
             profile.heights_ahead(wheel_m, self._ahead_m, row)

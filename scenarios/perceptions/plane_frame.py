@@ -43,7 +43,7 @@ class PlaneFrame:
         speed_m_s: float,
         body_velocity: np.ndarray,
     ) -> None:
-        """Subtract the plane from heights (wheels, n) at distances ahead (n,) of wheels on road_m (wheels,)."""
+        """Subtract the plane from heights (wheels, n) at distances (n,) ahead of wheels on road_m."""
         plane, rows = self._plane, self._plane.kinematic_rows
         if self._time_s is None:
             plane.start(road_m, body_velocity, speed_m_s)

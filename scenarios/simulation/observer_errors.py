@@ -5,7 +5,7 @@ from array import array
 import numpy as np
 
 from foreride.controller.interface import Estimate
-from foreride.scenarios.definition.clock import ticks
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.simulation.recorded_signals import RecordedSignals
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car
@@ -44,7 +44,7 @@ def observer_errors(car: Car, estimates: EstimateRecord, signals: RecordedSignal
     estimated, road, in_contact = np.split(columns[1:], [-2 * car.wheels, -car.wheels])
     simulated, simulated_road, tyre_force = signals.whole(
         lambda part: {"x": part.x, "road": part.road_height, "force": part.tyre_force},
-        [ticks(time_s) for time_s in times_s.tolist()],
+        np.rint(times_s * TICKS_PER_SECOND).astype(np.int64),
     ).values()
     estimated_motion, simulated_motion = equations.motion(car, estimated), equations.motion(car, simulated)
     travel, rate = (

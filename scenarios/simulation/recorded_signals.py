@@ -4,7 +4,7 @@ All signals at every tick take several times the memory of the states from which
 who go through a drive once, such as its metrics and its file, take them in parts.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from functools import cached_property
 from typing import Any
@@ -39,19 +39,22 @@ class RecordedSignals(Mapping[str, Array]):
             yield self._last[1]
 
     def whole(
-        self, chosen: Callable[[VehicleState], Mapping[str, Array]], ticks: Sequence[int] | None = None
+        self, chosen: Callable[[VehicleState], Mapping[str, Array]], ticks: NDArray[np.int64] | None = None
     ) -> dict[str, Array]:
         """What `chosen` makes of each part, arrays (..., n), over the drive or at ascending `ticks` alone."""
-        wanted = np.arange(self._ticks) if ticks is None else np.asarray(ticks)
+        count = self._ticks if ticks is None else len(ticks)
         found: dict[str, Array] = {}
         first = 0
         for part in self.parts():
             last = first + len(part.time_s)
-            here = slice(*np.searchsorted(wanted, (first, last)).tolist())
+            here, own = slice(first, last), np.s_[:]
+            if ticks is not None:
+                here = slice(*np.searchsorted(ticks, (first, last)).tolist())
+                own = ticks[here] - first
             for name, values in chosen(part).items():
                 if name not in found:
-                    found[name] = np.empty((*values.shape[:-1], len(wanted)))
-                found[name][..., here] = values[..., wanted[here] - first]
+                    found[name] = np.empty((*values.shape[:-1], count))
+                found[name][..., here] = values[..., own]
             first = last
         return found
 

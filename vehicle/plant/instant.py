@@ -71,7 +71,7 @@ class Instant:
         command: Array,
         road: Array,
     ) -> VehicleState:
-        """All signals as `observe` gives them; x: (states,); road: (2 · wheels,) heights, then their rates."""
+        """All signals as `observe` gives them; x: (states,); road: (2 · wheels,) heights, then rates."""
         self._state[:], self._road[:], self._inputs[-1] = x, road, forward_acc
         if not self._recorded_forces:
             self._forces[:] = self._damper_forces(x.tolist())

@@ -62,6 +62,7 @@ class Plant:
     """
 
     _driven_ticks: int  # ticks driven of the `_prepared` ones
+    _edge_road: Array | None  # `_road`, once asked for
 
     def __init__(self, parameters: Car, engine: EngineName = "mujoco") -> None:
         self.parameters = parameters
@@ -265,7 +266,7 @@ class Plant:
         self._motion = speed if isinstance(speed, Motion) else ConstantSpeed(float(speed))
         self._prepared, self._driven_ticks = ticks, 0
         self._stretch = stretch = self._motion.ahead(x_m, self._tick, self._prepared)
-        self._edge_road: Array | None = None
+        self._edge_road = None
         self._control = self._controls(stretch)
         self._rows: Array = np.empty((self._prepared, self._engine.size))
         self._commands: list[Array] = []

@@ -50,7 +50,7 @@ def test_parts_joined_are_the_signals_at_once() -> None:
 @pytest.mark.usefixtures("short_parts")
 def test_chosen_ticks_are_those_of_all() -> None:
     plant, ticks = driven(), [0, 3, 699, 700, 701, 960]
-    found = RecordedSignals(plant).whole(lambda part: {"x": part.x, "height": part.heave_m}, ticks)
+    found = RecordedSignals(plant).whole(lambda part: {"x": part.x, "height": part.heave_m}, np.array(ticks))
     np.testing.assert_array_equal(found["x"], plant.signals.x[:, ticks])
     np.testing.assert_array_equal(found["height"], plant.signals.heave_m[ticks])
 
