@@ -5,6 +5,7 @@ bytecode and machine code, is left out. The memory is the process's greatest res
 """
 
 import argparse
+import os
 import resource
 import subprocess
 import sys
@@ -13,11 +14,17 @@ from statistics import median
 _COMMAND = "import sys; from foreride.scenarios.cli import main; sys.exit(main({!r}))"
 _FIRST_TICK = """
 import sys
-from foreride.scenarios.bound.simulate_case import simulate_case
-from foreride.scenarios.cases import Case
-from foreride.scenarios.commands.drive import run
-from foreride.scenarios.definition.loading import load
-simulate_case(Case(load("bump_8x40_30"), "mpc_preview", {!r}, 0), advance=lambda ticks: sys.exit())
+from foreride.scenarios import cli
+
+def started(name, parser=cli.parser):
+    configured = parser(name)
+    from foreride.scenarios.comparison import parallel  # which is imported by now
+    from foreride.scenarios.simulation.simulate import simulate
+    parallel.simulate_case = lambda case, *_: simulate(case, advance=lambda ticks: sys.exit())
+    return configured
+
+cli.parser = started
+cli.main(["run", "bump_8x40_30", "--vehicle", "half", "--perception", {!r}])
 """
 _PEAK = """
 import atexit, resource
@@ -38,7 +45,8 @@ def started(code: str) -> tuple[float, float]:
     """CPU time, s, and greatest resident set, MiB, of one interpreter that executes the code."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = [sys.executable, "-c", f"{_PEAK}\n{code}"]
-    told = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    told = subprocess.run(command, check=True, stdout=subprocess.PIPE, env=environment).stdout
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent_s = (after.ru_utime - before.ru_utime) + (after.ru_stime - before.ru_stime)
     return spent_s, int(told.split()[-1]) / 1024

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from foreride.files.collector import unsearched
 from foreride.files.command_line import (
     Parser,
     check_texts,
@@ -85,9 +86,10 @@ def _execute(argv: Sequence[str]) -> int:
     if name and name not in COMMANDS:
         known = ", ".join(COMMANDS)
         raise InputError(f"COMMAND must be one of {known}, got {shown(name)}{nearest(name, COMMANDS)}")
-    arguments = parser(name).parse_args(argv)
-    from foreride.scenarios.commands.outputs import check_outputs
-    from foreride.scenarios.comparison.parallel import WorkerDied
+    with unsearched():
+        arguments = parser(name).parse_args(argv)
+        from foreride.scenarios.commands.outputs import check_outputs
+        from foreride.scenarios.comparison.parallel import WorkerDied
 
     try:
         check_outputs(arguments)

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from foreride.controller.clairvoyant.single_shooting import WholeDriveObjective
 from foreride.controller.command_limits import KILO, plan_limits
@@ -46,6 +45,8 @@ def optimise(vehicle: Car, drive: WholeDriveObjective, starts: Mapping[str, np.n
 
     A search that stops before convergence counts like the others: its plan is feasible and attains its J.
     """
+    from scipy.optimize import minimize  # slow to import, and every drive imports this module
+
     low, high = (np.tile(limit, drive.intervals) for limit in plan_limits(vehicle))
     best: np.ndarray | None = None
     objectives: dict[str, float] = {}

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.detector.calibration import Calibration as DetectorCalibration
@@ -46,6 +45,9 @@ class Tracker:
         marks: Marks | None = None,
         detector: DetectorCalibration = DEFAULT_CALIBRATION,
     ) -> None:
+        from scipy.optimize import linear_sum_assignment  # slow to import, and many drives have no tracker
+
+        self._assignment = linear_sum_assignment
         self.settings, self.marks, self.detector = settings, marks, detector
         self.tracks: list[Track] = []
         self.passed: list[Track] = []
@@ -58,7 +60,7 @@ class Tracker:
         """Process one frame. Frames may come late or out of order: each has its own pose."""
         predictions = [predict_box(view, track) for track in self.tracks]
         cost = self._costs(view, detections, predictions)
-        rows, columns = linear_sum_assignment(cost)
+        rows, columns = self._assignment(cost)
         pairs = {int(t): int(d) for t, d in zip(rows, columns, strict=True) if cost[t, d] < _GATE}
         for index, track in enumerate(list(self.tracks)):
             if index in pairs:

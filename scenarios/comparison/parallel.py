@@ -4,8 +4,10 @@ import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from typing import TypeVar
 
+from foreride.files.collector import import_unsearched
 from foreride.scenarios.bound.simulate_case import simulate_case
 from foreride.scenarios.cases import Case
 from foreride.scenarios.simulation.simulate import Run
@@ -32,9 +34,7 @@ def simulate_each(
         for case in selected:
             yield simulate_case(case, keep_images, lambda ticks, case=case: advance(case, ticks))  # type: ignore[misc]
         return
-    # Spawned: forking a process whose libraries have started threads may hang.
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(selected)), mp_context=context) as pool:
+    with _pool(simulate_case, min(jobs, len(selected))) as pool:
         waiting = [pool.submit(simulate_case, case, keep_images) for case in selected]
         try:
             for case, future in zip(selected, waiting, strict=True):
@@ -58,11 +58,21 @@ def each_result(
     if jobs == 1 or len(items) < 2:
         yield from map(function, items)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(items)), mp_context=context) as pool:
+    with _pool(function, min(jobs, len(items))) as pool:
         try:
             yield from pool.map(function, items, chunksize=chunk)
         except BrokenProcessPool:
             raise WorkerDied("a worker process died; fewer --jobs take less memory") from None
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _pool(function: Callable[..., object], workers: int) -> ProcessPoolExecutor:
+    """Processes for calls of a function."""
+    # Spawned: forking a process whose libraries have started threads may hang.
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, context, import_unsearched, (_module(function),))
+
+
+def _module(function: Callable[..., object]) -> str:
+    return (function.func if isinstance(function, partial) else function).__module__

@@ -4,13 +4,13 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from foreride.detector.box_errors import degrade
 from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
 from foreride.detector.detections import exact, no_detections
-from foreride.detector.runtime import WEIGHTS, Detector
 from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
 from foreride.preview.prior_drives.memory_file import Memory
@@ -19,7 +19,6 @@ from foreride.preview.road_preview import distance_grid
 from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
 from foreride.road.render.outline_boxes import outline_boxes
-from foreride.road.render.scene import Scene
 from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.tyre import Tyre
 from foreride.scenarios.definition.schema import Scenario
@@ -30,6 +29,9 @@ from foreride.scenarios.perceptions.interface import Drive, Exposure, Referenced
 from foreride.vehicle.corner_inertia import corner_inertia
 from foreride.vehicle.load import Car
 from foreride.vehicle.state import VehicleState
+
+if TYPE_CHECKING:  # ONNX Runtime and the renderer are slow to import, and boxes need neither
+    from foreride.detector.runtime import Detector
 
 MIN_HEIGHT_M = 0.05
 """Height of the lowest camera that calibration errors make of a low one."""
@@ -111,8 +113,10 @@ def true_mount(scenario: Scenario, rng: np.random.Generator) -> CameraMount:
     )
 
 
-def load_detector(scenario: Scenario) -> Detector:
+def load_detector(scenario: Scenario) -> "Detector":
     """Load the detector with the scenario's weights and threshold."""
+    from foreride.detector.runtime import WEIGHTS
+
     wanted = scenario.detection
     weights = WEIGHTS if wanted.weights is None else Path(wanted.weights)
     written_ns = weights.stat().st_mtime_ns if weights.exists() else 0
@@ -120,8 +124,10 @@ def load_detector(scenario: Scenario) -> Detector:
 
 
 @lru_cache(maxsize=4)
-def _session(weights: Path, threads: int, confidence: float, backend: str, written_ns: int) -> Detector:
+def _session(weights: Path, threads: int, confidence: float, backend: str, written_ns: int) -> "Detector":
     """Return one detector shared by all runs of a process; `written_ns` detects a changed file."""
+    from foreride.detector.runtime import Detector
+
     return Detector(weights, threads, confidence, backend=backend)
 
 
@@ -163,6 +169,8 @@ class RenderedCamera:
     def __init__(
         self, scenario: Scenario, mount: CameraMount, rng: np.random.Generator, whole: bool = False
     ) -> None:
+        from foreride.road.render.scene import Scene
+
         self._setup, self._mount, self._whole = scenario.camera, mount, whole
         seed = int(rng.integers(2**31))
         self._scene = Scene(scenario.road, scenario.appearance, seed, threads=scenario.detection.threads)

@@ -6,11 +6,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from foreride.detector.runtime import Detector
 from foreride.files.allocator import share_heap
 from foreride.files.errors import InputError
 from foreride.files.own_code import error_text, location, say_once
@@ -24,6 +23,9 @@ from foreride.scenarios.perceptions.interface import Event, Exposure, Perception
 from foreride.vehicle.plant.sensors import Measurement
 from foreride.vehicle.state import VehicleState
 
+if TYPE_CHECKING:  # ONNX Runtime is slow to import
+    from foreride.detector.runtime import Detector
+
 BoxSource = Callable[[int, VehicleState, int], Exposure]
 """Tick, state of the car at exposure, and first row that is looked at → exposure."""
 
@@ -32,7 +34,7 @@ BoxSource = Callable[[int, VehicleState, int], Exposure]
 class DetectionStage:
     """Second stage of an exposure: the detector, and the band of the images that it looks at."""
 
-    detector: Detector
+    detector: "Detector"
     band: ImageBand
 
     def detected(self, exposure: Exposure) -> Exposure:

@@ -11,13 +11,16 @@ reaches up to 2.1° below it, and still lies inside the band of the default came
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from foreride.detector.runtime import Detector
 from foreride.preview.ego_motion.ego_motion import EgoState
 from foreride.road.camera.pinhole import Camera, CameraMount, horizon_row, pose_of
 from foreride.scenarios.definition.schema import Scenario
+
+if TYPE_CHECKING:  # ONNX Runtime is slow to import
+    from foreride.detector.runtime import Detector
 
 GUARD_DEG = 0.5
 """Least angle between horizon and upper edge of the band: errors of the mounting and of the pitch."""
@@ -41,7 +44,7 @@ class ImageBand:
         return self.first_row if is_inside else 0
 
 
-def image_band(scenario: Scenario, mount: CameraMount, detector: Detector) -> ImageBand:
+def image_band(scenario: Scenario, mount: CameraMount, detector: "Detector") -> ImageBand:
     """Band of a scenario's camera, as its estimator believes it mounted."""
     camera = scenario.camera.intrinsics
     row = max(0.0, row_above(camera, mount, scenario.detection.above_horizon_deg))

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.spatial import Voronoi
 
 from foreride.road.features.feature import Feature
 from foreride.road.obstacle_classes import HOLES
@@ -37,6 +36,8 @@ def plan(
 
 def _field(rng: np.random.Generator, centre: np.ndarray, half_axes: np.ndarray) -> Iterator[Crack]:
     """Cracks of one elliptic field, fewer towards its edge."""
+    from scipy.spatial import Voronoi  # slow to import, and most roads have no such cracks
+
     pitch, factor = rng.uniform(*POLYGON_M), rng.uniform(0.3, 0.65)
     counts = np.ceil(2 * half_axes / pitch).astype(int) + 2
     lattice = np.stack(np.meshgrid(*(np.arange(count) for count in counts), indexing="ij"), axis=-1)
