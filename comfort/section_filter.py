@@ -7,15 +7,15 @@ import numpy as np
 from foreride.files.jit import njit
 
 
-def in_parallel(sections: Any, samples: np.ndarray, kept: list[np.ndarray]) -> np.ndarray:
-    """Sum of the responses of the sections to samples (..., n); kept: (..., 2) states of each, in place.
+def in_parallel(sections: tuple[np.ndarray, np.ndarray], samples: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Sum of the responses of m sections to samples (..., n); kept: (m, ..., 2) states, in place.
 
-    sections: (b, a) of each, three coefficients, a[0] = 1 (transposed direct form II).
+    sections: numerators and denominators, (m, 3) each, the first of a denominator 1 (transposed direct form
+    II).
     """
     rows = np.ascontiguousarray(samples).reshape(-1, samples.shape[-1])
-    out = np.zeros(rows.shape)
-    for (b, a), states in zip(sections, kept, strict=True):
-        _add_response(b, a, rows, states.reshape(-1, 2), out)
+    out = np.empty(rows.shape)
+    _responses(*sections, rows, kept.reshape(len(kept), -1, 2), out)
     return out.reshape(samples.shape)
 
 
@@ -31,13 +31,15 @@ def moving_sum(taps: np.ndarray, samples: np.ndarray, kept: np.ndarray) -> np.nd
 
 
 @njit
-def _add_response(b: Any, a: Any, samples: Any, states: Any, out: Any) -> None:
+def _responses(b: Any, a: Any, samples: Any, states: Any, out: Any) -> None:
+    """The sections go on side by side, as each sample of one waits for its last."""
     for row in range(len(samples)):
-        first, second = states[row]
         for k in range(samples.shape[1]):
-            value = samples[row, k]
-            response = first + b[0] * value
-            first = second + b[1] * value - a[1] * response
-            second = b[2] * value - a[2] * response
-            out[row, k] += response
-        states[row, 0], states[row, 1] = first, second
+            value, total = samples[row, k], 0.0
+            for i in range(len(b)):
+                first, second = states[i, row]
+                response = first + b[i, 0] * value
+                states[i, row, 0] = second + b[i, 1] * value - a[i, 1] * response
+                states[i, row, 1] = b[i, 2] * value - a[i, 2] * response
+                total += response
+            out[row, k] = total

@@ -92,10 +92,10 @@ class StreamedWeighting:
 
         samples = _samples(acc)
         if not self._kept:
-            counts = len(self._correction) - 1, *[2] * len(self._sections)
-            self._kept = [np.zeros((*samples.shape[:-1], count)) for count in counts]
+            begun = *samples.shape[:-1], len(self._correction) - 1
+            self._kept = [np.zeros(begun), np.zeros((len(self._sections[0]), *samples.shape[:-1], 2))]
         corrected = moving_sum(self._correction, samples, self._kept[0])
-        return in_parallel(self._sections, corrected, self._kept[1:])
+        return in_parallel(self._sections, corrected, self._kept[1])
 
     def state(self) -> list[list]:
         """Filter states, as lists of numbers; empty before the first part."""
@@ -181,8 +181,8 @@ def _sections(w: Weighting) -> list[tuple[list[float], list[float]]]:
 
 
 @lru_cache(maxsize=16)
-def _digital(w: Weighting, rate: float) -> tuple[Array, list[tuple[Array, Array]]]:
-    """Correction taps, and (b, a) of the parallel sections that are exact for a first-order hold.
+def _digital(w: Weighting, rate: float) -> tuple[Array, tuple[Array, Array]]:
+    """Correction taps, and (b, a), (sections, 3) each, of those in parallel, exact for a first-order hold.
 
     Each denominator has one pair of complex poles p, p*, so the filter is a sum of r / (s - p) + conjugate.
     """
@@ -194,7 +194,8 @@ def _digital(w: Weighting, rate: float) -> tuple[Array, list[tuple[Array, Array]
         for j, (num, den) in enumerate(sections):
             residue *= complex(np.polyval(num, p) / (1.0 if i == j else np.polyval(den, p)))
         digital.append(_first_order_hold(p, residue, 1 / rate))
-    return _hold_correction(), digital
+    b, a = np.stack(digital, axis=1)
+    return _hold_correction(), (b, a)
 
 
 def _first_order_hold(p: complex, residue: complex, step_s: float) -> tuple[Array, Array]:

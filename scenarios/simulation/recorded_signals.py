@@ -47,7 +47,7 @@ class RecordedSignals(Mapping[str, Array]):
         first = 0
         for part in self.parts():
             last = first + len(part.time_s)
-            here, own = slice(first, last), np.s_[:]
+            here, own = slice(first, last), slice(None)
             if ticks is not None:
                 here = slice(*np.searchsorted(ticks, (first, last)).tolist())
                 own = ticks[here] - first
