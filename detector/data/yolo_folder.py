@@ -7,7 +7,7 @@ A label line is `class cx cy w h`, centre and size as fractions of the image. Op
 """
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -79,13 +79,17 @@ def _label_row(line: str, location: str, classes: int) -> list[float]:
     return row
 
 
-def read_samples(folder: Path, longest: int | None = None, skip_bad: bool = False) -> Iterator[Sample]:
+def read_samples(
+    folder: Path, longest: int | None = None, skip_bad: bool = False, known: Container[str] = ()
+) -> Iterator[Sample]:
     """Decode every image of a data set folder, shrunk to at most `longest` pixels on its longer side.
 
+    known: names of images to leave out.
     Unusable files are reported on stderr if they are to be skipped; otherwise, or if no other is left,
     InputError names all of them, after the last good one.
     """
-    paths, faults = image_paths(folder), []
+    paths = [path for path in image_paths(folder) if path.name not in known]
+    faults = []
     if not (folder / "labels").is_dir():
         raise InputError(f"{folder}: no folder labels/ in it; a dataset holds images/ and labels/")
     for path in paths:

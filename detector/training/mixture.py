@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from foreride.detector.data.yolo_folder import Sample
 from foreride.files.errors import InputError
@@ -18,21 +19,10 @@ class Mixture(Sequence[Sample]):
     """
 
     def __init__(self, sets: Sequence[Sequence[Sample]], shares: Sequence[float] = ()):
-        rest = 1.0 - sum(shares)
-        if len(shares) != len(sets) - 1 or not all(share > 0 for share in shares) or rest <= 0:
+        if len(shares) != len(sets) - 1 or not all(share > 0 for share in shares) or sum(shares) >= 1:
             raise InputError(f"shares of added sets must be > 0 and sum to < 1, got {list(shares)}")
-        self.sets = sets
-        all_shares = (rest, *shares)
-        total = max(len(one) / share for one, share in zip(sets, all_shares, strict=True))
-        counts = [
-            max(len(one), math.floor(total * share)) for one, share in zip(sets, all_shares, strict=True)
-        ]
-        self.places = np.concatenate(
-            [
-                np.stack((np.full(count, number), np.arange(count) % len(one)), axis=1)
-                for number, (one, count) in enumerate(zip(sets, counts, strict=True))
-            ]
-        )
+        self.sets, self.shares = sets, tuple(shares)
+        self.places = mixed_places([len(one) for one in sets], shares)
 
     def __len__(self) -> int:
         return len(self.places)
@@ -46,3 +36,16 @@ class Mixture(Sequence[Sample]):
             return [self[i] for i in range(*index.indices(len(self)))]
         number, place = self.places[index]
         return self.sets[number][int(place)]
+
+
+def mixed_places(sizes: Sequence[int], shares: Sequence[float]) -> NDArray[np.int64]:
+    """Set and index in it (n, 2) of each sample of a `Mixture` of sets of these sizes."""
+    all_shares = (1.0 - sum(shares), *shares)
+    total = max(size / share for size, share in zip(sizes, all_shares, strict=True))
+    counts = [max(size, math.floor(total * share)) for size, share in zip(sizes, all_shares, strict=True)]
+    return np.concatenate(
+        [
+            np.stack((np.full(count, number), np.arange(count) % size), axis=1)
+            for number, (size, count) in enumerate(zip(sizes, counts, strict=True))
+        ]
+    )

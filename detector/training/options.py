@@ -30,28 +30,7 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     p.add_argument("--nwd-alpha", type=float, default=1.0, help="share of CIoU in the box loss; 1 = no NWD")
     p.add_argument("--nwd-scale", type=float, default=12.8, help="the constant C of the NWD, in strides")
     p.add_argument("--edge-weight", type=float, default=0.0, help="weight of the row edge error (strides)")
-    p.add_argument("--mosaic", type=float, default=0.0, help="share of views made of four images")
-    p.add_argument("--weather", type=float, default=0.0, help="share of views with added rain, snow or fog")
-    p.add_argument(
-        "--litter", type=float, default=0.0, help="share of views with leaves and stones added to the road"
-    )
-    p.add_argument(
-        "--mix",
-        action="append",
-        default=[],
-        metavar="DIR=SHARE",
-        help="folder of more images, such as photographs, and their share of all views; may be repeated",
-    )
-    p.add_argument(
-        "--views",
-        choices=("auto", "host", "device"),
-        default="auto",
-        help="make views on the CPU, or on the device from images in its memory (auto: device, but on a CPU)",
-    )
-    p.add_argument("--zoom", type=float, default=ZOOM, help="greatest scale of a crop over full resolution")
-    p.add_argument(
-        "--style", type=float, default=0.15, help="device views: share in the style of --mix images"
-    )
+    _views(p)
     p.add_argument(
         "--auxiliary",
         action="store_true",
@@ -74,3 +53,34 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     )
     p.add_argument("--validate-every", type=int, default=8000, help="passes between two validations")
     return p
+
+
+def _views(p: argparse.ArgumentParser) -> None:
+    """Options of the views that are made of the images."""
+    p.add_argument("--mosaic", type=float, default=0.0, help="share of views made of four images")
+    p.add_argument("--weather", type=float, default=0.0, help="share of views with added rain, snow or fog")
+    p.add_argument(
+        "--litter", type=float, default=0.0, help="share of views with leaves and stones added to the road"
+    )
+    p.add_argument(
+        "--mix",
+        action="append",
+        default=[],
+        metavar="DIR=SHARE",
+        help="folder of more images, such as photographs, and their share of all views; may be repeated",
+    )
+    p.add_argument(
+        "--views",
+        choices=("auto", "host", "device"),
+        default="auto",
+        help="make views on the CPU, or on the device from images in its memory (auto: device, but on a CPU)",
+    )
+    p.add_argument(
+        "--grow",
+        action="store_true",
+        help="device views: take in what is rendered into DATA/train meanwhile; no run repeats another then",
+    )
+    p.add_argument("--zoom", type=float, default=ZOOM, help="greatest scale of a crop over full resolution")
+    p.add_argument(
+        "--style", type=float, default=0.15, help="device views: share in the style of --mix images"
+    )

@@ -9,9 +9,11 @@ command runs on a CPU and on a GPU.
 import argparse
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict
 from pathlib import Path
+from typing import cast
 
 import torch
 
@@ -22,9 +24,10 @@ from foreride.detector.evaluation.plots import write_curves
 from foreride.detector.network.auxiliary import obstacles_only
 from foreride.detector.network.checkpoint import save_weights
 from foreride.detector.training.batches import Batch, batches
+from foreride.detector.training.device.arrivals import Arrivals
 from foreride.detector.training.device.feed import DeviceAugmentation, DeviceFeed
 from foreride.detector.training.distillation import DistillationWeights
-from foreride.detector.training.image_store import load_cached_dataset
+from foreride.detector.training.image_store import CachedDataset, load_cached_dataset
 from foreride.detector.training.loop import LoopSettings, train
 from foreride.detector.training.losses import LossWeights
 from foreride.detector.training.mixture import Mixture
@@ -96,20 +99,41 @@ def _mixture(args: argparse.Namespace, longest: int) -> Mixture:
 
 
 def _feed(
-    args: argparse.Namespace, trainer: Trainer, training: Mixture, on_device: DeviceAugmentation | None
+    args: argparse.Namespace,
+    trainer: Trainer,
+    training: Mixture,
+    on_device: DeviceAugmentation | None,
+    arrivals: Arrivals | None,
 ) -> Iterator[Batch]:
     """Batches of views made on the device or, without settings for it, on the host. Raises InputError."""
     settings = trainer.settings
     if on_device is None:
         order = (settings.stages, settings.batch, trainer.passes, settings.seed, args.workers)
         return batches(training, *order, settings.augmentation)
-    feed = DeviceFeed(training, trainer.device, settings.seed, on_device)
+    more = arrivals.taken if arrivals else tuple
+    feed = DeviceFeed(training, trainer.device, settings.seed, on_device, more)
     return feed.batches(settings.stages, settings.batch, trainer.passes)
+
+
+def _arrivals(
+    args: argparse.Namespace, training: Mixture, longest: int
+) -> AbstractContextManager[Arrivals | None]:
+    """Reader of the images that `--data` gains while the training runs; None without `--grow`."""
+    if not args.grow:
+        return nullcontext()
+    names = {path.name for path in cast(CachedDataset, training.sets[0]).paths}
+
+    def read(known: Set[str]) -> CachedDataset:
+        return load_cached_dataset(args.data / "train", longest, 0, args.skip_bad, args.auxiliary, known)
+
+    return Arrivals(read, names)
 
 
 def _device_views(args: argparse.Namespace, device: str) -> DeviceAugmentation | None:
     """Settings of views made on the device; None for views made on the host. Raises InputError."""
     if args.views == "host" or (args.views == "auto" and device == "cpu"):
+        if args.grow:
+            raise InputError("--grow: must come with --views device")
         return None
     for name in ("mosaic", "weather", "litter"):
         if getattr(args, name):
@@ -155,7 +179,9 @@ def run(args: argparse.Namespace) -> None:
         flush=True,
     )
     how = LoopSettings(validate_every=args.validate_every, patience=args.patience)
-    train(trainer, _feed(args, trainer, training, on_device), validation, args.out, how)
+    with _arrivals(args, training, max(longest, 640)) as arrivals:
+        feed = _feed(args, trainer, training, on_device, arrivals)
+        train(trainer, feed, validation, args.out, how)
     metadata = {
         "model": settings.model,
         "names": list(CLASS_NAMES),

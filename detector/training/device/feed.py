@@ -4,25 +4,29 @@ The order of the images is that of `detector.training.batches`; only the random 
 on the device.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import torch
 
 from foreride.detector.data.augment import Zoom
 from foreride.detector.data.crops import ZOOM
+from foreride.detector.data.yolo_folder import Sample
 from foreride.detector.training.assigner import GroundTruth
 from foreride.detector.training.batches import Batch, epoch_order
 from foreride.detector.training.device.light import augmented, restyled
-from foreride.detector.training.device.pool import NONE, load_pool
+from foreride.detector.training.device.pool import NONE, joined, load_pool
 from foreride.detector.training.device.random_numbers import Random
 from foreride.detector.training.device.views import Views, random_views
-from foreride.detector.training.mixture import Mixture
+from foreride.detector.training.mixture import Mixture, mixed_places
 from foreride.detector.training.schedule import Stage, stage_at, total_passes
 from foreride.files.reading.ranges import Checked, Share
 
 STYLE_REACH = (0.004, 0.024)
 """Range of the share of the lowest frequencies that `restyled` takes."""
+
+GROWTH_PASSES = 4096
+"""Image passes between two looks for further images."""
 
 
 @dataclass(frozen=True)
@@ -38,15 +42,29 @@ class DeviceAugmentation(Checked):
 
 
 class DeviceFeed:
-    """Batches of a mixture's images, all of which are kept in the memory of the device."""
+    """Batches of a mixture's images, all of which are kept in the memory of the device.
 
-    def __init__(self, mixture: Mixture, device: torch.device, seed: int, augmentation: DeviceAugmentation):
+    arrivals: gives further images of the first set, asked every `GROWTH_PASSES` passes. With it a batch
+    depends on when they came, too.
+    """
+
+    def __init__(
+        self,
+        mixture: Mixture,
+        device: torch.device,
+        seed: int,
+        augmentation: DeviceAugmentation,
+        arrivals: Callable[[], Sequence[Sample]] = tuple,
+    ):
         self.places, self.device, self.seed, self.augmentation = mixture.places, device, seed, augmentation
         self.pools = [load_pool(samples, device) for samples in mixture.sets]
+        self.shares, self.arrivals = mixture.shares, arrivals
 
     def batches(self, stages: tuple[Stage, ...], size: int, start: int) -> Iterator[Batch]:
         """Batches from pass `start` to the end of the last stage."""
         for passes in range(start, total_passes(stages), size):
+            if passes // GROWTH_PASSES != (passes - size) // GROWTH_PASSES:
+                self._grow()
             yield self.make_batch(stage_at(stages, passes), size, passes)
 
     @torch.no_grad()
@@ -65,6 +83,12 @@ class DeviceFeed:
             parts[0] = self._restyled(parts, rng)
         images = augmented(torch.cat([part.images for part in parts]), rng)
         return Batch(images, _truths(parts), stage, passes)
+
+    def _grow(self) -> None:
+        samples = self.arrivals()
+        if samples:
+            self.pools[0] = joined(self.pools[0], load_pool(samples, self.device))
+            self.places = mixed_places([len(pool.images) for pool in self.pools], self.shares)
 
     def _index(self, position: int) -> int:
         epoch, place = divmod(position, len(self.places))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+from torch.nn.functional import pad
 
 from foreride.detector.data.crops import PADDING_GREY
 from foreride.detector.data.yolo_folder import Sample
@@ -48,3 +49,31 @@ def load_pool(samples: Sequence[Sample], device: torch.device) -> Pool:
         classes[i, :objects] = torch.from_numpy(sample.classes)
         boxes[i, :objects] = torch.from_numpy(sample.boxes) * size[i].repeat(2)
     return Pool(images, size.to(device), classes.to(device), boxes.to(device))
+
+
+def joined(first: Pool, second: Pool) -> Pool:
+    """Images of two pools of one device. Raises InputError where its memory does not hold them."""
+    height, width = (max(one.images.shape[axis] for one in (first, second)) for axis in (2, 3))
+    most = max(one.classes.shape[1] for one in (first, second))
+    try:
+        return Pool(
+            *(
+                torch.cat(parts)
+                for parts in zip(*(_grown(one, height, width, most) for one in (first, second)), strict=True)
+            )
+        )
+    except (torch.OutOfMemoryError, RuntimeError):
+        count = len(first.images) + len(second.images)
+        raise InputError(f"the device cannot hold {count} images of {width} x {height} pixels") from None
+
+
+def _grown(pool: Pool, height: int, width: int, most: int) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """Tensors of a pool on a larger canvas and with more places for objects."""
+    right, below = width - pool.images.shape[3], height - pool.images.shape[2]
+    places = most - pool.classes.shape[1]
+    return (
+        pad(pool.images, (0, right, 0, below), value=PADDING_GREY),
+        pool.size,
+        pad(pool.classes, (0, places), value=NONE),
+        pad(pool.boxes, (0, 0, 0, places)),
+    )

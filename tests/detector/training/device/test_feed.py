@@ -75,6 +75,7 @@ def test_the_command_trains_on_device_views_and_the_seed_decides_every_bit(tmp_p
     [
         (["--views", "device", "--mosaic", "0.5"], "--mosaic: device views have none"),
         (["--views", "device", "--zoom", "0"], "zoom must lie in 1 ... 8"),
+        (["--views", "host", "--grow"], "--grow: must come with --views device"),
         (["--mix", "folder"], "--mix must be DIR=SHARE"),
         (["--mix", "folder=lots"], "--mix must be DIR=SHARE"),
         (["--mix", "absent=0.5"], "absent: no folder images/"),
