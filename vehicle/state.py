@@ -14,6 +14,8 @@ from foreride.vehicle.load import Car
 from foreride.vehicle.speed_profile import MotionSamples
 
 Array = NDArray[np.float64]
+SENSED = "body_acc", "wheel_acc", "rattle_m", "pitch_rate", "speed_m_s", "roll_rate"
+"""Quantities that the car's sensors measure, in the order of their channels."""
 
 
 class EffectiveProfile(Protocol):
@@ -68,6 +70,10 @@ class VehicleState:
     static_tyre_force: Annotated[Array, "N", "tyre force at standstill"]
     road_height: Annotated[Array, "m", "effective road height under the wheel, after the tyre's enveloping"]
     road_velocity: Annotated[Array, "m/s", "its rate of change as the wheel rolls over it"]
+
+    def sensed(self) -> Array:
+        """Quantities that the car's sensors measure, in the order of their channels, (3w + 3,)."""
+        return np.concatenate([np.atleast_1d(getattr(self, name)) for name in SENSED])
 
 
 _DEFINITIONS: dict[str, tuple[str, str]] = {

@@ -47,7 +47,8 @@ class RecordedSignals(Mapping[str, Array]):
         first = 0
         for part in self.parts():
             last = first + len(part.time_s)
-            here, own = slice(first, last), slice(None)
+            own: slice | NDArray[np.int64] = slice(None)
+            here = slice(first, last)
             if ticks is not None:
                 here = slice(*np.searchsorted(ticks, (first, last)).tolist())
                 own = ticks[here] - first

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS, input_size, state_size
 from foreride.vehicle.load import Car
-from foreride.vehicle.state import VehicleState, observe
+from foreride.vehicle.state import SENSED, VehicleState, observe
 from foreride.vehicle.state_layout import state_layout
 
 if TYPE_CHECKING:  # CasADi is slow to import
@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # CasADi is slow to import
 
 Array = NDArray[np.float64]
 _GIVEN = "time_s", "x_m", "speed_m_s", "forward_acc", "x", "command", "force_command"
+_SPEED = SENSED.index("speed_m_s") - len(SENSED)
 _COMPUTED = tuple(item.name for item in fields(VehicleState) if item.name not in _GIVEN)
 
 
@@ -42,6 +43,14 @@ class _Seen(VehicleState):
         value = own[name] = values.item(rows) if isinstance(rows, int) else values[rows]
         return value
 
+    def sensed(self) -> Array:
+        own = self.__dict__
+        if "_sensed" not in own:
+            return super().sensed()
+        channels: Array = own["_values"][own["_sensed"]]
+        channels[_SPEED] = own["speed_m_s"]
+        return channels
+
 
 class Instant:
     """Observer of one car at one instant."""
@@ -50,6 +59,8 @@ class Instant:
         self._car, self._layout, self._wheels = car, state_layout(car), car.wheels
         self._recorded_forces = _ideal(car)
         function, self._rows = recorded(car)
+        numbers = dict(self._rows, speed_m_s=0)  # the speed is not among the results
+        self._sensed = np.r_[tuple(numbers[name] for name in SENSED)]
         self._inputs, self._outputs = np.zeros(function.size1_in(0)), np.zeros(function.size1_out(0))
         states = state_size(car)
         road = slice(states, states + 2 * car.wheels)
@@ -87,6 +98,7 @@ class Instant:
             force_command=command[wheels:] if len(command) > wheels else self._no_force,
             _values=self._outputs.copy(),
             _rows=self._rows,
+            _sensed=self._sensed,
         )
         return seen
 

@@ -124,8 +124,8 @@ class Measurement:
 
 _DRAWN = 100
 """Readings whose noise is drawn at once."""
-PITCH_RATE, ROLL_RATE = -3, -1
-"""Rows of the gyros in the vector of all channels, after those of the wheels, with the speed between them."""
+PITCH_RATE, SPEED, ROLL_RATE = -3, -2, -1
+"""Rows of the gyros and the speed in the vector of all channels, after those of the wheels."""
 
 
 class ChannelLayout(NamedTuple):
@@ -151,7 +151,7 @@ class Sensors:
     """
 
     def __init__(self, wheels: int, rng: np.random.Generator, noise: SensorNoise | None = None) -> None:
-        self._rng, self._count, self._layout = rng, 3 * wheels + 3, channel_layout(wheels)
+        self._rng, self._count = rng, 3 * wheels + 3
         self._roll_rng = rng.spawn(1)[0]  # independent of the other channels' draws
         noise_levels = self._noise = noise or SensorNoise()
         width = np.sqrt(noise_levels.bandwidth_hz)
@@ -202,11 +202,8 @@ class Sensors:
 
     def measure(self, state: VehicleState) -> Measurement:
         """Return the reading for the present state."""
-        reading, rows = np.empty(self._count), self._layout
-        reading[rows.body_acc] = state.body_acc
-        reading[rows.wheel_acc] = state.wheel_acc
-        reading[rows.rattle] = state.rattle_m
-        reading[PITCH_RATE:] = state.pitch_rate, state.speed_m_s * self._scale, state.roll_rate
+        reading = state.sensed()
+        reading[SPEED] *= self._scale
         reading += next(self._errors)
         if not self._ideal_interface:
             reading = self._transmit(reading)

@@ -47,6 +47,8 @@ def test_signals_at_one_instant_are_those_of_the_equations(name: str) -> None:
             assert type(ours) is type(theirs), item.name
             assert np.shape(ours) == np.shape(theirs), item.name
             np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12, err_msg=item.name)
+        np.testing.assert_allclose(found.sensed(), expected.sensed(), rtol=1e-12, atol=1e-12)
+        np.testing.assert_array_equal(found.sensed(), replace(found).sensed())
 
 
 def test_signals_of_an_instant_stay_when_the_next_ones_come() -> None:
