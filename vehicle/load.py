@@ -6,6 +6,7 @@ front right, rear left, rear right) and the stiffness of its anti-roll bars.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal, overload
 
@@ -33,6 +34,7 @@ _SHIPPED = Path(__file__).parent / "parameters"
 Car = QuarterCar | HalfCar | FullCar
 
 
+@lru_cache(maxsize=32)
 def control_model(parameters: Car) -> Car:
     """Return the control model of a car: the same car with reduced (`reduced`) dampers.
 

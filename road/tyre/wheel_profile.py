@@ -48,7 +48,7 @@ class WheelProfile(Checked):
     def height(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Effective height (m) at x (m), a float for a float and an array for an array."""
         if not isinstance(x, float | int):
-            return self._heights(np.asarray(x, float))
+            return self._filled(_linear, np.asarray(x, float))
         height, last = self._table.item, len(self._table) - 1
         position = (x - self.x0_m) / self.step_m
         if position <= 0.0:
@@ -70,25 +70,18 @@ class WheelProfile(Checked):
     def slope(self, x: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Slope dz/dx at x; at a grid point that of the cell ahead, 0 beyond the ends."""
         if not isinstance(x, float | int):
-            return self._slopes(np.asarray(x, float))
+            return self._filled(_differences, np.asarray(x, float))
         height = self._table.item
         index = floor((x - self.x0_m) / self.step_m)
         if index < 0 or index >= len(self._table) - 1:
             return 0.0
         return (height(index + 1) - height(index)) / self.step_m
 
-    def _heights(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _filled(self, fill: Any, x: NDArray[np.float64]) -> NDArray[np.float64]:
         found = np.empty(x.shape)
         flat = x if x.ndim == 1 else np.ascontiguousarray(x).ravel()
-        _linear(flat, 0.0, self.x0_m, self.step_m, self._table, found.ravel())
+        fill(flat, 0.0, self.x0_m, self.step_m, self._table, found.ravel())
         return found
-
-    def _slopes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        last = len(self.heights) - 1
-        index = np.floor((x - self.x0_m) / self.step_m).astype(np.int64)
-        inside = (index >= 0) & (index < last)
-        index = np.clip(index, 0, last - 1)
-        return np.where(inside, (self.heights[index + 1] - self.heights[index]) / self.step_m, 0.0)
 
 
 @njit
@@ -99,6 +92,17 @@ def _linear(x: Any, shift: float, x0: float, step: float, heights: Any, out: Any
         position = min(max((shift + x[k] - x0) / step, 0.0), float(last))
         index = min(int(position), last - 1)
         out[k] = heights[index] + (position - index) * (heights[index + 1] - heights[index])
+
+
+@njit
+def _differences(x: Any, shift: float, x0: float, step: float, heights: Any, out: Any) -> None:
+    """Slopes of heights on a uniform grid at shift + x, 0 beyond both ends."""
+    last = len(heights) - 1
+    for k in range(len(x)):
+        position = np.floor((shift + x[k] - x0) / step)
+        inside = 0.0 <= position < last
+        index = int(position) if inside else 0
+        out[k] = (heights[index + 1] - heights[index]) / step if inside else 0.0
 
 
 def envelope(
