@@ -16,7 +16,7 @@ import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.mpc.controller import PredictiveController
-from foreride.controller.mpc.qp import solve_box
+from foreride.controller.mpc.riccati import solve_stages
 from foreride.files.writing.atomic import write_text
 from foreride.preview.road_preview import RoadPreview, distance_grid
 from foreride.vehicle.equations import rest_state
@@ -51,21 +51,18 @@ class TimedCall:
         self.times.append(process_time() - start)
         return answer
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._inner, name)
-
 
 def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
-    """One row: the whole step, and within it preparation (condensing) and the quadratic program."""
+    """One row: the whole step, and within it preparation (linearisation) and the quadratic program."""
     vehicle = load_vehicle(car)
     controller = PredictiveController(vehicle, timing=Timing(period_s))
     prepare, solve, step = (
-        TimedCall(controller._program.condense),
-        TimedCall(solve_box),
+        TimedCall(controller._program.condense.along),
+        TimedCall(solve_stages),
         TimedCall(controller.step),
     )
-    controller._program.condense = prepare  # type: ignore[assignment]
-    with patch("foreride.controller.mpc.program.solve_box", solve):
+    controller._program.condense.along = prepare  # type: ignore[method-assign]
+    with patch("foreride.controller.mpc.program.solve_stages", solve):
         for pair in random_situations(vehicle, count):
             step(*pair)
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}

@@ -35,10 +35,11 @@ _FUNCTIONS = {
         "controller.road_ahead.wheelbase_preview:WheelbasePreview.update",
     ],
     "MPC: prepare, program": [
+        "controller.mpc.linearisation:Linearisation.along",
         "controller.mpc.program:Program.condensed",
         "controller.mpc.controller:PredictiveController._predict",
     ],
-    "MPC: QP": ["controller.mpc.program:Program.solve"],
+    "MPC: QP": ["controller.mpc.riccati:solve_stages", "controller.mpc.program:Program.solve"],
     "MPC: rest of the step": ["controller.mpc.controller:PredictiveController.step"],
     "supervision": [
         "controller.supervision.supervisor:FallbackSupervisor.step",

@@ -37,6 +37,11 @@ class CommandMoves:
         reach = np.outer(grid.intervals_s[:LIMITED_INTERVALS], limits.high - limits.low) / KILO
         self._reach = (reach / timing.full_stroke_s).ravel() if timing.full_stroke_s else None
 
+    @property
+    def are_free(self) -> bool:
+        """Whether moves are neither penalised nor limited."""
+        return self._hessian is None and self._reach is None
+
     def penalised(self, cost: Condensed, plan: np.ndarray, issued: np.ndarray) -> Condensed:
         """The cost with the penalty on a plan (intervals, inputs) that follows the command `issued`."""
         if self._hessian is None:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from foreride.controller.command_limits import KILO, command_limits, passive_command, plan_limits
+from foreride.controller.command_limits import KILO, command_limits, passive_command
 from foreride.controller.identification.car_identifier import LONGEST_DELAY_S
 from foreride.controller.interface import BaseController, Estimate, Identified, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
@@ -60,7 +60,6 @@ class PredictiveController(BaseController):
         )
         self._passive = passive_command(vehicle)
         self._command_min, self._command_max = command_limits(vehicle)
-        self._plan_min, self._plan_max = plan_limits(vehicle)
         self._filter = ComfortFilter(vehicle, period)
         longest_s = LONGEST_DELAY_S if self._settings.adapts else 0.0
         self._delay_line = CommandDelayLine(self._timing, self._passive, longest_s)
@@ -112,7 +111,7 @@ class PredictiveController(BaseController):
         self._delay_line.delay_s = self._timing.delay_s + identified.delay_s
         terminal = self._terminal.of(identified.mass)
         for program in (self._reactive_program, self._preview_program):
-            program.adapt(self._ratios, terminal)
+            program.adapt(self._ratios, terminal, identified.delay_s)
 
     def _use(self, program: Program) -> None:
         """Continue the plan on the horizon of this program."""
@@ -123,26 +122,10 @@ class PredictiveController(BaseController):
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
         state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
-        roads = road.roads(program.node_times_s + self._identified.delay_s)
-        cost = program.condensed(state, self._plan, roads, road.weights)
-        states = program.condense.states
-        rows = program.constraints.rows(self._plan, states)
-        follows = self._plan, self._issued / KILO
-        solution = program.solve(
-            program.moves.penalised(cost, *follows),
-            self._plan_min - self._plan,
-            self._plan_max - self._plan,
-            program.moves.limited(rows, *follows),
-            roads[road.most_likely],
-        )
-        if solution.problem is not None:
-            self.active = ()
-        else:
-            self._plan = self._plan + solution.x.reshape(self._plan.shape)
-            self.active = program.constraints.active(
-                rows, solution.x, self._plan, states, roads[road.most_likely]
-            )
-        return solution.problem
+        roads = road.roads(program.node_times_s)
+        given = state, self._plan, self._issued / KILO, roads, road.weights, road.most_likely
+        self._plan, self.active, problem = program.correct(*given)
+        return problem
 
     def _predict(self, state: np.ndarray) -> np.ndarray:
         """Propagate the state through the commands that are still pending (delay compensation)."""

@@ -1,7 +1,10 @@
-"""Quadratic program of a plan over one horizon: condensed about the plan, solved, constraints reported."""
+"""Quadratic program of a plan over one horizon: formed about the plan, solved, constraints reported."""
+
+from typing import NamedTuple
 
 import numpy as np
 
+from foreride.controller.command_limits import plan_limits
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.command_moves import CommandMoves
 from foreride.controller.mpc.condensing import Condensed, Condenser
@@ -9,6 +12,7 @@ from foreride.controller.mpc.constraints import Constraints
 from foreride.controller.mpc.move_blocking import MoveBlocks
 from foreride.controller.mpc.prediction_model import PredictionModel
 from foreride.controller.mpc.qp import ConstraintRows, Solution, solve_box
+from foreride.controller.mpc.riccati import solve_stages
 from foreride.controller.mpc.soft_limits import soft_limits
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid, graded_grid
@@ -17,8 +21,22 @@ from foreride.vehicle.equations import input_size
 from foreride.vehicle.load import Car
 
 
+class Corrected(NamedTuple):
+    """Corrected plan (intervals, inputs) and the names of its active constraints.
+
+    problem: why there is no correction, None if there is one.
+    """
+
+    plan: np.ndarray
+    active: tuple[str, ...]
+    problem: str | None
+
+
 class Program:
     """Quadratic program of a horizon of `length_s`.
+
+    With bounds of the commands alone, and one road, a Riccati recursion solves it; everything else is
+    condensed, and so is what the recursion cannot solve.
 
     shift: carries a plan on by one period. node_times_s: ends of its steps, from the sampling instant on.
     """
@@ -40,13 +58,45 @@ class Program:
         self.constraints = Constraints(vehicle, self.grid, settings.force)
         self._soft = soft_limits(vehicle, self.grid, settings.limits)
         self.shift = self.grid.shift(timing.period_s)
-        self.node_times_s = timing.delay_s + self.grid.nodes_s
+        self.node_times_s = self._node_times_s = timing.delay_s + self.grid.nodes_s
         # The program of one wheel is small enough as it is.
         self._blocks = MoveBlocks(len(self.shift), vehicle.wheels, forces) if forces > 1 else None
+        self._low, self._high = plan_limits(vehicle)
+        self._has_bounds_alone = not forces and self._soft is None and self.moves.are_free
 
-    def adapt(self, ratios: tuple[float, float], terminal: TerminalCost) -> None:
-        """Predict for a car with these ratios of the model, with its own terminal cost."""
+    def adapt(self, ratios: tuple[float, float], terminal: TerminalCost, delay_s: float = 0.0) -> None:
+        """Predict for a car with these ratios of the model, its own terminal cost and a longer delay."""
         self.condense.adapt(ratios, terminal)
+        self.node_times_s = self._node_times_s + delay_s
+
+    def correct(
+        self,
+        state: np.ndarray,
+        plan: np.ndarray,
+        issued: np.ndarray,
+        roads: np.ndarray,
+        weights: np.ndarray,
+        most_likely: int = 0,
+    ) -> Corrected:
+        """Correct a plan (intervals, inputs) from a state (n_x,) that follows the command `issued` (inputs,).
+
+        roads: (roads, wheels, nodes), each with its weight; constraints are checked on the most likely one.
+        """
+        road, change, rows = roads[most_likely], None, None
+        if self._has_bounds_alone and len(roads) == 1:
+            change = solve_stages(self.condense.along(state, plan, road), plan, self._low, self._high)
+        states = self.condense.states
+        if change is None:
+            cost = self.condensed(state, plan, roads, weights)
+            follows = plan, issued
+            rows = self.moves.limited(self.constraints.rows(plan, states), *follows)
+            bounds = self._low - plan, self._high - plan
+            solution = self.solve(self.moves.penalised(cost, *follows), *bounds, rows, road)
+            if solution.problem is not None:
+                return Corrected(plan, (), solution.problem)
+            change = solution.x.reshape(plan.shape)
+        corrected = plan + change
+        return Corrected(corrected, self.constraints.active(rows, change, corrected, states, road), None)
 
     def condensed(
         self, state: np.ndarray, plan: np.ndarray, roads: np.ndarray, weights: np.ndarray

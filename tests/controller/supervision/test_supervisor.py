@@ -146,6 +146,7 @@ def test_every_law_with_memory_of_nothing_can_be_the_reactive_one() -> None:
 
 
 def test_the_mpc_falls_back_when_its_solver_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program, "solve_stages", lambda *_: None)
     monkeypatch.setattr(
         program, "solve_box", lambda h, g, low, high, rows: Solution(np.zeros_like(g), "infeasible")
     )

@@ -20,6 +20,7 @@ def test_fallbacks_are_counted_logged_and_survived(monkeypatch: pytest.MonkeyPat
         good = solve_box(*problem)  # type: ignore[arg-type]
         return Solution(good.x, "iteration limit") if 20 <= len(calls) < 40 else good
 
+    monkeypatch.setattr(program, "solve_stages", lambda *_: None)
     monkeypatch.setattr(program, "solve_box", failing)
     overrides = ["vehicle.model=quarter", "road.length_m=22", "road.features.0.start_m=10"]
     run = simulate(Case(load("bump_8x40_30", overrides), "mpc_preview", "oracle", 0))
