@@ -64,7 +64,8 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
         found.append(Program(*(part.copy() for part in program)))
         return solve_box(*program[:4])
 
-    with patch("foreride.controller.mpc.program.solve_box", noted):
+    room = "foreride.controller.mpc.program"
+    with patch(f"{room}.solve_stages", lambda *_: None), patch(f"{room}.solve_box", noted):
         for estimate, preview in random_situations(vehicle, count):
             controller.step(estimate, preview)
     return found

@@ -12,8 +12,8 @@ import numpy as np
 
 from foreride.comfort.weighting import weight
 from foreride.controller.command_limits import KILO
-from foreride.controller.mpc.casadi_llvm import CompiledFunction
-from foreride.controller.mpc.prediction_model import SIMD_LANES
+from foreride.controller.prediction.casadi_llvm import CompiledFunction
+from foreride.controller.prediction.prediction_model import SIMD_LANES
 from foreride.files.jit import njit
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car

@@ -1,1 +1,1 @@
-"""Model predictive control: prediction model, condensing, quadratic program and constraints."""
+"""Model predictive control: linearisation, quadratic program and constraints of a plan."""

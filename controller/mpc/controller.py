@@ -12,10 +12,10 @@ from foreride.controller.command_limits import KILO, command_limits, passive_com
 from foreride.controller.identification.car_identifier import LONGEST_DELAY_S
 from foreride.controller.interface import BaseController, Estimate, Identified, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
-from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.terminal_cost import TerminalCosts
 from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.controller.road_ahead.credible_heights import exact
 from foreride.controller.road_ahead.road_reference import RoadReference
 from foreride.controller.road_ahead.wheelbase_preview import WheelbasePreview, has_two_axles, leading_wheels

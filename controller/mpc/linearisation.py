@@ -1,17 +1,17 @@
 """Linearisation along a plan: the car's motion and cost in each interval of the plan, to second order.
 
-The model and its Jacobians run as code compiled by `controller.mpc.casadi_llvm`, the Jacobians of several
-steps at once; Numba compiles the matrix algebra.
+The model and its Jacobians run as code compiled by `controller.prediction.casadi_llvm`, the Jacobians of
+several steps at once; Numba compiles the matrix algebra.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from foreride.controller.mpc.casadi_llvm import evaluate
-from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.prediction.casadi_llvm import evaluate
+from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel
 from foreride.files.jit import njit
 from foreride.vehicle.equations import input_size
 

@@ -10,12 +10,12 @@ from foreride.controller.mpc.command_moves import CommandMoves
 from foreride.controller.mpc.condensing import Condensed, Condenser
 from foreride.controller.mpc.constraints import Constraints
 from foreride.controller.mpc.move_blocking import MoveBlocks
-from foreride.controller.mpc.prediction_model import PredictionModel
 from foreride.controller.mpc.qp import ConstraintRows, Solution, solve_box
 from foreride.controller.mpc.riccati import solve_stages
 from foreride.controller.mpc.soft_limits import soft_limits
 from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid, graded_grid
+from foreride.controller.prediction.prediction_model import PredictionModel
 from foreride.controller.settings import MpcSettings
 from foreride.vehicle.equations import input_size
 from foreride.vehicle.load import Car

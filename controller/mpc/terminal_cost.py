@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_continuous_lyapunov
 
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel, derivative
+from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel, derivative
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.state_layout import state_layout

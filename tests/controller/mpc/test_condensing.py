@@ -8,10 +8,10 @@ import pytest
 
 from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.mpc.condensing import Condenser
-from foreride.controller.mpc.prediction_model import KNOWN, PredictionModel, prediction_model
 from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.terminal_cost import TerminalCost, TerminalCosts
 from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel, prediction_model
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import input_size, rest_state
 from foreride.vehicle.load import load_vehicle

@@ -10,8 +10,8 @@ import foreride.controller.mpc.program as program
 from foreride.controller.command_limits import plan_limits
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.controller import PredictiveController
-from foreride.controller.mpc.prediction_model import KNOWN
 from foreride.controller.mpc.qp import Solution
+from foreride.controller.prediction.prediction_model import KNOWN
 from foreride.controller.settings import MpcSettings, RoadSettings
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import Car, load_vehicle

@@ -7,10 +7,10 @@ import pytest
 
 from foreride.controller.command_limits import plan_limits
 from foreride.controller.mpc.condensing import Condenser
-from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.riccati import solve_stages
 from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import input_size
 from foreride.vehicle.load import load_vehicle

@@ -8,12 +8,12 @@ import pytest
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.condensing import Condensed
 from foreride.controller.mpc.controller import PredictiveController
-from foreride.controller.mpc.prediction_model import prediction_model
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.qp import ConstraintRows, solve_box
 from foreride.controller.mpc.soft_limits import SoftLimits, SoftRows
 from foreride.controller.mpc.terminal_cost import TerminalCosts
 from foreride.controller.mpc.time_grid import TimeGrid
+from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.controller.settings import LimitSettings, MpcSettings
 from foreride.vehicle.equations import forces, rattle, rest_state
 from foreride.vehicle.load import load_vehicle

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import KNOWN, prediction_model
 from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.prediction.prediction_model import KNOWN, prediction_model
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle
 

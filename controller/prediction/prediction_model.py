@@ -15,7 +15,7 @@ import numpy as np
 
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import KILO
-from foreride.controller.mpc.casadi_llvm import CompiledFunction
+from foreride.controller.prediction.casadi_llvm import CompiledFunction
 from foreride.vehicle import equations
 from foreride.vehicle.load import Car
 

@@ -10,7 +10,7 @@ from scipy.signal import StateSpace, lsim
 from foreride.comfort.metrics import ride_metrics
 from foreride.comfort.weighting import wk_second_order
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.prediction_model import KNOWN, prediction_model
+from foreride.controller.prediction.prediction_model import KNOWN, prediction_model
 from foreride.vehicle import equations
 from foreride.vehicle.dampers.damper import ScaledDamper
 from foreride.vehicle.load import Car, load_vehicle

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from foreride.controller.mpc import casadi_llvm
-from foreride.controller.mpc.casadi_llvm import CompiledFunction, _module, evaluate
-from foreride.controller.mpc.prediction_model import prediction_model
+from foreride.controller.prediction.casadi_llvm import CompiledFunction, _module, evaluate
+from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.vehicle.load import load_vehicle
 
 A, B = casadi.SX.sym("a"), casadi.SX.sym("b")
