@@ -54,7 +54,10 @@ def passive_command(vehicle: Car) -> np.ndarray:
 
 def full_command(vehicle: Car, command: np.ndarray) -> np.ndarray:
     """Extend a command of damper settings alone by zero actuator forces, (inputs,)."""
-    full = np.zeros(input_size(vehicle))
+    size = input_size(vehicle)
+    if len(command) == size:
+        return np.array(command, dtype=float)
+    full = np.zeros(size)
     full[: len(command)] = command
     return full
 

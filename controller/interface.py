@@ -1,7 +1,6 @@
 """Controller interface: estimate and preview in, one command per damper and actuator out."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import isfinite
 from typing import Annotated, Any, Protocol
 
@@ -59,12 +58,8 @@ class Estimate:
 
     def is_finite(self) -> bool:
         """Whether all numbers of the estimate are finite."""
-        return self._is_finite
-
-    @cached_property
-    def _is_finite(self) -> bool:
-        numbers = np.concatenate([self.x, self.road_height, self.road_velocity])
-        return isfinite(self.speed_m_s) and bool(np.isfinite(numbers).all())
+        numbers = self.x.tolist() + self.road_height.tolist() + self.road_velocity.tolist()
+        return isfinite(self.speed_m_s) and all(map(isfinite, numbers))
 
 
 @dataclass(frozen=True)

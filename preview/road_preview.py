@@ -9,10 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.files.interpolation import at
+from foreride.files.interpolation import at, interpolated
 from foreride.files.jit import njit
 
 _DOUBLE, _STRIDE, _HERE = np.dtype(float), (8,), np.zeros(1)
+_WRONG, _UNCERTAIN, _EXACT = range(3)
+_FIELDS = "time_s", "distance_m", "height_m", "position_sigma_m", "height_sigma_m", "existence"
 
 PREVIEW_M = 10.0
 """Length of the road ahead that controllers of dampers are given."""
@@ -49,11 +51,11 @@ class RoadPreview:
     age_s: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self._is_valid():
+        if not self._is_accepted():
             self._check()
 
-    def _is_valid(self) -> bool:
-        """Whether all arrays are as they must be already."""
+    def _is_accepted(self) -> bool:
+        """Whether all arrays are as they must be already; `is_exact` and `height_here_m` are known then."""
         grid, height, existence = self.distance_m, self.height_m, self.existence
         position, sigma = self.position_sigma_m, self.height_sigma_m
         if not type(grid) is type(height) is type(position) is type(sigma) is type(existence) is np.ndarray:
@@ -67,7 +69,12 @@ class RoadPreview:
             return False
         if not strides == position.strides == sigma.strides == existence.strides or shape[0] == 0:
             return False
-        return bool(_in_range(grid, height, position, sigma, existence))
+        here = np.empty(shape[0])
+        verdict = _examined(grid, height, position, sigma, existence, here)
+        if verdict == _WRONG:
+            return False
+        self.__dict__.update(is_exact=verdict == _EXACT, height_here_m=here)
+        return True
 
     def _check(self) -> None:
         """Convert all arrays; raise InputError for the first that is wrong."""
@@ -93,6 +100,13 @@ class RoadPreview:
             raise InputError(
                 f"existence must lie in 0..1, got {self.existence.min()}..{self.existence.max()}"
             )
+
+    @classmethod
+    def unchecked(cls, time_s: float, *arrays: np.ndarray, age_s: float = 0.0) -> "RoadPreview":
+        """Preview whose arrays, in the order of the fields, are known to be as they must be."""
+        preview = object.__new__(cls)
+        preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s)
+        return preview
 
     @property
     def wheels(self) -> int:
@@ -132,11 +146,17 @@ class RoadPreview:
 
 
 @njit
-def _in_range(distance: Any, height: Any, position_sigma: Any, height_sigma: Any, existence: Any) -> bool:
-    """Whether distances ascend in equal steps, heights are finite, sigmas >= 0 and existences in 0 ... 1."""
+def _examined(
+    distance: Any, height: Any, position_sigma: Any, height_sigma: Any, existence: Any, here: Any
+) -> int:
+    """Verdict on a preview, whose heights at distance zero are written into `here` (wheels,).
+
+    Distances must ascend in equal steps, heights be finite, sigmas >= 0 and existences in 0 ... 1.
+    """
     first = distance[1] - distance[0]
     wheels, n = height.shape
     wrong = 0 if first > 0.0 else 1  # counted without branches, which lets the compiler take several at once
+    uncertain = 0
     for i in range(1, n - 1):
         wrong += not abs(distance[i + 1] - distance[i] - first) <= 1e-9 + 1e-5 * first
     for wheel in range(wheels):
@@ -145,7 +165,9 @@ def _in_range(distance: Any, height: Any, position_sigma: Any, height_sigma: Any
             wrong += not (existence[wheel, i] >= 0.0) & (existence[wheel, i] <= 1.0)
             wrong += not (position_sigma[wheel, i] >= 0.0) & (position_sigma[wheel, i] < inf)
             wrong += not (height_sigma[wheel, i] >= 0.0) & (height_sigma[wheel, i] < inf)
-    return wrong == 0
+            uncertain += (position_sigma[wheel, i] > 0.0) | (height_sigma[wheel, i] > 0.0)
+        here[wheel] = interpolated(0.0, distance, height[wheel])
+    return _WRONG if wrong else _UNCERTAIN if uncertain else _EXACT
 
 
 def within(preview: RoadPreview, ahead_m: float) -> RoadPreview:

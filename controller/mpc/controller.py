@@ -115,8 +115,9 @@ class PredictiveController(BaseController):
 
     def _use(self, program: Program) -> None:
         """Continue the plan on the horizon of this program."""
-        self._plan = program.adopted(self._plan, self._program.grid)
-        self._program = program
+        if program is not self._program:
+            self._plan = program.adopted(self._plan, self._program.grid)
+            self._program = program
 
     def _correct_plan(self, estimate: Estimate) -> str | None:
         """Correct the plan by one quadratic program; return the reason if that failed."""

@@ -6,7 +6,6 @@ heights are planned below their mean (a chance constraint's back-off: Schwarm & 
 Bulletin 4(3), 1967).
 """
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -44,7 +43,8 @@ class Credibility:
 def exact(preview: RoadPreview) -> RoadPreview:
     """The same preview, taken to be free of errors."""
     none = np.zeros_like(preview.height_m)
-    return replace(preview, position_sigma_m=none, height_sigma_m=none)
+    arrays = preview.distance_m, preview.height_m, none, none, preview.existence
+    return RoadPreview.unchecked(preview.time_s, *arrays, age_s=preview.age_s)
 
 
 def credible(

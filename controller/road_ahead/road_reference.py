@@ -41,6 +41,9 @@ class RoadReference:
         self._leaders = range(wheels) if leaders is None else leaders
         self._hypotheses = len(ROAD_HYPOTHESES) if settings.uncertainty == "scenarios" else 1
         self._certain = np.eye(1, self._hypotheses)[0]
+        self._uncertainty = UNCERTAINTIES.index(settings.uncertainty)
+        self._placing = settings.sigmas_early, settings.known_m, settings.unknown_m, settings.blend_m
+        self._no_matches = np.array([PreviewMatch()] * wheels)
         self.reset()
 
     def reset(self) -> None:
@@ -129,34 +132,34 @@ class RoadReference:
         matches = {leader: alignment.match(preview) for leader, alignment in self._alignments.items()}
         for leader, match in matches.items():
             self._credibility.update(leader, match)
-        rows = np.empty((self._hypotheses, self._wheels, len(self._grid)))
-        for wheel, leader in enumerate(self._leaders):
-            self._write(rows, preview, wheel, matches[leader], measured)
-        self._previewed_heights = rows
+        self._previewed_heights = self._roads(
+            preview, [matches[leader] for leader in self._leaders], measured
+        )
         if self._hypotheses > 1:
             likely = _likelihood(preview) * (1.0 if preview.is_exact else self._credibility.value)
             position = _POSITION if preview.position_sigma_m.any() else self._certain
             self.weights = np.append(likely * position[:-1], 1.0 - likely)
             self.most_likely = int(self.weights.argmax())
 
-    def _write(
-        self,
-        rows: np.ndarray,
-        preview: RoadPreview,
-        wheel: int,
-        match: PreviewMatch,
-        measured: RoadPreview | None,
-    ) -> None:
-        """Write one wheel's road hypotheses on the preview's grid into `rows` (roads, wheels, n)."""
+    def _roads(
+        self, preview: RoadPreview, matches: list[PreviewMatch], measured: RoadPreview | None
+    ) -> np.ndarray:
+        """Road hypotheses of all wheels on the preview's grid, (roads, wheels, n)."""
         settings, felt = self._settings, measured or preview
+        heights, existence, found = preview.height_m, preview.existence, self._no_matches
+        if not preview.is_exact:
+            heights, existence = np.empty((2, *heights.shape))
+            told, found = (settings.height_sigmas, self._credibility.value), np.array(matches)
+            for wheel, match in enumerate(matches):
+                heights[wheel], existence[wheel] = credible(preview, wheel, match, *told)
+        rows = np.empty((self._hypotheses, *heights.shape))
         write_roads(
             rows,
-            wheel,
-            UNCERTAINTIES.index(settings.uncertainty),
-            (settings.sigmas_early, settings.known_m, settings.unknown_m, settings.blend_m),
-            match.earlier_m,
-            match.remaining_sigma_ratio,
-            *credible(preview, wheel, match, settings.height_sigmas, self._credibility.value),
+            self._uncertainty,
+            self._placing,
+            found,
+            heights,
+            existence,
             preview.distance_m,
             preview.height_m,
             preview.position_sigma_m,
@@ -168,6 +171,7 @@ class RoadReference:
             felt.height_sigma_m,
             felt.existence,
         )
+        return rows
 
 
 @njit

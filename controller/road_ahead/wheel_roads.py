@@ -32,11 +32,9 @@ UNCERTAINTIES = ("early", "blend", "scenarios")
 @njit
 def write_roads(
     rows: Any,
-    wheel: int,
     kind: int,
     settings: Any,
-    earlier_m: float,
-    sigma_ratio: float,
+    matches: Any,
     heights: Any,
     existence: Any,
     grid: Any,
@@ -50,12 +48,40 @@ def write_roads(
     felt_sigma: Any,
     felt_exists: Any,
 ) -> None:
-    """Write the roads of a wheel: of the credible heights and their existence, fused with what was measured.
+    """Write the roads of all wheels, from credible heights and their existence and what was measured.
 
     rows: (roads, wheels, n). kind: index of the treatment of uncertainty. settings: those of the treatments.
+    matches: (wheels, 5) of the preview, see `PreviewMatch`.
     """
+    n = len(grid)
+    early, late, variance = np.empty(n), np.empty(n), np.empty(n)
+    for wheel in range(len(matches)):
+        roads, sigma = rows[:, wheel], position_sigma[wheel]
+        earlier_m, ratio = matches[wheel, 0], matches[wheel, 1]
+        _place(roads, kind, settings, earlier_m, ratio, heights[wheel], existence[wheel], grid, sigma)
+        if has_measured and felt_exists[wheel].any():
+            move(grid, heights[wheel], ratio * sigma, early)
+            move(grid, heights[wheel], -ratio * sigma, late)
+            seen = height[wheel], height_sigma[wheel], exists[wheel]
+            previewed_variance(*seen, early, late, variance)
+            fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
+
+
+@njit
+def _place(
+    roads: Any,
+    kind: int,
+    settings: Any,
+    earlier_m: float,
+    sigma_ratio: float,
+    heights: Any,
+    existence: Any,
+    grid: Any,
+    sigma: Any,
+) -> None:
+    """Write the roads (roads, n) of a wheel where its matched preview expects them."""
     sigmas_early, known_m, unknown_m, blend_m = settings
-    sigma, roads, n = position_sigma[wheel], rows[:, wheel], len(grid)
+    n = len(grid)
     road, nearer = np.empty(n), np.zeros(n)
     for k in range(len(roads)):
         for i in range(n):
@@ -72,12 +98,6 @@ def write_roads(
         if earlier_m != 0.0:
             road[:] = roads[k]
             interpolate(grid + earlier_m, grid, road, roads[k])
-    if has_measured and felt_exists[wheel].any():
-        early, late, variance = np.empty(n), np.empty(n), np.empty(n)
-        move(grid, heights, sigma_ratio * sigma, early)
-        move(grid, heights, -sigma_ratio * sigma, late)
-        previewed_variance(height[wheel], height_sigma[wheel], exists[wheel], early, late, variance)
-        fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
 
 
 @njit

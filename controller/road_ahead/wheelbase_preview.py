@@ -44,7 +44,7 @@ class WheelbasePreview:
         self._behind_front_m = axles_m.max() - axles_m
         if not has_two_axles(vehicle):
             raise InputError("mpc_wheelbase must have a car with two axles, got one with one")
-        self._leader = leading_wheels(vehicle)
+        self._leader = np.array(leading_wheels(vehicle))
         self._grid = distance_grid(BEHIND_M, float(self._behind_front_m.max()), STEP_M)
         existence = np.zeros((len(axles_m), len(self._grid)))
         existence[self._behind_front_m > 0.0] = 1.0
@@ -70,35 +70,27 @@ class WheelbasePreview:
         if self._time_s is not None:
             self._travelled_m += estimate.speed_m_s * (estimate.time_s - self._time_s)
         self._time_s = estimate.time_s
-        self._record(estimate)
-        heights, sigmas = np.zeros((2, *self._existence.shape))
-        measured = slice(self._first, self._end)
-        for wheel, behind_m in enumerate(self._behind_front_m):
-            if behind_m > 0.0:
-                leader = self._leader[wheel]
-                _road_behind(
-                    self._positions_m[measured],
-                    self._heights_m[leader, measured],
-                    self._contacts[leader, measured],
-                    self._travelled_m,
-                    behind_m,
-                    self._grid,
-                    heights[wheel],
-                    sigmas[wheel],
-                )
-        return RoadPreview(estimate.time_s, self._grid, heights, self._certain, sigmas, self._existence)
-
-    def _record(self, estimate: Estimate) -> None:
-        """Append the present point, and drop those that all wheels have passed."""
         if self._end == len(self._positions_m):
             self._make_room()
-        self._positions_m[self._end] = self._travelled_m
-        self._heights_m[:, self._end] = estimate.road_height
-        self._contacts[:, self._end] = estimate.contact
+        heights, sigmas = np.zeros((2, *self._existence.shape))
+        self._first = _record(
+            self._positions_m,
+            self._heights_m,
+            self._contacts,
+            self._first,
+            self._end,
+            self._travelled_m,
+            estimate.road_height,
+            estimate.contact,
+            self._behind_front_m,
+            self._leader,
+            self._grid,
+            heights,
+            sigmas,
+        )
         self._end += 1
-        passed_m = self._travelled_m - self._grid[-1] - BEHIND_M
-        while self._end - self._first > 1 and self._positions_m[self._first + 1] < passed_m:
-            self._first += 1
+        arrays = self._grid, heights, self._certain, sigmas, self._existence
+        return RoadPreview.unchecked(estimate.time_s, *arrays)
 
     def _make_room(self) -> None:
         """Move the points to the start of arrays with room for as many again."""
@@ -110,6 +102,39 @@ class WheelbasePreview:
             new[..., :count] = old[..., kept]
             setattr(self, name, new)
         self._first, self._end = 0, count
+
+
+@njit
+def _record(
+    positions_m: Any,
+    heights_m: Any,
+    contacts: Any,
+    first: int,
+    end: int,
+    travelled_m: float,
+    road_m: Any,
+    contact: Any,
+    behind_m: Any,
+    leaders: Any,
+    grid: Any,
+    heights: Any,
+    sigmas: Any,
+) -> int:
+    """Write the present point at `end`, and what is known of the road ahead of the wheels that follow.
+
+    Returns the first point that some wheel has yet to pass. heights, sigmas: (wheels, n), zero before.
+    """
+    positions_m[end], heights_m[:, end], contacts[:, end] = travelled_m, road_m, contact
+    passed_m = travelled_m - grid[-1] - BEHIND_M
+    while end - first > 0 and positions_m[first + 1] < passed_m:
+        first += 1
+    measured = slice(first, end + 1)
+    for wheel in range(len(leaders)):
+        if behind_m[wheel] > 0.0:
+            front = heights_m[leaders[wheel], measured], contacts[leaders[wheel], measured]
+            places = travelled_m, behind_m[wheel], grid
+            _road_behind(positions_m[measured], *front, *places, heights[wheel], sigmas[wheel])
+    return first
 
 
 @njit

@@ -4,6 +4,7 @@ The tuned reactive law named in the settings needs only the state of the car; fi
 invalid preview is merely withheld: the controller then relies on the measured road alone.
 """
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -112,7 +113,7 @@ class FallbackSupervisor:
             return "; ".join(estimate.faults), nothing
         if problem := self._controller.problem:
             return problem, nothing
-        if not np.isfinite(answer).all():
+        if not all(map(isfinite, answer.tolist())):
             return "command not finite", nothing
         return None, full_command(self._vehicle, answer)
 
@@ -142,7 +143,7 @@ def preview_problem(
     if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
         return "stale preview"
     level_m = (preview.height_here_m - estimate.road_height).tolist()
-    if relief_m(preview) > settings.highest_m or max(map(abs, level_m)) > MAX_LEVEL_M:
+    if max(map(abs, level_m)) > MAX_LEVEL_M or relief_m(preview) > settings.highest_m:
         return "absurd preview"
     return None
 
@@ -155,17 +156,17 @@ def relief_m(preview: RoadPreview) -> float:
     return float(_relief(preview.distance_m, preview.height_m))
 
 
-@njit
+@njit(fastmath={"reassoc", "nnan"})
 def _relief(distance: Any, heights: Any) -> float:
+    """The relief of finite heights; sums in any order and comparisons are taken several at once."""
     n, relief = len(distance), 0.0
     metre = max(1, int(np.round(1.0 / (distance[1] - distance[0]))))
-    along = distance - distance.mean()
+    along = distance - distance.sum() / n
     spread = (along * along).sum()
     for wheel in range(len(heights)):
-        level = heights[wheel] - heights[wheel].mean()
-        grade = (level * along).sum() / spread
+        mean, grade = heights[wheel].sum() / n, (heights[wheel] * along).sum() / spread
         for i in range(n):
-            relief = max(relief, abs(level[i] - grade * along[i]))
+            relief = max(relief, abs(heights[wheel, i] - mean - grade * along[i]))
         for i in range(metre, n):
             relief = max(relief, abs(heights[wheel, i] - heights[wheel, i - metre]))
     return relief

@@ -123,11 +123,11 @@ def ones(value):
 def test_the_fast_check_accepts_what_is_allowed_and_nothing_else(name, valid, invalid):
     """What it does not accept is checked once more, with a message."""
     sound = preview()
-    assert sound._is_valid()
+    assert sound._is_accepted()
     for value in (*valid, *invalid):
         changed = replace(sound)
         object.__setattr__(changed, name, ones(value))
-        assert changed._is_valid() == (value in valid)
+        assert changed._is_accepted() == (value in valid)
         if value in invalid:
             with pytest.raises(InputError, match="must"):
                 replace(sound, **{name: ones(value)})
@@ -148,7 +148,7 @@ def test_the_fast_check_accepts_what_is_allowed_and_nothing_else(name, valid, in
 def test_steps_are_equal_to_a_hundred_thousandth_and_a_nanometre(grid, valid):
     changed = preview()
     object.__setattr__(changed, "distance_m", grid)
-    assert changed._is_valid() == valid
+    assert changed._is_accepted() == valid
     if valid:
         assert preview(distance_m=grid).distance_m is grid
     else:
@@ -166,7 +166,7 @@ def test_other_layouts_are_converted():
     ):
         changed = preview()
         object.__setattr__(changed, "height_m", other)
-        assert not changed._is_valid()
+        assert not changed._is_accepted()
         np.testing.assert_allclose(preview(height_m=other).height_m, rows, atol=1e-7)
     for name in ("height_m", "position_sigma_m", "height_sigma_m", "existence"):
         with pytest.raises(InputError, match=r"must have shape \(wheels, 7\)"):

@@ -7,7 +7,7 @@ import casadi
 import numpy as np
 import pytest
 
-from foreride.controller.mpc import casadi_llvm
+from foreride.controller.prediction import casadi_llvm
 from foreride.controller.prediction.casadi_llvm import CompiledFunction, _module, evaluate
 from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.vehicle.load import load_vehicle
