@@ -22,6 +22,7 @@ FAR_M = 46.0  # the road is a plane beyond this distance
 HORIZON_M = 1500.0  # no ground beyond this distance
 _CELLS_PER_M = 1 / CELL_M
 _BAND_M = MASK_CELLS * CELL_M
+_MARGIN = int(COARSE_STEP_M / _BAND_M) + 1  # cells of the mask
 _PART_PX, _SPACING_PX = 32, 8  # part of an image row that is marched at once, and distance of its rays
 
 
@@ -77,23 +78,25 @@ def trace(  # type: ignore[no-untyped-def]
     z_smooth, starts = np.empty(cols), np.empty(cols)
     for v in range(rows):
         up = (cy - (first + v) - 0.5) * scale
-        low, high, bounded = _heights_in_row(ground.ranges, view, up, cols, bottom, top, rise)
+        low, high, bounded, even = _heights_in_row(ground, view, up, cols, bottom, top, rise)
         z_smooth[:], starts[:] = np.nan, high
+        drop[v], slope[v], hits[v], depth[v] = 0, 0, 0, np.inf
         if bounded and not hilly and rise == 0:
             _march_smooth(ground, view, up, limits, (low, high), z_smooth, starts)
+            if even:
+                _fill_smooth(view, up, z_smooth, (over_far, far_grade, end), drop[v], depth[v])
         for u in range(cols):
+            if even and not np.isnan(z_smooth[u]):
+                continue
             dx, dy, dz = direction(r, (cx - u - 0.5) * scale, up)
             reach = np.sqrt(dx * dx + dy * dy)
-            drop[v, u], slope[v, u], hits[v, u], depth[v, u] = 0, 0, 0, np.inf
             above_far_plane = reach * over_far > (far_grade * dx - dz) * end
             if dz > -1e-6 or (above_far_plane and not hilly):
                 continue
             per_fall = -1 / dz
             sx, sy, reach = dx * per_fall, dy * per_fall, reach * per_fall
             closing = 1 + far_grade * sx  # per metre of fall, relative to the far plane
-            below_far_plane = (
-                over_far * reach < FAR_M * closing
-            )  # below the plane at the map's end: meets the map
+            below_far_plane = over_far * reach < FAR_M * closing  # at the map's end: meets the map
             drop_m = 0.0
             if below_far_plane or (hilly and (pz - top) * reach < FAR_M):
                 lowest_z = bottom if below_far_plane else max(bottom, pz - FAR_M / reach)
@@ -110,32 +113,54 @@ def trace(  # type: ignore[no-untyped-def]
                 if above_far_plane:
                     continue
                 drop_m = over_far / closing
-            drop[v, u] = drop_m
-            depth[v, u] = drop_m * per_fall
+            drop[v, u], depth[v, u] = drop_m, drop_m * per_fall
 
 
 @njit(nogil=True, error_model="numpy")
-def _heights_in_row(ranges, view, up, cols, bottom, top, rise):  # type: ignore[no-untyped-def]
-    """Limits of the heights that an image row's rays can meet between `top` and `bottom`, if it has any."""
+def _fill_smooth(view, up, z, far, drop, depth):  # type: ignore[no-untyped-def]
+    """Fill a row's `drop` and `depth` where the height `z` is known, away from all features."""
+    over_far, far_grade, end = far  # height over the far plane, its grade, and the end of the ground
+    r, pz, cx, scale = view.rotation, view.position[2], view.cx, 1 / view.focal
+    for u in range(z.size):
+        dx, dy, dz = direction(r, (cx - u - 0.5) * scale, up)
+        reach = np.sqrt(dx * dx + dy * dy)
+        above_far_plane = reach * over_far > (far_grade * dx - dz) * end
+        per_fall = -1 / dz
+        closing = 1 + far_grade * (dx * per_fall)
+        drop_m = pz - z[u] if over_far * (reach * per_fall) < FAR_M * closing else 0.0
+        drop_m = over_far / closing if drop_m == 0 else drop_m
+        empty = above_far_plane | np.isnan(z[u])
+        drop[u] = 0.0 if empty else drop_m
+        depth[u] = np.inf if empty else drop_m * per_fall
+
+
+@njit(nogil=True, error_model="numpy")
+def _heights_in_row(ground, view, up, cols, bottom, top, rise):  # type: ignore[no-untyped-def]
+    """Limits of the heights that an image row's rays can meet between `top` and `bottom`, if it has any.
+
+    Also whether the map is even wherever they can meet it, with a margin of more than a coarse step.
+    """
+    ranges, mask = ground.ranges, ground.mask
     px, pz = view.position[0], view.position[2]
     left, _, left_z = direction(view.rotation, (view.cx - 0.5) / view.focal, up)
     right, _, right_z = direction(view.rotation, (view.cx - cols + 0.5) / view.focal, up)
     if left_z > -1e-3 or right_z > -1e-3:
-        return bottom, top, False
+        return bottom, top, False, False
     # x of the other rays lies between those of both ends, at any height.
     near, far = min(left / -left_z, right / -right_z), max(left / -left_z, right / -right_z)
     for _ in range(2):  # closer limits leave a shorter interval
         start = px + near * (pz - (top if near > 0 else bottom))
         end = px + far * (pz - (bottom if far > 0 else top))
         if start < START_M:
-            return bottom, top, False
+            return bottom, top, False, False
         low, high = np.inf, -np.inf
         last = min(int((end - START_M) / _BAND_M), len(ranges) - 1)
-        for band in range(min(int((start - START_M) / _BAND_M), last), last + 1):
+        first = min(int((start - START_M) / _BAND_M), last)
+        for band in range(first, last + 1):
             ends = rise * (START_M + band * _BAND_M - px), rise * (START_M + (band + 1) * _BAND_M - px)
             low, high = min(low, ranges[band, 0] - max(ends)), max(high, ranges[band, 1] - min(ends))
         bottom, top = max(bottom, low - 1e-3), min(top, high + 1e-3)
-    return bottom, top, True
+    return bottom, top, True, not mask[max(first - _MARGIN, 0) : last + 1 + _MARGIN].any()
 
 
 @njit(nogil=True, error_model="numpy")
@@ -153,15 +178,13 @@ def _march_smooth(ground, view, up, limits, row_limits, z, starts):  # type: ign
             continue
         right = _march_coarsely(ground.height, view, up, first, limits, starts[first])
         for u in range(first, end, _SPACING_PX):
-            left, right = (
-                right,
-                _march_coarsely(ground.height, view, up, u + _SPACING_PX, limits, starts[first]),
-            )
+            left = right
+            right = _march_coarsely(ground.height, view, up, u + _SPACING_PX, limits, starts[first])
             for k in range(_SPACING_PX):
                 z[u + k] = left + (right - left) * (k / _SPACING_PX)
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(nogil=True, error_model="numpy", inline="always")
 def _march_coarsely(height, view, up, u, limits, start):  # type: ignore[no-untyped-def]
     """Height at which a ray meets the map, marched in coarse steps from the last one above `start`."""
     (px, py, pz), scale = view.position, 1 / view.focal
@@ -249,8 +272,9 @@ def _bilinear(grid, row, col):  # type: ignore[no-untyped-def]
     i, j = np.uint32(row), np.uint32(col)
     a, b = np.float32(row - i), np.float32(col - j)
     one = np.float32(1)
-    low = grid[i, j] * (one - b) + grid[i, j + 1] * b
-    high = grid[i + 1, j] * (one - b) + grid[i + 1, j + 1] * b
+    below, beside = np.uint32(i + 1), np.uint32(j + 1)
+    low = grid[i, j] * (one - b) + grid[i, beside] * b
+    high = grid[below, j] * (one - b) + grid[below, beside] * b
     return low * (one - a) + high * a
 
 

@@ -9,6 +9,7 @@ LEVELS = len(LEVEL_COLUMN_SHIFTS)
 FULL_SCALE = 255.0 * 256.0
 """A sample's value where all texels have 255."""
 _SHIFTS = np.array(LEVEL_COLUMN_SHIFTS)
+_ROW_SCALES, _COLUMN_SCALES = 0.5 ** np.arange(LEVELS), 0.5**_SHIFTS
 _LEAST_SHARE = 0.02
 _BYTES = np.uint64(0x00FF00FF00FF00FF)
 
@@ -19,12 +20,12 @@ def trilinear(atlas, level, row, col):  # type: ignore[no-untyped-def]
 
     atlas: (rows, cols) uint32, see `ground_map.Surface`, with the channels of a texel in its bytes.
     """
-    k = int(level)
+    k = np.uint32(level)
     share = level - k
     fine = _channels(_bilinear(atlas, k, row, col))
     if share < _LEAST_SHARE:
         return fine
-    coarse = _channels(_bilinear(atlas, k + 1, row, col))
+    coarse = _channels(_bilinear(atlas, np.uint32(k + 1), row, col))
     return (
         fine[0] + share * (coarse[0] - fine[0]),
         fine[1] + share * (coarse[1] - fine[1]),
@@ -42,16 +43,17 @@ def _bilinear(atlas, level, row, col):  # type: ignore[no-untyped-def]
     # Level k has rows / 2^k rows, and all levels together 2 rows (1 - 2^-levels).
     rows = atlas.shape[0] * (1 << (LEVELS - 1)) // ((1 << LEVELS) - 1)
     level_rows, level_cols = rows >> level, atlas.shape[1] >> _SHIFTS[level]
-    row = min(max(row / (1 << level) - 0.5, 0.0), level_rows - 1.001)
-    col = min(max(col / (1 << _SHIFTS[level]) - 0.5, 0.0), level_cols - 1.001)
-    i, j = int(row), int(col)
+    row = min(max(row * _ROW_SCALES[level] - 0.5, 0.0), level_rows - 1.001)
+    col = min(max(col * _COLUMN_SCALES[level] - 0.5, 0.0), level_cols - 1.001)
+    i, j = np.uint32(row), np.uint32(col)  # unsigned: no test for indices from the end
     down, right = int((row - i) * 256), int((col - j) * 256)
     w11 = down * right >> 8
     w10, w01 = down - w11, right - w11
     w00 = 256 - down - w01
-    i += 2 * rows - (2 * rows >> level)
-    upper = _lanes(atlas[i, j]) * np.uint64(w00) + _lanes(atlas[i, j + 1]) * np.uint64(w01)
-    lower = _lanes(atlas[i + 1, j]) * np.uint64(w10) + _lanes(atlas[i + 1, j + 1]) * np.uint64(w11)
+    i += np.uint32(2 * rows - (2 * rows >> level))
+    below, beside = np.uint32(i + 1), np.uint32(j + 1)
+    upper = _lanes(atlas[i, j]) * np.uint64(w00) + _lanes(atlas[i, beside]) * np.uint64(w01)
+    lower = _lanes(atlas[below, j]) * np.uint64(w10) + _lanes(atlas[below, beside]) * np.uint64(w11)
     return upper + lower
 
 

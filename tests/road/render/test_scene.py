@@ -85,6 +85,19 @@ def test_depth_on_a_flat_road_is_that_of_the_plane() -> None:
     np.testing.assert_allclose(frame.depth[rows[pick], cols[pick]], depth, rtol=1e-5)
 
 
+def test_a_feature_changes_no_depth_beside_it() -> None:
+    """Rows that can meet a feature are followed pixel by pixel, all others at once."""
+    camera = Camera(width_px=650)
+    pothole = Pothole(9.0, 0.08, 0.6, 0.6, y_m=-0.75)
+    smooth, uneven = (
+        Scene(Road(20.0, features), Appearance(), 0).render(camera, REST) for features in ((), (pothole,))
+    )
+    beside = slice(0, 200)  # left of the pothole
+    assert np.isfinite(smooth.depth).any()
+    np.testing.assert_allclose(smooth.depth[:, beside], uneven.depth[:, beside], rtol=1e-6)
+    assert (smooth.depth != uneven.depth).any()
+
+
 def test_rays_agree_with_a_brute_force_march_against_the_road() -> None:
     features = (HalfSineBump(5.0, 0.08, 0.4), Pothole(6.5, 0.1, 0.8, 0.8), WattsHump(10.0, 0.09, 3.6))
     road = Road(25.0, features, Roughness("B", 3))
