@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.controller.observer.road_plane import RoadPlane
+from foreride.controller.observer.road_plane import RoadPlane, followed_plane
 from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 from foreride.vehicle.load import Car
@@ -44,19 +44,47 @@ class PlaneFrame:
         body_velocity: np.ndarray,
     ) -> None:
         """Subtract the plane from heights (wheels, n) at distances (n,) ahead of wheels on road_m."""
-        plane, rows = self._plane, self._plane.kinematic_rows
+        plane = self._plane
         if self._time_s is None:
             plane.start(road_m, body_velocity, speed_m_s)
+            _lower(plane.motion, plane.kinematic_rows, height_m, ahead_m)
         else:
-            plane.advance(time_s - self._time_s)
-            plane.correct(road_m - rows @ plane.level, speed_m_s)
+            elapsed_s = time_s - self._time_s
+            _follow_and_lower(*plane.parts, elapsed_s, road_m, float(speed_m_s), height_m, ahead_m)
         self._time_s = time_s
-        _lower(height_m, ahead_m, rows @ plane.level, rows @ plane.slope)
 
 
 @njit
-def _lower(height: Any, ahead: Any, level: Any, slope: Any) -> None:
-    """Subtract lines of these levels and slopes (wheels,) from heights (wheels, n)."""
+def _follow_and_lower(
+    motion: Any,
+    wheels: Any,
+    memory: Any,
+    rows: Any,
+    body_of_road: Any,
+    elapsed_s: float,
+    road_m: Any,
+    speed_m_s: float,
+    height: Any,
+    ahead: Any,
+) -> None:
+    """`RoadPlane.advance` and `RoadPlane.correct`, then `_lower`."""
+    memory[0] = elapsed_s
+    over_m = road_m.copy()
+    for i in range(len(body_of_road)):
+        motion[0, i] += elapsed_s * motion[2, i]
+        for wheel in range(len(over_m)):
+            over_m[wheel] -= rows[wheel, i] * motion[0, i]
+    followed_plane(motion, wheels, memory, rows, body_of_road, over_m, speed_m_s, -1)
+    _lower(motion, rows, height, ahead)
+
+
+@njit
+def _lower(motion: Any, rows: Any, height: Any, ahead: Any) -> None:
+    """Subtract the plane of this motion from heights (wheels, n)."""
     for wheel in range(len(height)):
+        level, slope = 0.0, 0.0
+        for i in range(rows.shape[1]):
+            level += rows[wheel, i] * motion[0, i]
+            slope += rows[wheel, i] * motion[1, i]
         for i in range(len(ahead)):
-            height[wheel, i] = height[wheel, i] - level[wheel] - slope[wheel] * ahead[i]
+            height[wheel, i] = height[wheel, i] - level - slope * ahead[i]
