@@ -97,4 +97,5 @@ _CHECKS: dict[str, Callable[[Path], object]] = {
     ".png": _image,
     ".jpg": _image,
     ".mp4": _film,
+    ".webm": _film,
 }

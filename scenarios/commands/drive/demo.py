@@ -47,8 +47,8 @@ def execute(arguments: argparse.Namespace) -> int:
     outputs = [f"{figures.finish(rows, document['baseline']).name}/", COMPARISON]
     if not arguments.no_film:
         with console.status("writing the film"):
-            write_video(out / "film.mp4", _pairs(runs))
-        outputs.append("film.mp4")
+            write_video(out / "film.webm", _pairs(runs))
+        outputs.append("film.webm")
     console.print(f"{out}: {', '.join(outputs)} and {len(runs)} run folders")
     suggest("foreride", "report", out)
     return 0

@@ -27,7 +27,9 @@ def configure(command: argparse.ArgumentParser) -> None:
     told = "a run's folder, a folder of runs (compare --out), or the JSON file of a comparison"
     command.add_argument("source", type=Path, metavar="RUN|COMPARE", help=told)
     command.add_argument("--out", type=Path, metavar="FILE.html", help="default: report.html in that folder")
-    command.add_argument("--film", type=Path, metavar="FILE.mp4", help="passive and preview side by side")
+    command.add_argument(
+        "--film", type=Path, metavar="FILE.webm", help="passive and preview side by side; or FILE.mp4"
+    )
     none = "for runs without camera images show boxes only, instead of rendering the images again"
     command.add_argument("--no-render", action="store_true", help=none)
     told = "add where the gain of preview is lost, as `foreride table budget --json` wrote it"

@@ -271,14 +271,15 @@ def test_a_drive_without_a_camera_has_no_place_for_its_images(
         assert tab.tell(OVERFLOWING) == []
 
 
+@pytest.mark.parametrize("suffix", video.CODECS)
 def test_the_film_plays_for_a_second(
-    runs: list[Run], tab: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    suffix: str, runs: list[Run], tab: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(video, "event_window", lambda run, **given: (700, 1100))  # ticks: 1.2 s of film
     passive, seeing = runs[CONTROLLERS.index("passive") + 1], runs[CONTROLLERS.index("mpc_preview") + 1]
-    video.write_video(tmp_path / "film.mp4", [(passive, seeing)])
+    video.write_video(tmp_path / f"film{suffix}", [(passive, seeing)])
     page = tmp_path / "film.html"
-    page.write_text("<!doctype html><body><video src='film.mp4' muted autoplay></video>")
+    page.write_text(f"<!doctype html><body><video src='film{suffix}' muted autoplay></video>")
     tab.show(page)
     film = "document.querySelector('video')"
     tab.wait(f"{film}.error || {film}.currentTime >= 1")

@@ -221,20 +221,27 @@ def test_what_cannot_be_reported_is_told_in_one_line(
     assert not out.exists()
 
 
+@pytest.mark.parametrize(("suffix", "codec"), [(".webm", b"VP80"), (".mp4", b"VP90")])
 def test_the_film_shows_both_cars(
-    compared: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    suffix: str,
+    codec: bytes,
+    compared: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(video, "event_window", lambda run, **given: (900, 1000))  # ticks: 4 frames
-    film, out = tmp_path / "film.mp4", tmp_path / "report.html"
+    film, out = (tmp_path / "film").with_suffix(suffix), tmp_path / "report.html"
     asked = ["report", str(compared / "runs"), "--out", str(out), "--film"]
     assert main([*asked, str(film)]) == 0
+    assert "FFMPEG" not in capfd.readouterr().err
     reader = cv2.VideoCapture(str(film))
     assert reader.get(cv2.CAP_PROP_FRAME_COUNT) == 4
-    assert int(reader.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little") == b"VP90"  # "vp09" in the file
+    assert int(reader.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little") == codec
     assert reader.read()[1].shape == (540, 960, 3)
     out.unlink()
     assert main([*asked, str(tmp_path / "film.avi")]) == 2
-    assert "ends in .mp4, got '.avi'" in capsys.readouterr().err
+    assert "ends in .webm or .mp4, got '.avi'" in capfd.readouterr().err
     assert not out.exists()  # told before any work
 
 
