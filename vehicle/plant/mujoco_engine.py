@@ -10,6 +10,7 @@ proceeds in substeps, over each of which the damper force is linearised about th
 midpoint.
 """
 
+from functools import lru_cache
 from math import exp
 
 import mujoco
@@ -41,11 +42,15 @@ def build_model(parameters: Car) -> mujoco.MjModel:
     return mujoco.MjModel.from_xml_string(car_xml(parameters, STEP_S / parameters.corners[0].damper.substeps))
 
 
+_shared_model = lru_cache(maxsize=8)(build_model)
+"""The model of a car, which engines do not change; MuJoCo takes a millisecond to compile one."""
+
+
 class RolloutEngine:
     """Engine for ideal dampers, on MuJoCo's own rollout."""
 
     def __init__(self, parameters: Car) -> None:
-        model = build_model(parameters)
+        model = _shared_model(parameters)
         self._model, self._only = model, mujoco.MjData(model)
         self._models, self._data = [self._model], [self._only]
         self._control = self._only.ctrl
@@ -88,7 +93,7 @@ class SubsteppedEngine:
     """
 
     def __init__(self, parameters: Car) -> None:
-        self._model = build_model(parameters)
+        self._model = _shared_model(parameters)
         self._data = mujoco.MjData(self._model)
         self._corners, self._wheels = parameters.corners, parameters.wheels
         self._bodies = len(parameters.generalised_mass)

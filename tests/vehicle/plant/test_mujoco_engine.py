@@ -127,3 +127,18 @@ def test_braking_and_actuators_act_as_on_the_ideal_damper() -> None:
     for name in ("heave_m", "pitch_rad", "wheel_z"):
         scale = np.abs(getattr(ideal, name)).max()
         assert np.abs(getattr(ours, name) - getattr(ideal, name)).max() < 2e-3 * scale, name
+
+
+def test_plants_of_one_car_move_independently() -> None:
+    first, second = Plant(HALF), Plant(HALF)
+    for plant in (first, second):
+        plant.reset([BUMP, BUMP], 0.0, 10.0)
+    for _ in range(30):
+        first.step([3000.0, 1000.0], 5)
+        second.step([500.0, 4000.0], 5)
+    alone = Plant(HALF)
+    alone.reset([BUMP, BUMP], 0.0, 10.0)
+    for _ in range(30):
+        alone.step([3000.0, 1000.0], 5)
+    np.testing.assert_array_equal(first.state.x, alone.state.x)
+    assert not np.array_equal(first.state.x, second.state.x)
