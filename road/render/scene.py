@@ -17,7 +17,7 @@ from foreride.road.render.map_tile import CELL_M, START_M
 from foreride.road.render.noise import grain
 from foreride.road.render.objects.props import Prop
 from foreride.road.render.optics.exposure import Sensor
-from foreride.road.render.optics.image_sensor import noise_pool
+from foreride.road.render.optics.image_sensor import fill_rows, noise_pool
 from foreride.road.render.paint.flat_objects import FlatObject
 from foreride.road.render.raycast import FAR_M, CameraView, trace
 from foreride.road.render.shading import SKY_DISTANCE_M, Conditions, colour
@@ -114,7 +114,7 @@ class Scene:
         plane_view = view.relative_to_plane(rise)
         drop, slope, hits, depth = self._trace(optics.pinhole, plane_view, rise, optics.top)
         image = np.empty((*drop.shape, 3), np.float32)
-        image[: optics.top] = self._panorama.haze
+        fill_rows(image[: optics.top], self._panorama.haze)
         atlas = self._surface.atlas.view(np.uint32)[..., 0]
         sky, surface, pools = self._panorama, self._surface, draw_objects.lamp_pools(props)
         self._parallel_rows(

@@ -99,7 +99,7 @@ class Sensor:
         pixels = image_sensor.develop(
             image, appearance, self._exposure, self._pool, rng, self._curve, optics.first_row
         )
-        pixels[above] = image_sensor.tone(self._exposure * haze, self._curve)
+        image_sensor.fill_rows(pixels[above], image_sensor.tone(self._exposure * haze, self._curve))
         return pixels, hits, depth
 
 

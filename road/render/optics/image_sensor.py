@@ -28,6 +28,11 @@ def tone(exposed: np.ndarray, curve: np.ndarray) -> NDArray[np.uint8]:
     return np.asarray(curve[positions.astype(int)])
 
 
+def fill_rows(image: np.ndarray, colour: np.ndarray) -> None:
+    """Fill an image with one colour, by copies of a whole row: much faster than pixel by pixel."""
+    image[:] = np.tile(colour.astype(image.dtype), (image.shape[1], 1))
+
+
 def noise_pool(rng: np.random.Generator) -> np.ndarray:
     """Pool of standard normal numbers, which every frame reads from an offset of its own."""
     return rng.standard_normal(POOL_SIZE, dtype=np.float32)

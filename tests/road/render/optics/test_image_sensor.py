@@ -21,6 +21,13 @@ def test_tone_curve_rises_from_black_to_white() -> None:
     assert (np.diff(curve) >= 0).all()
 
 
+def test_filled_rows_have_the_colour_of_each_channel() -> None:
+    image = np.zeros((4, 5, 3), np.float32)
+    image_sensor.fill_rows(image[:2], np.array([0.1, 0.2, 0.3]))
+    assert (image[:2] == np.float32([0.1, 0.2, 0.3])).all()
+    assert (image[2:] == 0).all()
+
+
 def test_no_noise_gives_a_flat_image() -> None:
     assert np.ptp(developed(0.3, noise=0.0)) == 0
 
