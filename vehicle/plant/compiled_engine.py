@@ -109,6 +109,22 @@ def _rates(
 
 
 @njit
+def _tick(
+    car: CarNumbers, before: Array, target: Array, push: Array, surge: float, work: Array, after: Array
+) -> None:
+    """State after a tick; work: (7, states), slopes of the four stages, a state and two rows of struts."""
+    states, x, strut = len(before), work[4], work[5:]
+    for stage in range(4):
+        ahead = 0.0 if stage == 0 else (STEP_S if stage == 3 else 0.5 * STEP_S)
+        for n in range(states):
+            x[n] = before[n] + ahead * work[stage - 1, n] if stage else before[n]
+        _rates(car, x, target, push, surge, strut, work[stage])
+    for n in range(states):
+        mean = work[0, n] + 2.0 * work[1, n] + 2.0 * work[2, n] + work[3, n]
+        after[n] = before[n] + STEP_S / 6.0 * mean
+
+
+@njit
 def advance_cars(
     numbers: CarNumbers, start: Array, target: Array, push: Array, surge: Array, rows: Array
 ) -> None:
@@ -118,7 +134,7 @@ def advance_cars(
     pitching moment of the longitudinal acceleration.
     """
     cars, ticks, states = rows.shape
-    slopes, x, strut = np.empty((4, states)), np.empty(states), np.empty((2, push.shape[2]))
+    work = np.empty((7, states))
     for car in range(cars):
         before = start[car]
         own = CarNumbers(
@@ -126,48 +142,53 @@ def advance_cars(
         )
         for tick in range(ticks):
             asked = target[car, 0 if target.shape[1] == 1 else tick]
-            for stage in range(4):
-                ahead = 0.0 if stage == 0 else (STEP_S if stage == 3 else 0.5 * STEP_S)
-                for n in range(states):
-                    x[n] = before[n] + ahead * slopes[stage - 1, n] if stage else before[n]
-                _rates(own, x, asked, push[car, tick], surge[car, tick], strut, slopes[stage])
-            after = rows[car, tick]
-            for n in range(states):
-                mean = slopes[0, n] + 2.0 * slopes[1, n] + 2.0 * slopes[2, n] + slopes[3, n]
-                after[n] = before[n] + STEP_S / 6.0 * mean
-            before = after
+            _tick(own, before, asked, push[car, tick], surge[car, tick], work, rows[car, tick])
+            before = rows[car, tick]
+
+
+@njit
+def _advance_car(
+    car: CarNumbers, limits: Array, row: Array, control: Array, target: Array, work: Array, rows: Array
+) -> bool:
+    """`CompiledEngine.advance` for (ticks, size); returns whether the motion is finite.
+
+    limits: (2, inputs) lowest and highest target.
+    """
+    wheels, inputs, before = len(car.corners), len(target), row[1:]
+    for tick in range(len(rows)):
+        given, after = control[tick], rows[tick, 1:]
+        for i in range(inputs):
+            asked = given[i if i < wheels else wheels + i]
+            low, high = limits[0, i], limits[1, i]
+            target[i] = low if asked < low else (high if asked > high else asked)
+        surge = given[-1] if len(given) > wheels + inputs else 0.0
+        _tick(car, before, target, given[wheels : 2 * wheels], surge, work, after)
+        rows[tick, 0] = row[0] + STEP_S * (tick + 1)
+        before = after
+    return bool(np.abs(before).max() <= _LARGEST)  # not of NaN
 
 
 class CompiledEngine:
     """Engine of the plant, as `vehicle.plant.mujoco_engine.RolloutEngine`; a row is time, then the state."""
 
     def __init__(self, parameters: Car) -> None:
-        self._numbers = car_numbers([parameters])
-        self._wheels = parameters.wheels
-        self._low, self._high = target_limits([parameters])
-        self._inputs = self._low.shape[1]
+        self._numbers = CarNumbers(*(part[0] for part in car_numbers([parameters])))
+        self._limits = np.concatenate(target_limits([parameters]))
         self.size = 1 + state_size(parameters)
         self.order = np.arange(1, self.size)
+        self._target, self._work = np.empty(self._limits.shape[1]), np.empty((7, self.size - 1))
 
     def advance(self, row: Array, control: Array, rows: Array) -> Array:
         """Fill rows (ticks, size) with the states after each tick under control (ticks, columns), from `row`.
 
         Returns the last one. For a single tick, rows may be (size,) and control (columns,).
         """
-        wheels = self._wheels
-        given, filled = np.atleast_2d(control), np.atleast_2d(rows)
-        asked = np.concatenate([given[:, :wheels], given[:, 2 * wheels : wheels + self._inputs]], axis=1)
-        target = np.clip(asked, self._low, self._high)[None]
-        surge = given[:, -1] if given.shape[1] > wheels + self._inputs else np.zeros(len(given))
-        states = np.empty((1, len(filled), self.size - 1))
-        push = np.ascontiguousarray(given[None, :, wheels : 2 * wheels])
-        advance_cars(self._numbers, row[None, 1:].copy(), target, push, surge[None].copy(), states)
-        filled[:, 1:] = states[0]
-        filled[:, 0] = row[0] + STEP_S * np.arange(1, len(filled) + 1)
-        if not np.abs(states[0, -1]).max() <= _LARGEST:  # also of NaN: the clock stops, as MuJoCo's does
-            sound = (np.abs(states[0]) <= _LARGEST).all(axis=1)
-            filled[:, 0] = np.minimum(filled[:, 0], row[0] + STEP_S * np.argmin(sound))
-        reached: Array = filled[-1]
+        if rows.ndim == 1:
+            control, rows = control[None], rows[None]
+        if not _advance_car(self._numbers, self._limits, row, control, self._target, self._work, rows):
+            sound = (np.abs(rows[:, 1:]) <= _LARGEST).all(axis=1)  # the clock stops, as MuJoCo's does
+            rows[:, 0] = np.minimum(rows[:, 0], row[0] + STEP_S * np.argmin(sound))
+        reached: Array = rows[-1]
         return reached
 
 
