@@ -59,28 +59,41 @@ class LeastSquaresBank:
 
     def fit(self) -> Fit:
         """Parameters given all data so far."""
-        output, samples = self._sums
-        residual = self._residual(self._prior)
-        for _ in range(2):  # the residuals decide how much the data weigh against the prior
-            information = self._squares / (residual * self._correlation)[:, None, None] + self._weight
-            products = self._products / (residual * self._correlation)[:, None] + self._weight @ self._prior
-            parameters = np.linalg.solve(information, products[..., None])[..., 0]
-            residual = self._residual(parameters)
-        return Fit(
-            parameters,
-            np.linalg.inv(information),
-            residual,
-            samples / self._correlation,
-            output / max(samples, 1.0),
-        )
+        data, known = (self._squares, self._products, self._sums), (self._prior, self._weight)
+        found = _fitted(*data, *known, self._correlation, self._least)
+        output, samples = self._sums.tolist()
+        return Fit(*found, samples / self._correlation, output / max(samples, 1.0))
 
-    def _residual(self, parameters: np.ndarray) -> np.ndarray:
-        """Mean square residual of each model with these parameters, (models,)."""
-        output, samples = self._sums
-        all_of = np.broadcast_to(parameters, self._products.shape)
-        explained = np.einsum("mi,mij,mj->m", all_of, self._squares, all_of)
-        squares = output - 2.0 * (self._products * all_of).sum(axis=-1) + explained
-        return np.maximum(squares / max(samples, 1.0), self._least)
+
+@njit
+def _fitted(
+    squares: Any, products: Any, sums: Any, prior: Any, weight: Any, correlation: float, least: float
+) -> Any:
+    """Parameters (models, n), their covariance and the mean square residuals (models,)."""
+    models, n = products.shape
+    parameters, covariance, residuals = np.empty((models, n)), np.empty((models, n, n)), np.empty(models)
+    by_prior = np.dot(weight, prior)
+    for m in range(models):
+        information, data = weight, (squares[m], products[m], sums, least)
+        residual = _residual(prior, *data)
+        for _ in range(2):  # the residuals decide how much the data weigh against the prior
+            share = 1.0 / (residual * correlation)
+            information = squares[m] * share + weight
+            parameters[m] = np.linalg.solve(information, products[m] * share + by_prior)
+            residual = _residual(parameters[m], *data)
+        covariance[m], residuals[m] = np.linalg.inv(information), residual
+    return parameters, covariance, residuals
+
+
+@njit
+def _residual(parameters: Any, squares: Any, products: Any, sums: Any, least: float) -> float:
+    """Mean square residual of a model with these parameters."""
+    total = sums[0]
+    for i in range(len(parameters)):
+        total -= 2.0 * products[i] * parameters[i]
+        for j in range(len(parameters)):
+            total += parameters[i] * squares[i, j] * parameters[j]
+    return max(total / max(sums[1], 1.0), least)
 
 
 @njit

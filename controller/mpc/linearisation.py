@@ -60,7 +60,10 @@ class Linearisation:
         self._points[-len(KNOWN) - 1] = grid.step_s[-1]
         self._points[-len(KNOWN) - 1, :steps] = grid.step_s
         self._results = np.zeros((groups, model.linearise.rows_out, lanes))
-        self._entries, self._places = _entries(model)
+        self._entries = _entries(model)
+        own = self._entries[:, 0] < 2
+        self._places = (self._entries[own, 1] * size + self._entries[own, 2]).astype(np.uint64)
+        self._outputs = self._entries[~own, 1:]
         square, vector = (intervals, size, size), (intervals, size)
         self._stages = Stages(
             np.zeros(square), np.zeros(square), np.zeros(vector), *np.zeros((2, size, size))
@@ -98,6 +101,7 @@ class Linearisation:
             self._points,
             self._results,
             self._places,
+            self._outputs,
             self._interval,
             self._first_steps,
             self._weights,
@@ -112,18 +116,16 @@ class Linearisation:
         return self._stages
 
 
-def _entries(model: PredictionModel) -> tuple[np.ndarray, np.ndarray]:
-    """Nonzero Jacobian entries as (matrix, row, column), and their places in the matrices of `_write_stage`.
+def _entries(model: PredictionModel) -> np.ndarray:
+    """Nonzero Jacobian entries (n, 3) as matrix, row and column, in the order of the compiled results.
 
-    Matrices: 0 next state by state, 1 next state by command, 2 residuals by next state.
+    Matrices: 0 next state by state, 1 next state by command, whose columns follow, 2 residuals by next state.
     """
-    size, listed, places = model.n_x + input_size(model.vehicle), [], []
-    for matrix, (top, left) in enumerate(((0, 0), (0, model.n_x), (size, 0))):
+    listed = []
+    for matrix, left in enumerate((0, model.n_x, 0)):
         rows, columns = model.slopes.sparsity_out(matrix + 1).get_triplet()
-        for row, column in zip(rows, columns, strict=True):
-            listed.append((matrix, row, column))
-            places.append((top + row) * size + left + column)
-    return np.array(listed, dtype=np.int64), np.array(places, dtype=np.int64)
+        listed += [(matrix, row, left + column) for row, column in zip(rows, columns, strict=True)]
+    return np.array(listed, dtype=np.int64)
 
 
 @njit
@@ -133,6 +135,7 @@ def _linearise(
     points: Any,
     results: Any,
     places: Any,
+    outputs: Any,
     interval: Any,
     first_steps: Any,
     weights: Any,
@@ -153,7 +156,7 @@ def _linearise(
     rest: rest state per unit road height at the end.
     """
     _predict(advance, points, interval, state, plan, road)
-    _write_stages(linearise, points, results, places, first_steps, weights, transition, cost, slope)
+    _write_stages(linearise, points, results, places, outputs, first_steps, weights, transition, cost, slope)
     n_x, wheels = rest.shape
     for k in range(len(plan)):
         for a in range(len(nominal)):
@@ -188,6 +191,7 @@ def _write_stages(
     points: Any,
     results: Any,
     places: Any,
+    outputs: Any,
     first_steps: Any,
     weights: Any,
     transition: Any,
@@ -196,16 +200,15 @@ def _write_stages(
 ) -> None:
     """Write the stages' motion and the cost of their residuals.
 
-    The steps are linearised in groups, shortly before they are used.
+    places: of the nonzero entries of a step's motion. outputs: (n, 2) row and column of those of its
+    residuals by the next state. The steps are linearised in groups, shortly before they are used.
     """
-    intervals, size = slope.shape
-    lanes, n_r, most = results.shape[2], results.shape[1] - len(places), np.diff(first_steps).max()
-    entries, inner = np.zeros((size + n_r) * size), size * size
-    matrix, by_state = entries[:inner].reshape(size, size), entries[inner:].reshape(n_r, size)
-    for e in range(size):
-        matrix[e, e] = 1.0
-    product, group = np.empty((size, size)), -1
+    (intervals, size), (_, count, lanes) = slope.shape, results.shape
+    n_r, most = count - len(places) - len(outputs), np.diff(first_steps).max()
+    step_motion, product, group = np.eye(size), np.empty((size, size)), -1
     jacobians, weighted = np.empty((n_r * most, size)), np.empty((n_r * most, size))
+    # One unsigned index into each of these is several times as fast as two or three signed ones.
+    entries, values = step_motion.reshape(-1), results.reshape(-1)
     for k in range(intervals):
         # Views are formed once, as their reference counts take as long as a small product.
         reached, other, end = transition[k], product, 0
@@ -217,25 +220,27 @@ def _write_stages(
             if at > group:
                 group = at
                 evaluate(linearise, points[:, group * lanes :], results[group], lanes)
+            first = np.uint64((at * count + n_r) * lanes + lane)
             for e in range(len(places)):
-                entries[places[e]] = results[at, n_r + e, lane]
+                entries[places[e]] = values[first + np.uint64(e * lanes)]
             if step == first_steps[k]:
-                _copy(matrix, reached)
+                _copy(step_motion, reached)
             else:
                 reached, other = other, reached
-                np.dot(matrix, other, reached)
+                np.dot(step_motion, other, reached)
+            for i in range(end, end + n_r):
+                for j in range(size):
+                    jacobians[i, j] = 0.0
+            for e in range(len(outputs)):
+                row, column = end + outputs[e, 0], outputs[e, 1]
+                factor = results[at, n_r + len(places) + e, lane]
+                for j in range(size):
+                    jacobians[row, j] += factor * reached[column, j]
             for r in range(n_r):
-                for i in range(size):
-                    jacobians[end, i] = 0.0
-                for row in range(size):
-                    factor = by_state[r, row]
-                    if factor != 0.0:
-                        for i in range(size):
-                            jacobians[end, i] += factor * reached[row, i]
                 weight, residual = weights[step], results[at, r, lane]
-                for i in range(size):
-                    weighted[end, i] = weight * jacobians[end, i]
-                    slope[k, i] += residual * weighted[end, i]
+                for j in range(size):
+                    weighted[end, j] = weight * jacobians[end, j]
+                    slope[k, j] += residual * weighted[end, j]
                 end += 1
         np.dot(weighted[:end].T, jacobians[:end], cost[k])
 
@@ -260,4 +265,4 @@ def _sensitivities(results: Any, entries: Any, interval: Any, inputs: int, out: 
                 for i in range(start + inputs):
                     out[step, row, i] += value * out[step - 1, column, i]
             elif matrix == 1:
-                out[step, row, start + column] += value
+                out[step, row, start + column - out.shape[1]] += value

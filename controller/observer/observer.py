@@ -194,9 +194,12 @@ class Observer:
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
         level = [0.0] * self._wheels
-        struts = forces(self._vehicle, self._vehicle_state().tolist(), level, level, FLOATS)
-        damper = self._identifier.result.damper * np.array(struts.damper)
-        return np.sum([struts.spring, damper, struts.stop, struts.actuator], axis=0)
+        spring, damper, stop, actuator, _ = forces(
+            self._vehicle, self._vehicle_state().tolist(), level, level, FLOATS
+        )
+        strength = self._identifier.result.damper
+        parts = zip(spring, damper, stop, actuator, strict=True)
+        return np.array([force + strength * by_damper + end + own for force, by_damper, end, own in parts])
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
         limit = np.array([actuator.force_limit_n for actuator in self._actuators])

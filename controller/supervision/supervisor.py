@@ -79,13 +79,17 @@ class FallbackSupervisor:
         """Return the command (inputs,), N·s/m and N."""
         self._statistics.start()
         unseen = preview_problem(preview, estimate, self._period_s, self._settings)
-        if preview is not None and not (unseen or estimate.faults) and estimate.is_finite():
+        finite = estimate.is_finite()
+        if preview is not None and finite and not (unseen or estimate.faults):
             unseen = self._gate.check(estimate, preview)
-        problem, answer = self._evaluate(estimate, preview if unseen is None else None)
+        problem: str | None = "estimate not finite"
+        answer = self._last
+        if finite:
+            problem, answer = self._evaluate(estimate, preview if unseen is None else None)
         if problem is None:
             command = self._transfer(self._controller, answer)
         else:
-            blind = ALL_SILENT in estimate.faults or not estimate.is_finite()
+            blind = ALL_SILENT in estimate.faults or not finite
             acting = self._safe if blind else self._reactive
             command = self._transfer(acting, full_command(self._vehicle, acting.step(estimate, None)))
         self._controller.acted(command)
@@ -101,20 +105,21 @@ class FallbackSupervisor:
         """Do nothing: the command issued is its own."""
 
     def _evaluate(self, estimate: Estimate, preview: RoadPreview | None) -> tuple[str | None, np.ndarray]:
-        """Evaluate the controller; return the reason to reject its answer, or None, and the answer."""
-        nothing, wheels = np.zeros(len(self._low)), self._vehicle.wheels
-        if not estimate.is_finite():
-            return "estimate not finite", nothing
+        """Evaluate the controller; return the reason to reject its answer, or None, and the answer.
+
+        The estimate is finite.
+        """
+        wheels = self._vehicle.wheels
         answer = np.asarray(self._controller.step(estimate, preview), dtype=float)
         if answer.shape not in ((wheels,), self._low.shape):
             allowed = " or ".join(f"({n},)" for n in sorted({wheels, len(self._low)}))
             raise InputError(f"a controller's command must have shape {allowed}, got {answer.shape}")
         if estimate.faults:
-            return "; ".join(estimate.faults), nothing
+            return "; ".join(estimate.faults), answer
         if problem := self._controller.problem:
-            return problem, nothing
+            return problem, answer
         if not all(map(isfinite, answer.tolist())):
-            return "command not finite", nothing
+            return "command not finite", answer
         return None, full_command(self._vehicle, answer)
 
     def _transfer(self, acting: Controller, wanted: np.ndarray) -> np.ndarray:
