@@ -60,9 +60,10 @@ class LeastSquaresBank:
     def fit(self) -> Fit:
         """Parameters given all data so far."""
         data, known = (self._squares, self._products, self._sums), (self._prior, self._weight)
-        found = _fitted(*data, *known, self._correlation, self._least)
+        parameters, covariance, residual = _fitted(*data, *known, self._correlation, self._least)
         output, samples = self._sums.tolist()
-        return Fit(*found, samples / self._correlation, output / max(samples, 1.0))
+        independent = samples / self._correlation
+        return Fit(parameters, covariance, residual, independent, output / max(samples, 1.0))
 
 
 @njit

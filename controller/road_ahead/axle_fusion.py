@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.road_ahead.wheelbase_preview import CONTACT_SIGMA_M
-from foreride.files.interpolation import interpolate
+from foreride.files.interpolation import between, cell
 from foreride.files.jit import njit
 
 
@@ -23,19 +23,25 @@ def fuse(
     which is not known beyond its end. Heights of observer and preview differ by a constant: it is taken where
     the leader last touched the road, so that measured and previewed road join there.
     """
-    n, join, touched = len(grid), -1, False
-    heights, sigmas, exists = np.empty(n), np.empty(n), np.empty(n)
-    interpolate(grid, distance, height, heights)
-    interpolate(grid, distance, sigma, sigmas)
-    interpolate(grid, distance, existence, exists)
-    for i in range(n):
-        exists[i] = 0.0 if grid[i] > distance[-1] else exists[i]
+    known = np.searchsorted(grid, distance[-1], side="right")
+    heights, sigmas, exists = np.empty(known), np.empty(known), np.empty(known)
+    join, touched, last, j = -1, False, len(distance) - 1, 0
+    for i in range(known):
+        j = cell(distance, grid[i], j)
+        if 0 <= j < last:
+            ends = distance[j], distance[j + 1]
+            heights[i] = between(*ends, height[j], height[j + 1], grid[i])
+            sigmas[i] = between(*ends, sigma[j], sigma[j + 1], grid[i])
+            exists[i] = between(*ends, existence[j], existence[j + 1], grid[i])
+        else:
+            end = 0 if j < 0 else last
+            heights[i], sigmas[i], exists[i] = height[end], sigma[end], existence[end]
         in_contact = exists[i] > 0.0 and sigmas[i] <= CONTACT_SIGMA_M
         if in_contact or (exists[i] > 0.0 and not touched):
             join, touched = i, touched or in_contact
     for road in range(len(roads)):
-        level = heights[join] - roads[road, join]
-        for i in range(n):
+        level = heights[join] - roads[road, join] if join >= 0 else 0.0
+        for i in range(known):
             if exists[i] > 0.0:
                 share = variance[i] / (variance[i] + sigmas[i] ** 2)
                 roads[road, i] += share * (heights[i] - roads[road, i] - level)
