@@ -75,7 +75,7 @@ def _cost_to_go(
     inputs, weighted = len(gradient) // intervals, np.empty((size, size))
     n_x = size - inputs
     for k in range(intervals - 1, -1, -1):
-        to_go(transition[k], costs[k], slopes[k], cost, slope, weighted)
+        to_go(transition[k], costs[k], slopes[k], cost, slope, cost, slope, weighted)
         for i in range(size):
             for j in range(size):
                 onward[k, j, i] = transition[k, i, j] if i < n_x else cost[i, j]
@@ -86,15 +86,27 @@ def _cost_to_go(
 
 
 @njit
-def to_go(transition: Any, own_cost: Any, own_slope: Any, cost: Any, slope: Any, weighted: Any) -> None:
-    """Turn the cost to go at an interval's end, in place, into that at its start.
+def to_go(
+    transition: Any,
+    own_cost: Any,
+    own_slope: Any,
+    end_cost: Any,
+    end_slope: Any,
+    cost: Any,
+    slope: Any,
+    weighted: Any,
+) -> None:
+    """Write the cost to go at an interval's start, from that at its end, which may be the same arrays.
 
     weighted: (size, size) room for products.
     """
-    np.dot(cost, transition, weighted)
+    np.dot(end_cost, transition, weighted)
     np.dot(transition.T, weighted, cost)
     after = weighted[0]
-    after[:], slope[:] = slope, own_slope
+    for i in range(len(slope)):
+        after[i] = end_slope[i]
+    for i in range(len(slope)):
+        slope[i] = own_slope[i]
     for i in range(len(slope)):
         for j in range(len(slope)):
             slope[j] += transition[i, j] * after[i]

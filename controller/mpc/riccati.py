@@ -49,15 +49,19 @@ def _solve(
                 side[k, a] = -1
     # Of each command: its gradient and, where it is free, itself, by state and earlier commands.
     gradients, gains = np.empty((intervals, inputs, size + 1)), np.empty((intervals, inputs, size + 1))
+    # The cost to go at each interval's start: what lies beyond the last change of sides stays.
+    cost, slope = np.empty((intervals + 1, size, size)), np.empty((intervals + 1, size))
+    cost[intervals], slope[intervals], last = ending, end_slope, intervals - 1
     for _ in range(MOST_SETS):
         for k in range(intervals):
             for a in range(inputs):
                 if side[k, a] != 0:
                     correction[k, a] = (high[a] if side[k, a] > 0 else low[a]) - plan[k, a]
-        stages = transition, costs, slopes
-        if not _eliminate(*stages, ending.copy(), end_slope.copy(), side, correction, gradients, gains):
+        stages = transition, costs, slopes, cost, slope
+        if not _eliminate(*stages, last, side, correction, gradients, gains):
             return False
-        if _follow(transition, side, gradients, gains, plan, low, high, correction):
+        last = _follow(transition, side, gradients, gains, plan, low, high, correction)
+        if last < 0:
             return _clip(plan, low, high, correction)
     return False
 
@@ -67,21 +71,25 @@ def _eliminate(
     transition: Any,
     costs: Any,
     slopes: Any,
-    cost: Any,
-    slope: Any,
+    onward_cost: Any,
+    onward_slope: Any,
+    last: int,
     side: Any,
     correction: Any,
     gradients: Any,
     gains: Any,
 ) -> bool:
-    """Write gradients and gains from the last command to the first; False if a command has no cost.
+    """Write gradients and gains from interval `last` to the first; False if a command has no cost.
 
-    cost, slope: of the end. Commands on a side are those of the correction.
+    onward_cost, onward_slope: of the cost to go at the intervals' starts, known beyond `last`. Commands on a
+    side are those of the correction.
     """
-    (intervals, inputs), size = side.shape, len(slope)
+    (_, inputs), size = side.shape, slopes.shape[1]
     n_x, weighted = size - inputs, np.empty((size, size))
-    for k in range(intervals - 1, -1, -1):
-        to_go(transition[k], costs[k], slopes[k], cost, slope, weighted)
+    for k in range(last, -1, -1):
+        cost, slope = onward_cost[k], onward_slope[k]
+        end = onward_cost[k + 1], onward_slope[k + 1]
+        to_go(transition[k], costs[k], slopes[k], *end, cost, slope, weighted)
         for a in range(inputs):
             row = n_x + a
             for i in range(size):
@@ -110,10 +118,13 @@ def _eliminate(
 @njit
 def _follow(
     transition: Any, side: Any, gradients: Any, gains: Any, plan: Any, low: Any, high: Any, correction: Any
-) -> bool:
-    """Write the free commands from the first one on; return whether all keep their sides, or change them."""
+) -> int:
+    """Write the free commands from the first one on, and change sides; return the last interval that did.
+
+    -1 if all commands keep their sides.
+    """
     (intervals, inputs), size = side.shape, gains.shape[2] - 1
-    n_x, settled = size - inputs, True
+    n_x, changed = size - inputs, -1
     deviation, reached = np.zeros(size), np.zeros(size)
     for k in range(intervals):
         for a in range(inputs):
@@ -128,10 +139,11 @@ def _follow(
                 side[k, a] = (value > high[a] + BOUND_TOLERANCE) - (value < low[a] - BOUND_TOLERANCE)
             elif before * _affine(gradients[k, a], deviation) > SLOPE_TOLERANCE and low[a] < high[a]:
                 side[k, a] = 0
-            settled &= side[k, a] == before
+            if side[k, a] != before:
+                changed = k
         np.dot(transition[k], deviation, reached)
         deviation[:n_x] = reached[:n_x]
-    return settled
+    return changed
 
 
 @njit

@@ -161,7 +161,8 @@ class EgoMotion:
         newest = self._states[-1]
         if time_s >= newest.time_s:
             x_m = newest.x_m + (time_s - newest.time_s) * newest.speed_m_s
-            return replace(newest, time_s=time_s, x_m=x_m)
+            attitude = newest.heave_m, newest.pitch_rad, newest.speed_m_s, newest.roll_rad
+            return EgoState(time_s, x_m, *attitude, newest.curvature_1_m)
         if time_s < self._times[0] - 1e-9:
             raise InputError(f"time_s must be >= {self._times[0]} (start of the history), got {time_s}")
         index = max(1, bisect_right(self._times, time_s))
@@ -199,8 +200,8 @@ class EgoMotion:
 
         Newton for wheels and body above the tyres: k (road - wheel) = m_u a_u + m_s a_s.
         """
-        inertial = np.concatenate([measurement.body_acc, measurement.wheel_acc])
-        return measurement.rattle_m - self._tyre_compliance @ inertial
+        inertial = measurement.channels()[: self._tyre_compliance.shape[1]]
+        return np.asarray(measurement.rattle_m - self._tyre_compliance @ inertial)
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""
