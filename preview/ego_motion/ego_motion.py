@@ -200,8 +200,8 @@ class EgoMotion:
 
         Newton for wheels and body above the tyres: k (road - wheel) = m_u a_u + m_s a_s.
         """
-        inertial = measurement.channels()[: self._tyre_compliance.shape[1]]
-        return np.asarray(measurement.rattle_m - self._tyre_compliance @ inertial)
+        inertial = np.concatenate([measurement.body_acc, measurement.wheel_acc])
+        return measurement.rattle_m - self._tyre_compliance @ inertial
 
     def _at_centre(self, values: np.ndarray) -> float:
         """Interpolate a quantity known over the axles to the centre of gravity."""
