@@ -16,6 +16,7 @@ import numpy as np
 
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.mpc.controller import PredictiveController
+from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.riccati import solve_stages
 from foreride.files.writing.atomic import write_text
 from foreride.preview.road_preview import RoadPreview, distance_grid
@@ -43,13 +44,18 @@ class TimedCall:
     """Callable wrapper that records the processor time of each call, s."""
 
     def __init__(self, inner: Any):
-        self._inner, self.times = inner, array("d")
+        self._inner, self._times = inner, array("d")
 
     def __call__(self, *given: Any) -> Any:
         start = process_time()
         answer = self._inner(*given)
-        self.times.append(process_time() - start)
+        self._times.append(process_time() - start)
         return answer
+
+    def taken(self) -> "array[float]":
+        """Times of the calls since this was asked last."""
+        times, self._times = self._times, array("d")
+        return times
 
 
 def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
@@ -62,16 +68,20 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
         TimedCall(controller.step),
     )
     controller._program.condense.along = prepare  # type: ignore[method-assign]
-    with patch("foreride.controller.mpc.program.solve_stages", solve):
+    # A plan whose bounds do not settle is condensed after that, and solved by another method.
+    general = TimedCall(solve_box)
+    room, parts = "foreride.controller.mpc.program", array("d")
+    with patch(f"{room}.solve_stages", solve), patch(f"{room}.solve_box", general):
         for pair in random_situations(vehicle, count):
             step(*pair)
+            parts.extend(sum(part.taken()) for part in (prepare, solve, general))
     row: dict[str, Any] = {"car": car, "period_ms": 1e3 * period_s, "intervals": len(controller._plan)}
-    both = np.array(prepare.times) + np.array(solve.times)
+    prepared, *solved = np.array(parts).reshape(-1, 3).T
     for name, times in (
-        ("prepare", prepare.times),
-        ("solve", solve.times),
-        ("both", both),
-        ("step", step.times),
+        ("prepare", prepared),
+        ("solve", sum(solved)),
+        ("both", prepared + sum(solved)),
+        ("step", step.taken()),
     ):
         ms = 1e3 * np.array(times)[count // 10 :]  # the first ones are warm-up
         row |= {f"{name}_median_ms": float(np.median(ms)), f"{name}_p99_ms": float(np.percentile(ms, 99))}

@@ -61,7 +61,7 @@ def programs(car: str, period_s: float, count: int) -> list[Program]:
     found = []
 
     def noted(*program: Any) -> Solution:
-        found.append(Program(*(part.copy() for part in program)))
+        found.append(Program(*(part.copy() for part in program[:4])))
         return solve_box(*program[:4])
 
     room = "foreride.controller.mpc.program"
