@@ -31,7 +31,7 @@ class ConstraintRows(NamedTuple):
 
 ACTIVE_TOLERANCE = 1e-7
 FEASIBILITY_TOLERANCE = 1e-6
-MOST_SETS = 12
+_MOST_SETS = 12
 BOUND_TOLERANCE, SLOPE_TOLERANCE = 1e-10, 1e-12
 """By how much a free entry may leave its bounds, and a fixed one pull away from its bound."""
 _AT_LOW, _AT_HIGH = 3, 1  # DAQP's flags of an active bound
@@ -124,7 +124,7 @@ def _solve_bounds(hessian: Any, gradient: Any, low: Any, high: Any, x: Any) -> b
         if not low[i] <= high[i]:
             return False
         side[i] = 1 if high[i] < ACTIVE_TOLERANCE else -1 if low[i] > -ACTIVE_TOLERANCE else 0
-    for _ in range(MOST_SETS):
+    for _ in range(_MOST_SETS):
         count = 0
         for i in range(n):
             x[i] = high[i] if side[i] > 0 else low[i] if side[i] < 0 else 0.0

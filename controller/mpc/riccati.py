@@ -12,14 +12,18 @@ import numpy as np
 
 from foreride.controller.mpc.condensing import to_go
 from foreride.controller.mpc.linearisation import Stages
-from foreride.controller.mpc.qp import ACTIVE_TOLERANCE, BOUND_TOLERANCE, MOST_SETS, SLOPE_TOLERANCE
+from foreride.controller.mpc.qp import ACTIVE_TOLERANCE, BOUND_TOLERANCE, SLOPE_TOLERANCE
 from foreride.files.jit import njit
+
+_MOST_SETS = 6
+"""Sets that are tried; with more changes of sides the condensed program is solved sooner."""
 
 
 def solve_stages(stages: Stages, plan: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray | None:
     """Correction (intervals, inputs) of the plan within the bounds (inputs,) of its entries.
 
-    None if it is not found: for commands without cost, numbers that are not finite, contradictory bounds.
+    None if it is not found: for commands without cost, numbers that are not finite, contradictory bounds, and
+    bounds that do not settle.
     """
     correction = np.empty(plan.shape)
     return correction if _solve(*stages, plan, low, high, correction) else None
@@ -52,7 +56,7 @@ def _solve(
     # The cost to go at each interval's start: what lies beyond the last change of sides stays.
     cost, slope = np.empty((intervals + 1, size, size)), np.empty((intervals + 1, size))
     cost[intervals], slope[intervals], last = ending, end_slope, intervals - 1
-    for _ in range(MOST_SETS):
+    for _ in range(_MOST_SETS):
         for k in range(intervals):
             for a in range(inputs):
                 if side[k, a] != 0:

@@ -50,7 +50,7 @@ def test_the_correction_is_that_of_the_condensed_program(car: str) -> None:
         before, after = ((entries <= low) | (entries >= high) for entries in (plan, plan + found))
         met, left = met + (after & ~before).sum(), left + (before & ~after).sum()
         found_at += 1
-    assert found_at >= 5
+    assert found_at >= 3
     assert met
     assert left
 
