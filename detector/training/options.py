@@ -11,7 +11,7 @@ from foreride.files.command_line import Parser
 SHIPPED = Path(__file__).parents[1] / "weights" / "sbp-yolo.pt"
 
 
-def _weights(text: str) -> Path:
+def weights_file(text: str) -> Path:
     """Path of a weights file; `shipped` stands for that of the package."""
     return SHIPPED if text == "shipped" else Path(text)
 
@@ -41,7 +41,7 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     p.add_argument("--distil-logits", type=float, default=0.5, help="weight of BCKD; 0 = none")
     p.add_argument("--distil-features", type=float, default=0.5, help="weight of CWD; 0 = none")
     p.add_argument("--seed", type=int, default=0)
-    p.add_argument("--init", type=_weights, metavar="FILE", help="weights to start from, or `shipped`")
+    p.add_argument("--init", type=weights_file, metavar="FILE", help="weights to start from, or `shipped`")
     p.add_argument("--resume", action="store_true", help="continue from the checkpoint in --out")
     p.add_argument("--device", default="auto", help="auto, cpu or cuda")
     p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")

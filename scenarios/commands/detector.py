@@ -13,6 +13,10 @@ MODULES = {
     "convert": ("foreride.detector.data.yolo_coco", "own images from and to YOLO and COCO formats"),
     "split": ("foreride.detector.data.split", "split own images into train/, val/ and test/"),
     "train": ("foreride.detector.training.train", "train SBP-YOLO or a rival (extra: training)"),
+    "blend": (
+        "foreride.detector.training.blend",
+        "mean of the weights before and after a training (extra: training)",
+    ),
     "eval": ("foreride.detector.evaluation.evaluate", "precision, recall and mAP on a folder of images"),
     "show": ("foreride.scenarios.commands.inspect.show", "draw boxes and ranges into own images or a film"),
     "mine": (

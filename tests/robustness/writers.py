@@ -111,10 +111,11 @@ WRITERS: dict[str, Writer] = {
                              "scores")),
     "detector mine": Writer(("detector", "mine", "{}/plain", "--out", "mined", "--confidence", "0.01")),
     "detector train": Writer(("detector", "train", "--data", "{}/split", "--out", "training", *_TRAIN)),
+    "detector blend": Writer(("detector", "blend", "shipped", "{}/weights.pt", "--out", "blended.pt")),
     "detector export": Writer(("detector", "export", "--weights", "{}/weights.pt", "--out", "a.onnx")),
 }  # fmt: skip
 
-SLOW = ("demo", "detector data", "detector train", "detector export")
+SLOW = ("demo", "detector data", "detector train", "detector blend", "detector export")
 
 
 def place_inputs(folder: Path, version: str, speed_kmh: int) -> None:
