@@ -67,7 +67,7 @@ def measure(car: str, period_s: float, count: int) -> dict[str, Any]:
         TimedCall(solve_stages),
         TimedCall(controller.step),
     )
-    controller._program.condense.along = prepare  # type: ignore[method-assign]
+    controller._program.condense.along = prepare  # type: ignore[method-assign, assignment]
     # A plan whose bounds do not settle is condensed after that, and solved by another method.
     general = TimedCall(solve_box)
     room, parts = "foreride.controller.mpc.program", array("d")
