@@ -80,15 +80,15 @@ def _label_row(line: str, location: str, classes: int) -> list[float]:
 
 
 def read_samples(
-    folder: Path, longest: int | None = None, skip_bad: bool = False, known: Container[str] = ()
+    folder: Path, longest: int | None = None, skip_bad: bool = False, only: Container[str] | None = None
 ) -> Iterator[Sample]:
     """Decode every image of a data set folder, shrunk to at most `longest` pixels on its longer side.
 
-    known: names of images to leave out.
+    only: names of the images to read, which may be unusable one and all if they are to be skipped.
     Unusable files are reported on stderr if they are to be skipped; otherwise, or if no other is left,
     InputError names all of them, after the last good one.
     """
-    paths = [path for path in image_paths(folder) if path.name not in known]
+    paths = [path for path in image_paths(folder) if only is None or path.name in only]
     faults = []
     if not (folder / "labels").is_dir():
         raise InputError(f"{folder}: no folder labels/ in it; a dataset holds images/ and labels/")
@@ -99,7 +99,7 @@ def read_samples(
             faults.append(str(error))
             continue
         yield Sample(path.name, shrunk(image, longest or max(image.shape)), *labels)
-    if faults and (len(faults) == len(paths) or not skip_bad):
+    if faults and (not skip_bad or (only is None and len(faults) == len(paths))):
         raise InputError(
             f"{len(faults)} files cannot be used (--skip-bad leaves them out): {'; '.join(faults)}"
         )

@@ -62,15 +62,15 @@ def load_cached_dataset(
     memory_mib: float,
     skip_bad: bool = False,
     auxiliary: bool = False,
-    known: Container[str] = (),
+    only: Container[str] | None = None,
 ) -> CachedDataset:
     """Read and check a whole folder, keeping the first images, up to `memory_mib` of them, decoded.
 
     A decoded 640 x 384 image takes 0.7 MiB, and reading one again 2 ms. auxiliary: read the labels of the
-    auxiliary classes, too. known: names of images to leave out. Raises InputError as `read_samples`.
+    auxiliary classes, too. only: names of the images to read. Raises InputError as `read_samples`.
     """
     entries, bytes_left = [], memory_mib * 2**20
-    for sample in read_samples(folder, longest, skip_bad, known):
+    for sample in read_samples(folder, longest, skip_bad, only):
         path = folder / "images" / sample.name
         bytes_left -= sample.image.nbytes
         image = sample.image if bytes_left >= 0 else None

@@ -121,12 +121,12 @@ def _arrivals(
     """Reader of the images that `--data` gains while the training runs; None without `--grow`."""
     if not args.grow:
         return nullcontext()
-    names = {path.name for path in cast(CachedDataset, training.sets[0]).paths}
+    folder = args.data / "train"
 
-    def read(known: Set[str]) -> CachedDataset:
-        return load_cached_dataset(args.data / "train", longest, 0, args.skip_bad, args.auxiliary, known)
+    def read(only: Set[str]) -> CachedDataset:
+        return load_cached_dataset(folder, longest, 0, args.skip_bad, args.auxiliary, only)
 
-    return Arrivals(read, names)
+    return Arrivals(folder, read, {path.name for path in cast(CachedDataset, training.sets[0]).paths})
 
 
 def _device_views(args: argparse.Namespace, device: str) -> DeviceAugmentation | None:

@@ -2,23 +2,24 @@
 
 import threading
 from collections.abc import Callable, Sequence, Set
+from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from foreride.detector.data.yolo_folder import Sample
+from foreride.detector.data.yolo_folder import Sample, image_paths
 from foreride.files.errors import InputError
 
 Read = Callable[[Set[str]], Sequence[Sample]]
-"""Reads the images of a data set but those of some names."""
+"""Reads the images of these names; it may leave out unusable ones."""
 
 
 class Arrivals:
-    """New images of a growing data set, read by a thread of its own every `every_s` seconds.
+    """New images of a growing folder, read by a thread of its own every `every_s` seconds, each once.
 
     known: names of the images that are there already.
     """
 
-    def __init__(self, read: Read, known: Set[str], every_s: float = 5.0):
-        self._read, self._known, self._every_s = read, set(known), every_s
+    def __init__(self, folder: Path, read: Read, known: Set[str], every_s: float = 5.0):
+        self._folder, self._read, self._known, self._every_s = folder, read, set(known), every_s
         self._found: SimpleQueue[list[Sample] | InputError] = SimpleQueue()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="arrivals", daemon=True)
@@ -46,10 +47,11 @@ class Arrivals:
     def _watch(self) -> None:
         while not self._stopped.wait(self._every_s):
             try:
-                samples = list(self._read(self._known))
+                new = {path.name for path in image_paths(self._folder)} - self._known
+                samples = list(self._read(new)) if new else []
             except InputError as error:
                 self._found.put(error)
                 return
-            self._known |= {sample.name for sample in samples}
+            self._known |= new
             if samples:
                 self._found.put(samples)

@@ -2,6 +2,7 @@
 
 import shutil
 import time
+from collections.abc import Set
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from foreride.detector.training.device import feed as feed_module
 from foreride.detector.training.device.arrivals import Arrivals
 from foreride.detector.training.device.feed import DeviceAugmentation, DeviceFeed
 from foreride.detector.training.device.pool import NONE, joined, load_pool
+from foreride.detector.training.image_store import CachedDataset, load_cached_dataset
 from foreride.detector.training.mixture import Mixture
 from foreride.detector.training.schedule import parse_stages
 from foreride.detector.training.train import main
@@ -36,7 +38,7 @@ def test_each_image_arrives_once(tmp_path: Path) -> None:
     write(tmp_path / "more", 5)
     tmp_path = write(tmp_path / "set", 2)
     first = {path.name for path in (tmp_path / "images").iterdir()}
-    with Arrivals(lambda known: list(read_samples(tmp_path, known=known)), first, 0.01) as arrivals:
+    with Arrivals(tmp_path, lambda only: list(read_samples(tmp_path, only=only)), first, 0.01) as arrivals:
         assert arrivals.taken() == []
         for part in ("labels", "images"):
             for path in (tmp_path.parent / "more" / part).iterdir():
@@ -50,11 +52,33 @@ def test_each_image_arrives_once(tmp_path: Path) -> None:
 
 def test_an_unusable_image_is_named(tmp_path: Path) -> None:
     write(tmp_path, 1)
-    with Arrivals(lambda known: list(read_samples(tmp_path, known=known)), {"000.png"}, 0.01) as arrivals:
+    with Arrivals(
+        tmp_path, lambda only: list(read_samples(tmp_path, only=only)), {"000.png"}, 0.01
+    ) as arrivals:
         (tmp_path / "labels" / "broken.txt").write_text("")
         (tmp_path / "images" / "broken.jpg").write_bytes(b"no image")
         with pytest.raises(InputError, match=r"broken\.jpg"):
             _awaited(arrivals, 9)
+
+
+def test_an_unusable_image_is_skipped_once_and_those_after_it_arrive(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write(tmp_path / "set", 2)
+    folder, first = tmp_path / "set", {"000.png"}
+    (folder / "images" / "001.png").rename(tmp_path / "001.png")
+
+    def read(only: Set[str]) -> CachedDataset:
+        return load_cached_dataset(folder, 640, 0, skip_bad=True, only=only)
+
+    with Arrivals(folder, read, first, 0.01) as arrivals:
+        (folder / "images" / "broken.jpg").write_bytes(b"no image")
+        time.sleep(0.2)
+        assert arrivals.taken() == []
+        shutil.copy(tmp_path / "001.png", folder / "images" / "part")
+        (folder / "images" / "part").rename(folder / "images" / "001.png")
+        assert [sample.name for sample in _awaited(arrivals, 1)] == ["001.png"]
+    assert capsys.readouterr().err.count("broken.jpg") == 1
 
 
 def test_pools_of_other_sizes_are_joined() -> None:
