@@ -17,7 +17,7 @@ _FUNCTIONS = {
     "detector: NMS": ["detector.nms:select"],
     "detector: edges": ["detector.edge_refinement:refine"],
     "preview: true boxes": [
-        "road.render.outline_boxes:outline_boxes",
+        "road.render.outline_boxes:Outlines.boxes",
         "detector.box_errors:degrade",
     ],
     "preview: estimator, boxes": ["preview.estimator:Estimator.update_boxes"],

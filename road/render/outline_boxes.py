@@ -19,28 +19,49 @@ def outline_boxes(
     range_m: float = 30.0,
     bonnet_row_px: float | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Exact boxes xyxy (n, 4) and classes (n,) of the visible features: silhouettes over crest and edges.
-
-    range_m: of the near edge ahead of the camera. bonnet_row_px: first row that the bonnet hides, if any.
-    Mutual occlusion of features is neglected.
-    """
-    limit = float(camera.height_px) if bonnet_row_px is None else min(bonnet_row_px, float(camera.height_px))
-    boxes, classes = [], []
-    for feature in road.features:
-        if feature.cls is None or feature.end_m < pose.x + _MIN_AHEAD_M or feature.start_m > pose.x + range_m:
-            continue
-        box = _box(road, feature, camera, pose, limit)
-        if box is not None:
-            boxes.append(box)
-            classes.append(feature.cls)
-    return np.array(boxes, np.float32).reshape(-1, 4), np.array(classes, np.int64)
+    """Exact boxes of the visible features, as `Outlines.boxes`, in one view of a road."""
+    return Outlines(road).boxes(camera, pose, range_m, bonnet_row_px)
 
 
-def _box(
-    road: Road, feature: Feature, camera: Camera, pose: CameraPose, limit: float
-) -> tuple[float, float, float, float] | None:
-    """Box around the feature's surface and edges, cut to the image, or None if out of sight."""
-    x = np.linspace(max(feature.start_m, pose.x + _MIN_AHEAD_M), feature.end_m, _GRID_ALONG)
+class Outlines:
+    """Outlines of a road's features, for view after view on the way; each is kept while in range."""
+
+    def __init__(self, road: Road) -> None:
+        self._road = road
+        self._kept: dict[int, NDArray[np.float64]] = {}
+
+    def boxes(
+        self, camera: Camera, pose: CameraPose, range_m: float = 30.0, bonnet_row_px: float | None = None
+    ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+        """Exact boxes xyxy (n, 4) and classes (n,) of the visible features: silhouettes over crest and edges.
+
+        range_m: of the near edge ahead of the camera. bonnet_row_px: first row that the bonnet hides, if any.
+        Mutual occlusion of features is neglected.
+        """
+        height = float(camera.height_px)
+        limit = height if bonnet_row_px is None else min(bonnet_row_px, height)
+        first_m, last_m = pose.x + _MIN_AHEAD_M, pose.x + range_m
+        boxes, classes, kept = [], [], {}
+        for index, feature in enumerate(self._road.features):
+            if feature.cls is None or feature.end_m < first_m or feature.start_m > last_m:
+                continue
+            if feature.start_m < first_m:
+                surface = _surface(self._road, feature, first_m)
+            else:
+                surface = self._kept.get(index)
+                surface = _surface(self._road, feature, feature.start_m) if surface is None else surface
+                kept[index] = surface
+            box = _box(surface, camera, pose, limit)
+            if box is not None:
+                boxes.append(box)
+                classes.append(feature.cls)
+        self._kept = kept
+        return np.array(boxes, np.float32).reshape(-1, 4), np.array(classes, np.int64)
+
+
+def _surface(road: Road, feature: Feature, first_m: float) -> NDArray[np.float64]:
+    """Points (n, 3) of the feature's surface and edges from `first_m` on."""
+    x = np.linspace(first_m, feature.end_m, _GRID_ALONG)
     y = np.linspace(feature.y_min_m, feature.y_max_m, _GRID_ACROSS)
     grid_x, grid_y = np.meshgrid(x, y)
     inside = feature.footprint(grid_x, grid_y)
@@ -48,11 +69,18 @@ def _box(
     height = road.height(grid_x, grid_y)
     if feature.cls in HOLES:
         height = height - feature.height(grid_x, grid_y)  # the rim outlines or hides everything below it
-    pixels = project(camera, pose, np.stack([grid_x, grid_y, height], axis=1))
-    pixels = pixels[np.isfinite(pixels).all(axis=1)]
-    if len(pixels) == 0:
+    return np.stack([grid_x, grid_y, height], axis=1)
+
+
+def _box(
+    surface: NDArray[np.float64], camera: Camera, pose: CameraPose, limit: float
+) -> tuple[float, float, float, float] | None:
+    """Box around the points of a surface, cut to the image, or None if out of sight."""
+    pixels = project(camera, pose, surface).T.copy()  # a row each for u and v, which are faster to search
+    seen = pixels.compress(np.isfinite(pixels).all(axis=0), axis=1)
+    if seen.size == 0:
         return None
-    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    low, high = seen.min(axis=1), seen.max(axis=1)
     left, right = np.clip([low[0], high[0]], 0.0, camera.width_px)
     top, bottom = np.clip([low[1], high[1]], 0.0, limit)
     return (left, top, right, bottom) if right - left > 1.0 and bottom - top > 0.5 else None

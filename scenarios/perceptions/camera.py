@@ -18,7 +18,7 @@ from foreride.preview.prior_drives.memory_file import read as read_memory
 from foreride.preview.road_preview import distance_grid
 from foreride.preview.vehicle_facts import VehicleFacts
 from foreride.road.camera.pinhole import CameraMount, CameraPose, pose_of
-from foreride.road.render.outline_boxes import outline_boxes
+from foreride.road.render.outline_boxes import Outlines
 from foreride.road.tyre.contact_models import Enveloping
 from foreride.road.tyre.tyre import Tyre
 from foreride.scenarios.definition.schema import Scenario
@@ -151,11 +151,11 @@ def pose(mount: CameraMount, state: VehicleState) -> CameraPose:
 def true_box_source(scenario: Scenario, mount: CameraMount, rng: np.random.Generator) -> BoxSource:
     """Box source: true outlines with the scenario's box errors."""
     camera, errors = scenario.camera.intrinsics, scenario.boxes
-    size_px = camera.width_px, camera.height_px
+    size_px, outlines = (camera.width_px, camera.height_px), Outlines(scenario.road)
 
     def look(tick: int, state: VehicleState, first_row: int) -> Exposure:
-        outlines = outline_boxes(scenario.road, camera, pose(mount, state), errors.range_m)
-        return Exposure(tick, degrade(exact(*outlines), size_px, errors, rng))
+        boxes = exact(*outlines.boxes(camera, pose(mount, state), errors.range_m))
+        return Exposure(tick, degrade(boxes, size_px, errors, rng))
 
     return look
 

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -48,9 +49,10 @@ class DetectionStage:
 class DetectorPerception(Perception):
     """Detector-based perception (`boxes`, `camera`): exposures at `rate_hz`, with boxes `latency_s` later.
 
-    `eye` gives the exposure; with `detection`, the detections are found in its image. Both stages run in
+    `eye` gives the exposure; with `detection`, the detections are found in its image. Both stages then run in
     threads of their own while simulated time goes on, one exposure being rendered while the one before is
-    searched; a result is awaited at the tick where it is due, so real time never changes it. `looks` holds
+    searched; a result is awaited at the tick where it is due, so real time never changes it. Without
+    `detection` an exposure is cheap and made at that tick, of the state in which it was due. `looks` holds
     the first camera's images only with `keep_images`. `correct`: see
     `scenarios.perceptions.ground_truth_substitution`.
     """
@@ -72,7 +74,7 @@ class DetectorPerception(Perception):
         self._failed = 0
         share_heap()
         self._exposing, self._detecting = ThreadPoolExecutor(1), ThreadPoolExecutor(1)
-        self._pending: deque[tuple[int, Future[Exposure]]] = deque()
+        self._pending: deque[tuple[int, Callable[[], Exposure]]] = deque()
         self.estimator_s: list[float] = []
 
     def next_tick(self, tick: int) -> int | None:
@@ -86,20 +88,21 @@ class DetectorPerception(Perception):
         """Start an exposure if one is due."""
         if due(tick, self._rate_hz):
             detection = self._detection
-            first_row = 0 if detection is None else detection.band.at(self._estimator.motion.newest)
+            if detection is None:
+                self._pending.append((tick, partial(self._eye, tick, state, 0)))
+                return
+            first_row = detection.band.at(self._estimator.motion.newest)
             look = self._exposing.submit(self._eye, tick, state, first_row)
-            if detection is not None:
-                look = self._detecting.submit(_then, look, detection.detected)
-            self._pending.append((tick, look))
+            self._pending.append((tick, self._detecting.submit(_then, look, detection.detected).result))
 
     def receive(self, tick: int) -> list[Event]:
         """Pass the boxes that have become available to the estimator; return them as events."""
         events = []
         while self._pending and self._pending[0][0] + self._latency <= tick:
-            exposed, future = self._pending.popleft()
+            exposed, finish = self._pending.popleft()
             when = {"time_s": tick / TICKS_PER_SECOND, "exposed_s": exposed / TICKS_PER_SECOND}
             try:
-                look = future.result()
+                look = finish()
             except KeyboardInterrupt:
                 raise
             except BaseException as error:  # own detectors may raise anything, SystemExit too
