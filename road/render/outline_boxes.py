@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foreride.road.camera.pinhole import Camera, CameraPose, project
-from foreride.road.features.feature import Feature
 from foreride.road.obstacle_classes import HOLES
 from foreride.road.road import Road
 
@@ -28,7 +27,7 @@ class Outlines:
 
     def __init__(self, road: Road) -> None:
         self._road = road
-        self._kept: dict[int, NDArray[np.float64]] = {}
+        self._kept: dict[tuple[int, float], NDArray[np.float64]] = {}
 
     def boxes(
         self, camera: Camera, pose: CameraPose, range_m: float = 30.0, bonnet_row_px: float | None = None
@@ -45,12 +44,9 @@ class Outlines:
         for index, feature in enumerate(self._road.features):
             if feature.cls is None or feature.end_m < first_m or feature.start_m > last_m:
                 continue
-            if feature.start_m < first_m:
-                surface = _surface(self._road, feature, first_m)
-            else:
-                surface = self._kept.get(index)
-                surface = _surface(self._road, feature, feature.start_m) if surface is None else surface
-                kept[index] = surface
+            outline = index, max(feature.start_m, first_m)
+            surface = self._kept.get(outline)
+            kept[outline] = surface = _surface(self._road, *outline) if surface is None else surface
             box = _box(surface, camera, pose, limit)
             if box is not None:
                 boxes.append(box)
@@ -59,8 +55,9 @@ class Outlines:
         return np.array(boxes, np.float32).reshape(-1, 4), np.array(classes, np.int64)
 
 
-def _surface(road: Road, feature: Feature, first_m: float) -> NDArray[np.float64]:
-    """Points (n, 3) of the feature's surface and edges from `first_m` on."""
+def _surface(road: Road, index: int, first_m: float) -> NDArray[np.float64]:
+    """Points (n, 3) of the surface and edges of the road's feature `index` from `first_m` on."""
+    feature = road.features[index]
     x = np.linspace(first_m, feature.end_m, _GRID_ALONG)
     y = np.linspace(feature.y_min_m, feature.y_max_m, _GRID_ACROSS)
     grid_x, grid_y = np.meshgrid(x, y)

@@ -4,7 +4,7 @@ import pytest
 from foreride.road.camera.pinhole import Camera, CameraPose
 from foreride.road.features.feature import HalfSineBump, Pothole, WattsHump
 from foreride.road.render.appearance import Appearance
-from foreride.road.render.outline_boxes import outline_boxes
+from foreride.road.render.outline_boxes import Outlines, outline_boxes
 from foreride.road.render.scene import Scene
 from foreride.road.road import Road
 
@@ -41,6 +41,17 @@ def test_range_bonnet_and_what_lies_behind():
     assert len(outline_boxes(road, CAMERA, pose, range_m=15.0)[0]) == 1
     assert len(outline_boxes(road, CAMERA, pose, range_m=30.0)[0]) == 2
     assert outline_boxes(road, CAMERA, pose, bonnet_row_px=250.0)[0][:, 3].max() <= 250.0
+
+
+def test_views_on_the_way_show_what_each_alone_does():
+    """Up to, over and beyond a hump, and back; outlines behind the car are not kept."""
+    road = Road(60.0, (WattsHump(10.0), Pothole(25.0, 0.08, 0.6, 0.6, y_m=0.75)))
+    outlines = Outlines(road)
+    for x in (0.0, 9.0, 11.0, 12.0, 11.0, 5.0, 30.0):
+        pose = CameraPose(x, 0.0, 1.3, 0.0, 0.1, 0.0)
+        for kept, alone in zip(outlines.boxes(CAMERA, pose), outline_boxes(road, CAMERA, pose), strict=True):
+            np.testing.assert_array_equal(kept, alone)
+    assert not outlines._kept
 
 
 def test_projection_and_renderer_draw_the_same_boxes():
