@@ -2,7 +2,8 @@
 
 `python -m benchmarks.paper.detectors --data DIR --out FOLDER --passes 60000 [--rows a,b] [--json FILE]`
 
-DIR holds train/ and val/. Every row starts from random weights and is trained for the same number of images
+DIR holds train/ and val/. Every row starts from random weights (D-FINE-N with `--d-fine-weights FOLDER` from
+those of its authors, see `benchmarks.paper.dfine`) and is trained for the same number of images
 at the same size; all are evaluated by the same code on DIR/val. Our models and D-FINE-N see the same batches;
 the rows of the package ultralytics, which the user has to install, use its own augmentation. An interrupted
 run can be restarted.
@@ -54,9 +55,10 @@ def trained(name: str, stage: Stage, args: argparse.Namespace) -> Trained:
         train_ours(out, stage, args, "--model", name)
         model, made = load_network(out / "weights.pt")
         return Trained(parameters(model), int(made["passes"]), detector(model))
-    record_settings(out, settings_of(stage, args))
+    record_settings(out, _settings(name, stage, args))
     if name == "d-fine-n":
-        rival, passes = dfine.train(args.data / "train", stage, out, args.batch, args.seed)
+        start = args.d_fine_weights
+        rival, passes = dfine.train(args.data / "train", stage, out, args.batch, args.seed, start)
         return Trained(sum(p.numel() for p in rival.parameters()), passes, dfine.detector(rival))
     yolo, passes = with_ultralytics.train(name, args.data, stage, out, args.batch, args.seed)
     return Trained(with_ultralytics.parameters(yolo), passes, with_ultralytics.detector(yolo))
@@ -69,7 +71,14 @@ def check(names: Sequence[str], stage: Stage, args: argparse.Namespace) -> None:
             with_ultralytics.package(name)
         elif name == "d-fine-n":
             dfine.check(stage)
-        check_same_settings(args.out / name, settings_of(stage, args))
+            dfine.build(args.d_fine_weights)
+        check_same_settings(args.out / name, _settings(name, stage, args))
+
+
+def _settings(name: str, stage: Stage, args: argparse.Namespace) -> dict:
+    """Settings of a row; those of D-FINE-N tell where pre-trained weights came from."""
+    start = {"pretrained": str(args.d_fine_weights)} if name == "d-fine-n" and args.d_fine_weights else {}
+    return settings_of(stage, args) | start
 
 
 def detector(model: Network) -> Callable[[NDArray[np.uint8]], Detections]:
@@ -132,6 +141,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--batch", type=int, default=16)
     p.add_argument("--seed", type=int, default=0)
     p.add_argument("--threads", type=int, default=2)
+    p.add_argument("--d-fine-weights", type=Path, metavar="FOLDER", help="pre-trained, of transformers")
     p.add_argument("--json", type=Path)
     return p
 

@@ -1,6 +1,8 @@
-"""D-FINE-N (Peng et al., arXiv 2410.13842) by the package transformers (Apache-2.0), trained from scratch.
+"""D-FINE-N (Peng et al., arXiv 2410.13842), from scratch or pre-trained, by transformers (Apache-2.0).
 
-Needs the extra rivals. It sees the same batches as our models: same images, views and order.
+Needs the extra rivals. Weights of its authors are a folder with config.json and model.safetensors, such as
+ustc-community/dfine-nano-coco on Hugging Face (Apache-2.0). It sees the same batches as our models: same
+images, views and order.
 """
 
 from collections.abc import Callable
@@ -17,8 +19,9 @@ from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.network.checkpoint import Average, load, save
 from foreride.detector.training.batches import Batch, batches
 from foreride.detector.training.schedule import Stage, rate_factor
-from foreride.files.errors import InputError
+from foreride.files.errors import InputError, shown
 from foreride.files.progress import Progress
+from foreride.files.reading.strict_json import read_json
 
 RATE, WEIGHT_DECAY, CLIP, WARM_UP = 4e-4, 1e-4, 0.1, 2000
 """From the authors' configuration for size N; the rate is half of theirs, as a batch is 16, not 128."""
@@ -41,10 +44,12 @@ def check(stage: Stage) -> None:
         ) from None
 
 
-def build() -> nn.Module:
-    """Build the network with random weights."""
+def build(pretrained: Path | None = None) -> nn.Module:
+    """Build the network with random weights, or with those of a folder and new classes. Raises InputError."""
     from transformers import DFineConfig, DFineForObjectDetection, HGNetV2Config
 
+    if pretrained:
+        return _pretrained(pretrained)
     backbone = HGNetV2Config(  # type: ignore[call-arg]
         stem_channels=[3, 16, 16],
         stage_in_channels=[16, 64, 256, 512],
@@ -77,14 +82,43 @@ def build() -> nn.Module:
     return DFineForObjectDetection(config)
 
 
-def train(folder: Path, stage: Stage, out: Path, batch: int, seed: int) -> tuple[nn.Module, int]:
-    """Train to the end of the stage, continuing from `out`/checkpoint.pt.
+def _pretrained(folder: Path) -> nn.Module:
+    """The network of a folder as transformers saves it; its layers of classes begin anew."""
+    from transformers import DFineConfig, DFineForObjectDetection
+
+    config_file, names = folder / "config.json", dict(enumerate(CLASS_NAMES))
+    try:
+        kind = read_json(config_file)["model_type"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{config_file}: must be the configuration of a D-FINE network: {error}") from None
+    if kind != DFineConfig.model_type:
+        raise InputError(f"{config_file}: model_type must be {DFineConfig.model_type}, got {shown(kind)}")
+    try:
+        model, found = DFineForObjectDetection.from_pretrained(
+            folder,
+            id2label=names,
+            label2id={name: number for number, name in names.items()},
+            ignore_mismatched_sizes=True,
+            output_loading_info=True,
+            local_files_only=True,
+        )
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InputError(f"{folder}: not weights that transformers can read: {error}") from None
+    if missing := sorted(found["missing_keys"]):
+        raise InputError(f"{folder}: lacks {len(missing)} tensors of the network, first {missing[0]}")
+    return model
+
+
+def train(
+    folder: Path, stage: Stage, out: Path, batch: int, seed: int, pretrained: Path | None = None
+) -> tuple[nn.Module, int]:
+    """Train to the end of the stage, from random or pre-trained weights, or on from `out`/checkpoint.pt.
 
     Returns the averaged model and the number of training images it has seen. Raises InputError.
     """
     check(stage)
     torch.manual_seed(seed)
-    model = build().train()
+    model = build(pretrained).train()
     samples = list(read_samples(folder, max(stage.width, stage.height, 640)))
     average = Average(model)
     optimiser = torch.optim.AdamW(model.parameters(), lr=RATE, weight_decay=WEIGHT_DECAY)

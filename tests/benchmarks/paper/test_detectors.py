@@ -183,3 +183,41 @@ def test_d_fine_broken_off_and_resumed_ends_as_unbroken(
     found = dfine.detector(resumed)(np.zeros((192, 320, 3), np.uint8))
     assert len(found) == 100
     assert (np.diff(found.scores) <= 0).all()
+
+
+def test_d_fine_begins_from_published_weights_with_classes_of_its_own(tmp_path: Path) -> None:
+    transformers = pytest.importorskip("transformers")
+    config = dfine.build().config
+    config.id2label = {number: f"thing {number}" for number in range(80)}  # COCO has 80 classes
+    published = transformers.DFineForObjectDetection(config)
+    published.save_pretrained(tmp_path / "coco")
+    started = dfine.build(tmp_path / "coco")
+    before, after = published.state_dict(), started.state_dict()
+    kept = {name for name in after if before[name].shape == after[name].shape}
+    assert all(torch.equal(before[name], after[name]) for name in kept)
+    begun = set(after) - kept
+    assert begun
+    assert all("class" in name or "score" in name for name in begun)
+    assert started.config.id2label == {0: "speed_bump", 1: "pothole"}
+
+
+@pytest.mark.parametrize(
+    ("config", "message"),
+    [
+        (None, "config.json: must be the configuration of a D-FINE network"),
+        ('{"model_type": "yolos"}', "config.json: model_type must be d_fine, got 'yolos'"),
+        ('{"model_type": "d_fine"}', "not weights that transformers can read"),
+    ],
+)
+def test_a_folder_without_d_fine_is_refused_before_any_training(
+    data: Path, tmp_path: Path, config: str | None, message: str, capsys: pytest.CaptureFixture
+) -> None:
+    pytest.importorskip("transformers")
+    weights = tmp_path / "weights"
+    weights.mkdir()
+    if config:
+        (weights / "config.json").write_text(config)
+    options = ["--size", "320x192", "--d-fine-weights", str(weights)]
+    assert main([*words(data, "sbp-yolo,d-fine-n"), *options]) == 2
+    assert message in capsys.readouterr().err
+    assert not (data.parent / "runs").exists()
