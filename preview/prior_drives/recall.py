@@ -117,7 +117,7 @@ def _track_from_memory(
         float(np.log(remembered.existence / (1 - remembered.existence))),
         Edge(remembered.y_min_m, variance),
         Edge(remembered.y_max_m, variance),
-        [best],
+        (best,),
         direct_measurements=direct_measurements,
         hits=0,
         class_log_odds=LOG_ODDS_LIMIT,

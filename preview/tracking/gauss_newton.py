@@ -77,6 +77,13 @@ class Fit(NamedTuple):
         """Standard deviation of the near edge."""
         return float(np.sqrt(self.covariance[X, X]))
 
+    def placed(self, x_m: float, sigma_m: float) -> "Fit":
+        """The fit with its near edge at a position from another source, with its standard deviation."""
+        state, covariance = self.state.copy(), self.covariance.copy()
+        state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
+        covariance[X, X] = sigma_m**2
+        return self._replace(state=state, covariance=covariance)
+
     @property
     def shared(self) -> Gaussian:
         """Marginal of pitch offset, ground height and bottom-edge bias."""

@@ -68,7 +68,7 @@ class Track:
     variance_ratio: of the residuals, see `preview.tracking.plane_residual`. turned_rad: total rotation of the
     road plane since the first detection. wheel_compared: whether the wheel's profile was compared with it.
     mark_position: near edge and sigma by `preview.geometry.cross_ratio`, which then replace those of the fit.
-    shapes: cache of `preview.compose`, by lateral position.
+    shapes: cache of `preview.wheel_shapes`.
     """
 
     identity: int
@@ -77,7 +77,7 @@ class Track:
     log_odds: float
     right: Edge
     left: Edge
-    fits: list[Fit]
+    fits: tuple[Fit, ...]
     bearings: list[EdgeBearings] = field(default_factory=list)
     direct_measurements: list[DirectMeasurement] = field(default_factory=list)
     elevation: HeightSamples | None = None
@@ -92,12 +92,15 @@ class Track:
     class_log_odds: float = 0.0
     mark_position: tuple[float, float] | None = None
     turned_rad: float = 0.0
-    shapes: dict[float, Any] = field(default_factory=dict, repr=False, compare=False)
+    shapes: Any = field(default=None, repr=False, compare=False)
+    _best: tuple[tuple[Fit, ...], Fit] | None = field(default=None, init=False, repr=False, compare=False)
 
     @property
     def best(self) -> Fit:
         """Fit of the kind with the highest evidence."""
-        return min(self.fits, key=lambda candidate: candidate.cost)
+        if self._best is None or self._best[0] is not self.fits:
+            self._best = self.fits, min(self.fits, key=lambda candidate: candidate.cost)
+        return self._best[1]
 
     @property
     def existence(self) -> float:
@@ -209,11 +212,11 @@ class Track:
         ]
         best_cost = min(candidate.cost for candidate in fits)
         enough_bearings = len(self.bearings) >= _MIN_BEARINGS
-        self.fits = [
+        self.fits = tuple(
             candidate
             for candidate in fits
             if not enough_bearings or candidate.cost < best_cost + _DROP_EVIDENCE
-        ]
+        )
         self.variance_ratio = residual_variance_ratio(bearings, self.best.state)
 
     def turn(self, x_m: float, turn: PlaneUpdate) -> None:
@@ -226,11 +229,7 @@ class Track:
 
     def place(self, x_m: float, sigma_m: float) -> None:
         """Set the near edge to a position from another source than the fit, with its standard deviation."""
-        for index, candidate in enumerate(self.fits):
-            state, covariance = candidate.state.copy(), candidate.covariance.copy()
-            state[X], covariance[X], covariance[:, X] = x_m, 0.0, 0.0
-            covariance[X, X] = sigma_m**2
-            self.fits[index] = candidate._replace(state=state, covariance=covariance)
+        self.fits = tuple(candidate.placed(x_m, sigma_m) for candidate in self.fits)
 
     def position_sigma_m(self, x_m: float, settings: Settings) -> float:
         """Standard deviation of the near edge relative to the car, whose odometer reads `x_m`."""
@@ -270,9 +269,9 @@ def relative_height_sigma(candidate: Fit) -> float:
     return float(np.sqrt(candidate.covariance[HEIGHT, HEIGHT]) / candidate.state[HEIGHT])
 
 
-def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> list[Fit]:
+def first_fits(cls: int, x_m: float, x_sigma_m: float, shared: Gaussian) -> tuple[Fit, ...]:
     """Initial fits of a new object from the ground position of its first box."""
-    return [_first_fit(kind, x_m, x_sigma_m, shared) for kind in templates_of(cls)]
+    return tuple(_first_fit(kind, x_m, x_sigma_m, shared) for kind in templates_of(cls))
 
 
 def _normal_cdf(value: float) -> float:

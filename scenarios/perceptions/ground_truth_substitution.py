@@ -43,4 +43,4 @@ def _corrected(track: Track, feature: Feature, drift_m: float, told: Sequence[st
         state[LENGTH] = feature.end_m - feature.start_m
         state[HEIGHT] = abs(feature.crest_m)
         elevation = elevation or HeightSamples(1.0)  # a pothole keeps its measured depth
-    return replace(track, fits=[best._replace(kind=kind, state=state)], elevation=elevation)
+    return replace(track, fits=(best._replace(kind=kind, state=state),), elevation=elevation)

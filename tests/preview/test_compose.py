@@ -73,7 +73,7 @@ def test_an_object_exists_within_two_sigmas_of_its_place_before_each_axle() -> N
     bump = track(24.0)
     covariance = bump.best.covariance.copy()
     covariance[X, X] = 0.3**2
-    bump = replace(bump, fits=[bump.best._replace(covariance=covariance)])
+    bump = replace(bump, fits=(bump.best._replace(covariance=covariance),))
     preview = composed(bump)
     for wheel, axle in enumerate(AXLES_M):
         past_edge = DISTANCE_M + 20.0 + axle - 24.0

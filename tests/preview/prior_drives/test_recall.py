@@ -26,7 +26,7 @@ def track(kind: ObstacleTemplate, length: tuple[float, float], height: tuple[flo
     covariance[X, X] = 0.05**2
     covariance[LENGTH, LENGTH], covariance[HEIGHT, HEIGHT] = length[1] ** 2, height[1] ** 2
     fit = one._replace(state=state, covariance=covariance)
-    found = Track(3, kind.cls, 0.0, 2.0, Edge(-0.4, 0.01), Edge(0.7, 0.04), [fit])
+    found = Track(3, kind.cls, 0.0, 2.0, Edge(-0.4, 0.01), Edge(0.7, 0.04), (fit,))
     found.confirmed = True
     return found
 

@@ -116,7 +116,7 @@ def test_a_predicted_box_is_the_image_of_the_object_under_the_offsets_of_its_fit
     entries = np.ix_([X, OFFSET, GROUND, EDGE_BIAS], [X, OFFSET, GROUND, EDGE_BIAS])
     correlated = track.best.covariance.copy()
     correlated[entries] = root @ root.T
-    moved = replace(track, fits=[one._replace(covariance=correlated) for one in track.fits])
+    moved = replace(track, fits=tuple(one._replace(covariance=correlated) for one in track.fits))
     found = predict_box(seen_at(pose, (near_m, 0.0, 0.0)), moved).bottom_sigma
     assert found == pytest.approx(np.linalg.norm(slope @ root), rel=0.01)
     assert predicted.bottom_sigma == pytest.approx(sigma, rel=0.01)

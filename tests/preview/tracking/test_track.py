@@ -179,7 +179,7 @@ def test_a_variance_ratio_above_two_and_a_half_contradicts_a_plane_road(ratio, c
 def test_kinds_of_less_than_three_percent_are_left_out(share, kept):
     prior = Gaussian(np.zeros(3), np.diag([0.004, 0.01, 0.001]) ** 2)
     first, second = first_fits(0, 20.0, 0.5, prior)[:2]
-    fits = [first._replace(cost=2.0), second._replace(cost=2.0 + np.log((1.0 - share) / share))]
+    fits = (first._replace(cost=2.0), second._replace(cost=2.0 + np.log((1.0 - share) / share)))
     probable = replace(track(), cls=0, fits=fits).probable
     assert len(probable) == kept
     assert sum(probability for probability, _ in probable) == pytest.approx(1.0)

@@ -16,7 +16,7 @@ SETTINGS = Settings()
 
 def track(kind, x, sigma=0.06):
     prior = Calibration(SETTINGS, 457.0).prior(kind.cls)
-    fits = [f for f in first_fits(kind.cls, x, sigma, prior) if f.kind is kind]
+    fits = tuple(f for f in first_fits(kind.cls, x, sigma, prior) if f.kind is kind)
     match = Track(0, kind.cls, 0.0, 5.0, Edge(0.25, 0.01), Edge(1.25, 0.01), fits)
     match.confirmed = True
     return match
@@ -89,8 +89,9 @@ def test_a_match_explains_three_fifths_of_the_measured_squares(height, found):
     for x in np.arange(17.0, 23.0, 0.01):
         wheel.update(x, height * float(np.interp(x - 20.0, at, profile)))
     expected = track(BUMP, 20.0)
-    expected.fits = [fit._replace(kind=lower, state=np.where(np.arange(6) == 4, 0.02, fit.state))
-                     for fit in expected.fits]  # fmt: skip
+    expected.fits = tuple(
+        fit._replace(kind=lower, state=np.where(np.arange(6) == 4, 0.02, fit.state)) for fit in expected.fits
+    )
     assert (wheel.compare(expected) is not None) == found
 
 
