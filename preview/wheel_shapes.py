@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from foreride.files.interpolation import between, cell
+from foreride.files.interpolation import between
 from foreride.files.jit import njit
 from foreride.preview.tracking.obstacle_templates import tyre_profile
 from foreride.preview.tracking.track import Track, relative_height_sigma
@@ -86,7 +86,8 @@ def _add_shape(
             continue
         if value >= grid[last]:
             break
-        j = cell(grid, value, j)
+        while grid[j + 1] <= value:
+            j += 1
         height = between(grid[j], grid[j + 1], heights[j], heights[j + 1], value)
         mean[i] += share * height
         square[i] += variance * height**2

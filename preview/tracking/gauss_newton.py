@@ -10,28 +10,28 @@ priors regularise the problem; a Cauchy loss bounds the influence of a wrong box
 adjustment, 2000).
 """
 
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from foreride.files.jit import njit
 from foreride.preview.obstacle_classes import ObstacleTemplate
 from foreride.preview.settings import Settings
+from foreride.preview.tracking.box_equations import box_equations, profile_points
 from foreride.preview.tracking.height_likelihood import HeightSamples, equations
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
-from foreride.preview.tracking.obstacle_templates import unit_profile
 
 Array = np.ndarray
 SHARED = np.array([OFFSET, GROUND, EDGE_BIAS])  # states with a component common to all objects
 _SHARED_BLOCK = np.ix_(SHARED, SHARED)
-_PROFILE_POINTS = np.linspace(0.0, 1.0, 21)
 _MIN_STATE = np.array([-np.inf, -0.1, -0.2, 0.1, 0.01, -0.03])
 _MAX_STATE = np.array([np.inf, 0.1, 0.2, 9.0, 0.3, 0.03])
 _X_MARGIN_BEHIND_M, _X_MARGIN_AHEAD_M = (
     10.0,
     100.0,
 )  # limits of X relative to the cameras, for lines of sight near the horizon
-_CAUCHY = 2.5  # residual in standard deviations with half weight
 
 
 class EdgeBearings(NamedTuple):
@@ -111,91 +111,105 @@ def fit(
     iterations: int = 3,
     elevation: HeightSamples | None = None,
 ) -> Fit:
-    """Maximum a posteriori state for all `bearings` (or their `table`), from `start`.
+    """Maximum a posteriori state for all `bearings` (or their `table`), from `start`; see `fits`."""
+    starts = {kind: start}
+    return fits(starts, bearings, shared, direct_measurements, settings, iterations, elevation)[0]
 
-    kind and shared hold the priors; directs are direct measurements of single states, such as the position of
-    a wheel strike; elevation holds height samples measured in images.
+
+def fits(
+    starts: Mapping[ObstacleTemplate, Array],
+    bearings: list[EdgeBearings] | Array,
+    shared: Gaussian,
+    direct_measurements: list[DirectMeasurement],
+    settings: Settings,
+    iterations: int = 3,
+    elevation: HeightSamples | None = None,
+) -> tuple[Fit, ...]:
+    """Maximum a posteriori state of each kind for all `bearings` (or their `table`), from that in `starts`.
+
+    Kinds and shared hold the priors; directs are direct measurements of single states, such as the position
+    of a wheel strike; elevation holds height samples measured in images.
     """
-    priors = [
-        DirectMeasurement(LENGTH, kind.length_m, kind.length_sigma_m),
-        DirectMeasurement(HEIGHT, kind.height_m, kind.height_sigma_m),
-        *direct_measurements,
-    ]
-    entries, values, sigmas = np.array(priors).T
-    index = entries.astype(int)
-    shared_information = np.linalg.inv(shared.covariance)
-    data = table(bearings)
+    kinds, data, priors = list(starts), table(bearings), _Priors.of(starts, shared, direct_measurements)
+    lower, upper = _limits(data)
+    states, n = np.array(list(starts.values())), len(kinds)
+    information, gradient, cost = sums = np.empty((n, 6, 6)), np.empty((n, 6)), np.empty(n)
+    for _ in range(iterations):
+        profiles = np.array([profile_points(kind, states[k, LENGTH]) for k, kind in enumerate(kinds)])
+        box_equations(data, profiles, states, settings.correlation, *sums)
+        if elevation is not None:
+            for k, kind in enumerate(kinds):
+                for total, more in zip(sums, equations(kind, elevation, states[k]), strict=True):
+                    total[k] += more
+        _add_priors(states, *priors, *sums)
+        steps = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
+        states = np.clip(states + steps, lower, upper)
+    # Laplace approximation of the evidence: prior normalisation and posterior volume.
+    cost += np.log(priors.sigmas).sum(axis=1) + 0.5 * np.linalg.slogdet(information)[1]
+    cost -= np.log([kind.share for kind in kinds])
+    return tuple(map(Fit, kinds, states, np.linalg.inv(information), cost.tolist()))
+
+
+def _limits(data: Array) -> tuple[Array, Array]:
+    """Limits (6,) of a state seen from the cameras of these bearings."""
     lower, upper = _MIN_STATE.copy(), _MAX_STATE.copy()
     if len(data):
         camera_x = data[:, _CAMERA_X]
         lower[X], upper[X] = camera_x.min() - _X_MARGIN_BEHIND_M, camera_x.max() + _X_MARGIN_AHEAD_M
-    state = start.copy()
-    for _ in range(iterations):
-        information, gradient, cost = _normal_equations(kind, data, state, settings)
-        if elevation is not None:
-            elevation_terms = equations(kind, elevation, state)
-            information, gradient, cost = (
-                information + elevation_terms[0],
-                gradient + elevation_terms[1],
-                cost + elevation_terms[2],
-            )
-        deviation = shared.mean - state[SHARED]
-        information[_SHARED_BLOCK] += shared_information
-        gradient[SHARED] += shared_information @ deviation
-        cost += 0.5 * float(deviation @ shared_information @ deviation)
-        normalised = (values - state[index]) / sigmas
-        np.add.at(information, (index, index), sigmas**-2)
-        np.add.at(gradient, index, normalised / sigmas)
-        cost += 0.5 * float((normalised**2).sum())
-        state = np.clip(state + np.linalg.solve(information, gradient), lower, upper)
-    # Laplace approximation of the evidence: prior normalisation and posterior volume.
-    cost += float(np.log(sigmas).sum()) + 0.5 * float(np.linalg.slogdet(information)[1])
-    return Fit(kind, state, np.linalg.inv(information), float(cost - np.log(kind.share)))
+    return lower, upper
 
 
-def silhouette(
-    kind: ObstacleTemplate, state: Array, camera_x: Array, camera_z: Array
-) -> tuple[Array, Array, Array]:
-    """(ahead, below, share): the point of the profile on the silhouette, seen highest by each camera (n,).
+class _Priors(NamedTuple):
+    """Priors of k hypotheses.
 
-    ahead, below: its distance and depth relative to the camera (m); share: position on the profile, 0..1.
+    mean (3,), information (3, 3): of the shared states; entries (m,), values and sigmas (k, m): of single
+    states, by their kinds or measured.
     """
-    ahead = state[X] + _PROFILE_POINTS * state[LENGTH] - camera_x[:, None]
-    below = (
-        camera_z[:, None] - state[GROUND] - state[HEIGHT] * unit_profile(kind, _PROFILE_POINTS, state[LENGTH])
-    )
-    # The slope below/ahead orders the angles for points in front; points behind the camera come last.
-    slope = np.where(ahead > 0.05, below / np.maximum(ahead, 0.05), np.inf)
-    best = np.argmin(slope, axis=1)
-    rows = np.arange(len(best))
-    return ahead[rows, best], below[rows, best], _PROFILE_POINTS[best]
+
+    mean: Array
+    information: Array
+    entries: Array
+    values: Array
+    sigmas: Array
+
+    @classmethod
+    def of(
+        cls,
+        kinds: Iterable[ObstacleTemplate],
+        shared: Gaussian,
+        measurements: list[DirectMeasurement],
+    ) -> "_Priors":
+        entries = np.array([LENGTH, HEIGHT, *(one.entry for one in measurements)])
+        values = [[kind.length_m, kind.height_m, *(one.value for one in measurements)] for kind in kinds]
+        sigmas = [
+            [kind.length_sigma_m, kind.height_sigma_m, *(one.sigma for one in measurements)] for kind in kinds
+        ]
+        return cls(shared.mean, np.linalg.inv(shared.covariance), entries, np.array(values), np.array(sigmas))
 
 
-def _normal_equations(
-    kind: ObstacleTemplate, data: Array, state: Array, settings: Settings
-) -> tuple[Array, Array, float]:
-    """Information (6, 6), gradient (6,) and half the robust squared error of the boxes."""
-    _, camera_x, camera_z, bottom_angle, top_angle, bottom_sigma, top_sigma = data.T
-    ahead, below, share = silhouette(kind, state, camera_x, camera_z)
-    ahead = np.concatenate([state[X] - camera_x, ahead])
-    below = np.concatenate([camera_z - state[GROUND], below])
-    share = np.concatenate([np.zeros(len(data)), share])
-    rise = np.concatenate([np.zeros(len(data)), unit_profile(kind, share[len(data) :], state[LENGTH])])
-    measured = np.concatenate([bottom_angle, top_angle])
-    sigma = np.concatenate([bottom_sigma, top_sigma])
-
-    bottom = np.concatenate([np.ones(len(data)), np.zeros(len(data))])
-    residual = measured + state[OFFSET] - bottom * state[EDGE_BIAS] - np.arctan2(below, ahead)
-    observed = np.isfinite(residual)
-    square = ahead**2 + below**2
-    by_ahead, by_below = -below / square, ahead / square  # derivatives of the modelled angle
-    # Jacobian of (model - measured); at the silhouette the derivative by the share vanishes.
-    jacobian = np.stack(
-        [by_ahead, -np.ones_like(ahead), -by_below, by_ahead * share, -by_below * rise, bottom], axis=1
-    )
-    normalised = np.where(observed, residual / sigma, 0.0)
-    robust = 1.0 + (normalised / _CAUCHY) ** 2
-    weight = np.where(observed, 1.0 / (robust * sigma**2 * settings.correlation), 0.0)
-    weighted = jacobian * weight[:, None]
-    cost = 0.5 * _CAUCHY**2 * float(np.log(robust).sum()) / settings.correlation
-    return weighted.T @ jacobian, weighted.T @ np.where(observed, residual, 0.0), cost
+@njit
+def _add_priors(
+    states: Any,
+    mean: Any,
+    shared_information: Any,
+    entries: Any,
+    values: Any,
+    sigmas: Any,
+    information: Any,
+    gradient: Any,
+    cost: Any,
+) -> None:
+    """Add the priors of each hypothesis to its information, gradient and cost."""
+    for k in range(len(states)):
+        for i in range(len(SHARED)):
+            for j in range(len(SHARED)):
+                pull = shared_information[i, j] * (mean[j] - states[k, SHARED[j]])
+                information[k, SHARED[i], SHARED[j]] += shared_information[i, j]
+                gradient[k, SHARED[i]] += pull
+                cost[k] += 0.5 * (mean[i] - states[k, SHARED[i]]) * pull
+        for m in range(len(entries)):
+            entry, sigma = entries[m], sigmas[k, m]
+            normalised = (values[k, m] - states[k, entry]) / sigma
+            information[k, entry, entry] += sigma**-2
+            gradient[k, entry] += normalised / sigma
+            cost[k] += 0.5 * normalised**2

@@ -10,7 +10,8 @@ from foreride.detector.detections import Detections
 from foreride.preview.ego_motion.path import STRAIGHT, Path
 from foreride.preview.geometry.ground_distance import depression, depression_sigma, locate, row_of
 from foreride.preview.settings import Settings
-from foreride.preview.tracking.gauss_newton import EdgeBearings, silhouette
+from foreride.preview.tracking.box_equations import silhouette
+from foreride.preview.tracking.gauss_newton import EdgeBearings
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, LENGTH, OFFSET, X
 from foreride.preview.tracking.rectify import rectify_boxes

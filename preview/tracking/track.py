@@ -15,7 +15,7 @@ from foreride.preview.tracking.gauss_newton import (
     DirectMeasurement,
     EdgeBearings,
     Fit,
-    fit,
+    fits,
     start_state,
     table,
 )
@@ -197,24 +197,14 @@ class Track:
         """Fit every remaining kind to all bearings, starting from its last fit."""
         del self.bearings[: -settings.max_boxes]
         bearings = table(self.bearings)
-        fits = [
-            fit(
-                previous.kind,
-                bearings,
-                previous.state,
-                shared,
-                self.direct_measurements,
-                settings,
-                2,
-                self.elevation,
-            )
-            for previous in self.fits
-        ]
-        best_cost = min(candidate.cost for candidate in fits)
+        starts = {previous.kind: previous.state for previous in self.fits}
+        measured = self.direct_measurements
+        found = fits(starts, bearings, shared, measured, settings, 2, self.elevation)
+        best_cost = min(candidate.cost for candidate in found)
         enough_bearings = len(self.bearings) >= _MIN_BEARINGS
         self.fits = tuple(
             candidate
-            for candidate in fits
+            for candidate in found
             if not enough_bearings or candidate.cost < best_cost + _DROP_EVIDENCE
         )
         self.variance_ratio = residual_variance_ratio(bearings, self.best.state)

@@ -5,12 +5,12 @@ import pytest
 
 from foreride.preview.obstacle_classes import BUMP, HUMP, LONG_TABLE, POTHOLE, TABLE, templates_of
 from foreride.preview.settings import Settings
+from foreride.preview.tracking.box_equations import box_equations, profile_points, silhouette
 from foreride.preview.tracking.gauss_newton import (
     DirectMeasurement,
     EdgeBearings,
-    _normal_equations,
     fit,
-    silhouette,
+    fits,
 )
 from foreride.preview.tracking.mounting_filter import Gaussian
 from foreride.preview.tracking.object_state import EDGE_BIAS, GROUND, HEIGHT, LENGTH, OFFSET, X
@@ -36,6 +36,14 @@ def bearings_of(kind, state, camera_x, noise=0.0, rng=None):
         EdgeBearings(0.0, x, 1.3, float(b), float(t), SIGMA, SIGMA)
         for x, b, t in zip(camera_x, bottom, top, strict=True)
     ]
+
+
+def equations_at(kind, data, state, settings):
+    """Information, gradient and cost of the boxes."""
+    sums = np.empty((1, 6, 6)), np.empty((1, 6)), np.empty(1)
+    profiles = profile_points(kind, state[LENGTH])[None]
+    box_equations(data, profiles, state[None], settings.correlation, *sums)
+    return [one[0] for one in sums]
 
 
 def start_of(kind, x):
@@ -88,13 +96,28 @@ def test_gradient_agrees_with_differences_of_the_cost(kind):
     true = np.array([30.0, 0.002, 0.005, kind.length_m * 1.1, kind.height_m, 0.001])
     data = np.array(bearings_of(kind, true, np.linspace(10.0, 26.0, 9)))
     state = start_of(kind, 30.04)
-    _, gradient, _ = _normal_equations(kind, data, state, settings)
+    _, gradient, _ = equations_at(kind, data, state, settings)
     for entry in (X, OFFSET, GROUND, LENGTH, HEIGHT, EDGE_BIAS):
         step = np.zeros(6)
         step[entry] = 1e-6
-        rise = _normal_equations(kind, data, state + step, settings)[2]
-        fall = _normal_equations(kind, data, state - step, settings)[2]
+        rise = equations_at(kind, data, state + step, settings)[2]
+        fall = equations_at(kind, data, state - step, settings)[2]
         assert gradient[entry] == pytest.approx(-(rise - fall) / 2e-6, rel=2e-3, abs=0.3)
+
+
+def test_kinds_that_are_fitted_together_do_not_touch_each_other():
+    """With a cut edge, a measured position and different starts."""
+    bearings = bearings_of(HUMP, start_of(HUMP, 30.0), np.linspace(8.0, 25.0, 12))
+    bearings[4] = bearings[4]._replace(bottom=np.nan)
+    struck = [DirectMeasurement(X, 30.1, 0.03)]
+    starts = {kind: start_of(kind, 30.0 + 0.1 * k) for k, kind in enumerate(templates_of(0))}
+    together = fits(starts, bearings, PRIOR, struck, SETTINGS, 4)
+    assert [one.kind for one in together] == list(starts)
+    for one in together:
+        alone = fit(one.kind, bearings, starts[one.kind], PRIOR, struck, SETTINGS, 4)
+        np.testing.assert_array_equal(one.state, alone.state)
+        np.testing.assert_array_equal(one.covariance, alone.covariance)
+        assert one.cost == pytest.approx(alone.cost, rel=1e-12)
 
 
 def test_one_wrong_box_hardly_matters():
