@@ -13,7 +13,7 @@ from foreride.controller.identification.car_identifier import LONGEST_DELAY_S
 from foreride.controller.interface import BaseController, Estimate, Identified, Timing
 from foreride.controller.mpc.command_delay import CommandDelayLine
 from foreride.controller.mpc.program import Program
-from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.controller.road_ahead.credible_heights import exact
@@ -48,8 +48,7 @@ class PredictiveController(BaseController):
         self._wheelbase = WheelbasePreview(vehicle) if measures else None
         period = self._timing.period_s
         self._model = prediction_model(vehicle, self._settings.rho)
-        self._terminal = TerminalCosts(self._model, period)
-        terminal = self._terminal.of()
+        terminal = terminal_cost(self._model, period)
 
         def program(length_s: float) -> Program:
             return Program(vehicle, self._model, terminal, self._settings, self._timing, length_s)
@@ -109,7 +108,7 @@ class PredictiveController(BaseController):
         self._identified = identified
         self._ratios = identified.mass, identified.damper
         self._delay_line.delay_s = self._timing.delay_s + identified.delay_s
-        terminal = self._terminal.of(identified.mass)
+        terminal = terminal_cost(self._model, self._timing.period_s, identified.mass)
         for program in (self._reactive_program, self._preview_program):
             program.adapt(self._ratios, terminal, identified.delay_s)
 

@@ -25,7 +25,7 @@ KNOWN = (1.0, 1.0)
 """Ratios of the car as known."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PredictionModel:
     """One Runge–Kutta step with the command held, as CasADi functions and compiled.
 

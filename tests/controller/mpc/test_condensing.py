@@ -9,7 +9,7 @@ import pytest
 from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.mpc.condensing import Condenser
 from foreride.controller.mpc.qp import solve_box
-from foreride.controller.mpc.terminal_cost import TerminalCost, TerminalCosts
+from foreride.controller.mpc.terminal_cost import TerminalCost, terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel, prediction_model
 from foreride.vehicle.dampers.actuator import SlowActive
@@ -36,7 +36,7 @@ def model(request: pytest.FixtureRequest) -> PredictionModel:
 
 @pytest.fixture
 def terminal(model: PredictionModel) -> TerminalCost:
-    return TerminalCosts(model, PERIOD_S).of()
+    return terminal_cost(model, PERIOD_S)
 
 
 def situation(model: PredictionModel, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

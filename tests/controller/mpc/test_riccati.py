@@ -9,7 +9,7 @@ from foreride.controller.command_limits import plan_limits
 from foreride.controller.mpc.condensing import Condenser
 from foreride.controller.mpc.qp import solve_box
 from foreride.controller.mpc.riccati import solve_stages
-from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.vehicle.dampers.actuator import SlowActive
 from foreride.vehicle.equations import input_size
@@ -26,7 +26,7 @@ CARS = {
 
 def condenser(car: str) -> Condenser:
     model = prediction_model(CARS[car])
-    terminal = TerminalCosts(model, PERIOD_S).of()
+    terminal = terminal_cost(model, PERIOD_S)
     return Condenser(model, terminal, GRID, PERIOD_S, np.full(input_size(model.vehicle), INPUT_WEIGHT))
 
 

@@ -11,7 +11,7 @@ from foreride.controller.mpc.controller import PredictiveController
 from foreride.controller.mpc.program import Program
 from foreride.controller.mpc.qp import ConstraintRows, solve_box
 from foreride.controller.mpc.soft_limits import SoftLimits, SoftRows
-from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.prediction.prediction_model import prediction_model
 from foreride.controller.settings import LimitSettings, MpcSettings
@@ -28,7 +28,7 @@ LOW, HIGH = np.full(4, -1.0), np.ones(4)
 
 
 def program(settings: MpcSettings = LIMITS) -> Program:
-    return Program(HALF, MODEL, TerminalCosts(MODEL, 0.01).of(), settings, TIMING, 0.2)
+    return Program(HALF, MODEL, terminal_cost(MODEL, 0.01), settings, TIMING, 0.2)
 
 
 def quadratic() -> Condensed:

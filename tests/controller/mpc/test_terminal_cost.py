@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from foreride.controller.command_limits import KILO, DampingLimits
-from foreride.controller.mpc.terminal_cost import TerminalCosts
+from foreride.controller.mpc.terminal_cost import terminal_cost
 from foreride.controller.prediction.prediction_model import KNOWN, prediction_model
 from foreride.vehicle.equations import rest_state
 from foreride.vehicle.load import load_vehicle
@@ -13,7 +13,7 @@ def test_it_is_the_cost_of_coming_to_rest(name: str) -> None:
     """Cost over six seconds with passive dampers after a small disturbance equals the terminal cost."""
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle)
-    cost = TerminalCosts(model, 0.005).of()
+    cost = terminal_cost(model, 0.005)
     rng = np.random.default_rng(0)
     rest = np.concatenate([rest_state(vehicle), np.zeros(2 * len(vehicle.seat_x_m))])
     state = rest + np.where(rest > 0, 0.0, 1e-3) * rng.normal(size=model.n_x)
@@ -30,7 +30,7 @@ def test_it_is_the_cost_of_coming_to_rest(name: str) -> None:
 def test_rest_on_any_road_costs_nothing(name: str) -> None:
     vehicle = load_vehicle(name)
     model = prediction_model(vehicle)
-    cost = TerminalCosts(model, 0.01).of()
+    cost = terminal_cost(model, 0.01)
     road = np.array([0.05, -0.03])[: vehicle.wheels]
     state = cost.rest @ road
     state[: len(rest_state(vehicle))] += rest_state(vehicle)
