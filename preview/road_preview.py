@@ -108,6 +108,20 @@ class RoadPreview:
         preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s)
         return preview
 
+    @classmethod
+    def exact(
+        cls, time_s: float, distance_m: np.ndarray, height_m: np.ndarray, height_here_m: np.ndarray
+    ) -> "RoadPreview":
+        """Error-free preview of heights that are known to be as they must be, here (wheels,) as well."""
+        preview, arrays = object.__new__(cls), (distance_m, height_m, *_error_free(height_m.shape))
+        preview.__dict__.update(
+            zip(_FIELDS, (time_s, *arrays), strict=True),
+            age_s=0.0,
+            is_exact=True,
+            height_here_m=height_here_m,
+        )
+        return preview
+
     @property
     def wheels(self) -> int:
         """Number of wheels."""
@@ -215,8 +229,7 @@ def oracle_preview(
         raise InputError(f"profiles must be one per wheel ({len(wheel_x_m)}), got {len(profiles)}")
     distance = distance_grid() if distance_m is None else distance_m
     height = np.array([profile.height(x + distance) for profile, x in zip(profiles, wheel_x_m, strict=True)])
-    zeros, ones = constant_rows(height.shape, 0.0), constant_rows(height.shape, 1.0)
-    return RoadPreview(time_s, distance, height, zeros, zeros, ones)
+    return RoadPreview(time_s, distance, height, *_error_free(height.shape))
 
 
 @lru_cache(maxsize=8)
@@ -225,3 +238,9 @@ def constant_rows(shape: tuple[int, int], value: float) -> np.ndarray:
     rows = np.full(shape, value)
     rows.setflags(write=False)
     return rows
+
+
+def _error_free(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Standard deviations of position and height, and existence, of a preview without errors."""
+    zeros = constant_rows(shape, 0.0)
+    return zeros, zeros, constant_rows(shape, 1.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.preview.road_preview import PREVIEW_M, RoadPreview, constant_rows, distance_grid
+from foreride.preview.road_preview import PREVIEW_M, RoadPreview, distance_grid
 from foreride.road.features.feature import Feature, HalfSineBump, Pothole
 from foreride.road.road import Road
 from foreride.road.tyre.wheel_profile import WheelProfile, wheel_profile
@@ -37,14 +37,13 @@ class OraclePerception(Perception):
         unseen_sigma_m: float = 0.0,
     ):
         super().__init__()
-        self._believed, self._errors = believed, errors
+        self._errors = errors
         self._unseen_sigma_m = unseen_sigma_m
         self._exact = errors == OracleErrors()
-        self._axles, self._frame = np.asarray(car.axle_x_m), PlaneFrame(car)
+        self._tracks = list(zip(believed, car.axle_x_m, strict=True))
+        self._frame = PlaneFrame(car)
         self._grid = distance_grid(ahead_m=ahead_m)
         self._ahead_m, self._here = self._grid.copy(), int(np.searchsorted(self._grid, 0.0))
-        shape = len(believed), len(self._grid)
-        self._nothing, self._certain = constant_rows(shape, 0.0), constant_rows(shape, 1.0)
         self._speed_m_s = 0.0
         self._travelled_m = 0.0
         self._views: deque[tuple[float, float, float]] = deque()
@@ -61,8 +60,7 @@ class OraclePerception(Perception):
             x_m = self._carried_forward(time_s, x_m)
         height = self._relative_heights(time_s, x_m - errors.bias_m, state)
         if self._exact:
-            nothing = self._nothing
-            return RoadPreview(time_s, self._grid, height, nothing, nothing, self._certain)
+            return RoadPreview.exact(time_s, self._grid, height, height[:, self._here].copy())
         height *= errors.height_gain
         return RoadPreview(
             time_s,
@@ -76,9 +74,9 @@ class OraclePerception(Perception):
 
     def _relative_heights(self, time_s: float, x_m: float, state: VehicleState) -> np.ndarray:
         """Believed heights (wheels, n) ahead of the wheels of a car at x_m, over the plane of its road."""
-        height = np.empty(self._nothing.shape)
-        for profile, wheel_m, row in zip(self._believed, (x_m + self._axles).tolist(), height, strict=True):
-            profile.heights_ahead(wheel_m, self._ahead_m, row)
+        height = np.empty((len(self._tracks), len(self._grid)))
+        for (profile, axle_m), row in zip(self._tracks, height, strict=True):
+            profile.heights_ahead(x_m + axle_m, self._ahead_m, row)
         frame, here_m = self._frame, height[:, self._here].copy()
         frame.lower(time_s, height, self._grid, here_m, float(state.speed_m_s), frame.body_velocity(state))
         return height

@@ -99,7 +99,8 @@ def test_an_old_view_is_carried_forward_by_the_measured_speed(speed_error: float
         x_m = 25.0 + 10.0 * time_s
         late.sense(SimpleNamespace(speed_m_s=10.0 * (1.0 + speed_error)))  # type: ignore[arg-type]
         found = late.preview(time_s, state_at(x_m))
-    believed = oracle_preview(late._believed, x_m + 1.5 * speed_error + np.array(CAR.axle_x_m))
+    profiles = [profile for profile, _ in late._tracks]
+    believed = oracle_preview(profiles, x_m + 1.5 * speed_error + np.array(CAR.axle_x_m))
     np.testing.assert_allclose(found.height_m, believed.height_m, atol=1e-6)
     assert found.age_s == 0.15
 
