@@ -37,15 +37,32 @@ class ComfortFilter:
 
     def update(self, x: np.ndarray) -> np.ndarray:
         """Advance one period to the vehicle state x; return the filter states (2 · seats,), by seat."""
-        _advance(self._velocities, x, self._velocity, self._period_s, self._a, self._b, self._states)
-        return self._states.ravel().copy()
+        return self.augmented(x)[len(x) :]
+
+    def augmented(self, x: np.ndarray) -> np.ndarray:
+        """Advance as `update` does; return the vehicle state followed by the filter states."""
+        out = np.empty(len(x) + 2 * self._seats)
+        _advance(self._velocities, x, self._velocity, self._period_s, self._a, self._b, self._states, out)
+        return out
 
 
 @njit
 def _advance(
-    velocities: Any, x: Any, velocity: Any, period_s: float, transition: Any, drive: Any, states: Any
+    velocities: Any,
+    x: Any,
+    velocity: Any,
+    period_s: float,
+    transition: Any,
+    drive: Any,
+    states: Any,
+    out: Any,
 ) -> None:
-    """Update the seats' velocities, NaN before the first period, and filter states (seats, 2)."""
+    """Update the seats' velocities, NaN before the first period, and filter states (seats, 2).
+
+    out: x, then the filter states by seat.
+    """
+    n = len(x)
+    out[:n] = x
     for seat in range(len(velocity)):
         now = 0.0
         for i in range(len(x)):
@@ -56,3 +73,4 @@ def _advance(
             first, second = states[seat]
             for i in range(2):
                 states[seat, i] = transition[i, 0] * first + transition[i, 1] * second + drive[i] * mean
+        out[n + 2 * seat], out[n + 2 * seat + 1] = states[seat]

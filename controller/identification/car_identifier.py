@@ -43,7 +43,7 @@ WAITING = 50
 
 
 class CarIdentifier:
-    """Recursive identification; call `follow` and `update` once a period.
+    """Recursive identification; call `update` once a period, or `follow` where there are no signals.
 
     present: ratios and delay as identified now. result: those adopted, as known at first; they change with a
     significant change alone.
@@ -95,14 +95,29 @@ class CarIdentifier:
         """Take in the damper settings (wheels,) which act from the last period on at the known delay."""
         _follow(command, self._commands, self._every_delay, self._gain, self._settings)
 
-    def update(self, signals: np.ndarray) -> None:
+    def update(self, signals: np.ndarray, command: np.ndarray) -> None:
         """Compare the body's acceleration (body,) by springs and dampers with that of the known ones.
 
-        signals: that acceleration, then travel and rate (wheels,) of the suspensions, m and m/s.
+        signals: that acceleration, then travel and rate (wheels,) of the suspensions, m and m/s. command: as
+        `follow` takes it in.
         """
-        state, kept = (self._mean, self._band), (self._signals, self._settings_then, self._outputs)
-        own = self._waiting, signals, self._settings, self._arms
-        excited = _record(*own, self._slow, self._fast, *state, *kept)
+        excited = _record(
+            command,
+            self._commands,
+            self._every_delay,
+            self._gain,
+            self._settings,
+            self._waiting,
+            signals,
+            self._arms,
+            self._slow,
+            self._fast,
+            self._mean,
+            self._band,
+            self._signals,
+            self._settings_then,
+            self._outputs,
+        )
         self._waiting, self._excited = self._waiting + 1, self._excited + excited
         due = excited and self._excited % self._every == 0
         if due or self._waiting == WAITING:
@@ -192,9 +207,13 @@ def _follow(command: Any, commands: Any, every: int, gain: Any, settings: Any) -
 
 @njit
 def _record(
+    command: Any,
+    commands: Any,
+    every: int,
+    gain: Any,
+    settings: Any,
     at: int,
     signals: Any,
-    settings: Any,
     arms: Any,
     slow: float,
     fast: float,
@@ -204,10 +223,11 @@ def _record(
     kept_settings: Any,
     outputs: Any,
 ) -> bool:
-    """Keep a sample in row `at`; return whether its acceleration in the band is one that counts.
+    """Follow the command and keep a sample in row `at`; return whether its acceleration in the band counts.
 
     outputs: (n, body) of the filters, NaN where it does not.
     """
+    _follow(command, commands, every, gain, settings)
     greatest = 0.0
     kept_signals[at], kept_settings[at] = signals, settings
     for i in range(len(arms)):

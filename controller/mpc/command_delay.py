@@ -1,6 +1,7 @@
 """Command delay line: commands issued but not yet acting, for the controller's delay compensation."""
 
 from collections import deque
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -55,4 +56,4 @@ class CommandDelayLine:
 
 def _periods(delay_s: float, period_s: float) -> int:
     """Number of commands under way."""
-    return int(np.ceil(delay_s / period_s - 1e-9))
+    return ceil(delay_s / period_s - 1e-9)

@@ -58,7 +58,7 @@ class PredictiveController(BaseController):
             program(self._settings.horizon_s) if preview_source == "preview" else self._reactive_program
         )
         self._passive = passive_command(vehicle)
-        self._command_min, self._command_max = command_limits(vehicle)
+        self._limits = list(zip(*(limits.tolist() for limits in command_limits(vehicle)), strict=True))
         self._filter = ComfortFilter(vehicle, period)
         longest_s = LONGEST_DELAY_S if self._settings.adapts else 0.0
         self._delay_line = CommandDelayLine(self._timing, self._passive, longest_s)
@@ -85,7 +85,7 @@ class PredictiveController(BaseController):
         """
         if self._settings.adapts and estimate.identified is not self._identified:
             self._adapt(estimate.identified)
-        self._plan = self._program.shift @ self._plan
+        self._plan = self._program.shift.dot(self._plan)
         measured = self._wheelbase.update(estimate) if self._wheelbase is not None else None
         previewed = preview if self._preview_source == "preview" else None
         self._use(self._reactive_program if previewed is None else self._preview_program)
@@ -93,7 +93,8 @@ class PredictiveController(BaseController):
             previewed, measured = exact(measured), None
         self._road.update(estimate, previewed, measured)
         self.problem = self._correct_plan(estimate)
-        command = np.minimum(np.maximum(KILO * self._plan[0], self._command_min), self._command_max)
+        first = zip(self._plan[0].tolist(), self._limits, strict=True)
+        command = np.array([min(max(KILO * entry, low), high) for entry, (low, high) in first])
         self._delay_line.issue(command)
         self._issued = command
         return command.copy()
@@ -121,9 +122,9 @@ class PredictiveController(BaseController):
     def _correct_plan(self, estimate: Estimate) -> str | None:
         """Correct the plan by one quadratic program; return the reason if that failed."""
         program, road = self._program, self._road
-        state = self._predict(np.concatenate([estimate.x, self._filter.update(estimate.x)]))
+        state = self._predict(self._filter.augmented(estimate.x))
         roads = road.roads(program.node_times_s)
-        given = state, self._plan, self._issued / KILO, roads, road.weights, road.most_likely
+        given = state, self._plan, self._issued, roads, road.weights, road.most_likely
         self._plan, self.active, problem = program.correct(*given)
         return problem
 

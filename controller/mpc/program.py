@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foreride.controller.command_limits import plan_limits
+from foreride.controller.command_limits import KILO, plan_limits
 from foreride.controller.interface import Timing
 from foreride.controller.mpc.command_moves import CommandMoves
 from foreride.controller.mpc.condensing import Condensed, Condenser
@@ -78,9 +78,10 @@ class Program:
         weights: np.ndarray,
         most_likely: int = 0,
     ) -> Corrected:
-        """Correct a plan (intervals, inputs) from a state (n_x,) that follows the command `issued` (inputs,).
+        """Correct a plan (intervals, inputs) from a state (n_x,) that follows the command `issued`.
 
-        roads: (roads, wheels, nodes), each with its weight; constraints are checked on the most likely one.
+        issued: (inputs,) N·s/m and N. roads: (roads, wheels, nodes), each with its weight; constraints are
+        checked on the most likely one.
         """
         road, change, rows = roads[most_likely], None, None
         if self._has_bounds_alone and len(roads) == 1:
@@ -88,7 +89,7 @@ class Program:
         states = self.condense.states
         if change is None:
             cost = self.condensed(state, plan, roads, weights)
-            follows = plan, issued
+            follows = plan, issued / KILO
             rows = self.moves.limited(self.constraints.rows(plan, states), *follows)
             bounds = self._low - plan, self._high - plan
             solution = self.solve(self.moves.penalised(cost, *follows), *bounds, rows, road)

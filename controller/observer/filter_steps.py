@@ -169,15 +169,14 @@ def reframed(
 
 @njit
 def strut_motion(
-    state: Any, acceleration: Any, body_of_corners: Any, inertial: Any, forward_acc: float
-) -> Any:
-    """Acceleration of the body (body,) by its struts, then travel and rate (wheels,) of the suspensions.
+    state: Any, acceleration: Any, body_of_corners: Any, inertial: Any, forward_acc: float, motion: Any
+) -> None:
+    """Write the acceleration of the body (body,) by its struts, then travel and rate of the suspensions.
 
     acceleration: (2w,) as measured. inertial: (body,) acceleration against that by the longitudinal inertial
     force, per forward acceleration.
     """
     body, wheels = body_of_corners.shape
-    motion = np.empty(body + 2 * wheels)
     for i in range(body):
         measured = 0.0
         for w in range(wheels):
@@ -186,7 +185,6 @@ def strut_motion(
     for w in range(wheels):
         motion[body + w] = state[w] - state[wheels + w]
         motion[body + wheels + w] = state[2 * wheels + w] - state[3 * wheels + w]
-    return motion
 
 
 @njit

@@ -58,11 +58,21 @@ class KinematicFilter:
         readings = len(self.model.output)
         self.innovation, self.innovation_covariance = np.zeros(readings), np.eye(readings)
         self._samples, self._begun = np.zeros((3, self.model.drive.shape[1])), False
+        rows = self.rows
+        self._struts = np.empty(rows.plane_rate.stop - rows.plane_rate.start + rows.body_velocity.start)
 
-    def follow(self, channels: np.ndarray, plane_motion: np.ndarray, speed_m_s: float) -> None:
+    def follow(
+        self,
+        channels: np.ndarray,
+        plane_motion: np.ndarray,
+        speed_m_s: float,
+        body_of_corners: np.ndarray,
+        inertial: np.ndarray,
+        forward_acc: float,
+    ) -> np.ndarray:
         """Take in a complete reading of the sensors; the motion of the caller's plane is corrected.
 
-        Does what `predict`, `readings` and `correct` do one by one.
+        Does what `predict`, `readings` and `correct` do one by one. Returns what `strut_motion` writes.
         """
         model = self.model
         follow_motion(
@@ -83,8 +93,13 @@ class KinematicFilter:
             self.reading_variance(speed_m_s),
             plane_motion,
             speed_m_s,
+            body_of_corners,
+            inertial,
+            forward_acc,
+            self._struts,
         )
         self._begun = True
+        return self._struts
 
     def predict(self, acceleration: np.ndarray, variance: np.ndarray) -> None:
         """Move on to this sample (2w,) of the accelerations; the first sample only begins.

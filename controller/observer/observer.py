@@ -5,7 +5,7 @@ import numpy as np
 from foreride.controller.identification.car_identifier import CarIdentifier
 from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
-from foreride.controller.observer.filter_steps import strut_motion, vehicle_state
+from foreride.controller.observer.filter_steps import vehicle_state
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
 from foreride.controller.observer.observer_steps import follow_road
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
@@ -60,6 +60,9 @@ class Observer:
         self._identifier = CarIdentifier(vehicle, timing.period_s)
         self._channels = channel_layout(vehicle.wheels)
         self._actuators = [corner.actuator for corner in corners if corner.actuator]
+        self._force_limit = np.array([actuator.force_limit_n for actuator in self._actuators])
+        lags_s = np.array([actuator.lag_s for actuator in self._actuators])
+        self._force_share = -np.expm1(-timing.period_s / lags_s)
         self._states = state_size(vehicle)
         self.reset()
 
@@ -97,17 +100,21 @@ class Observer:
         w, measurement = self._wheels, checked.measurement
         previous_speed, speed_m_s = self._speed, self._smooth_speed(float(measurement.speed_m_s), forward_acc)
         faster = self._relative_change(previous_speed, speed_m_s)
-        acceleration, deflection_variance = self._follow_motion(checked, speed_m_s)
-        self._identifier.follow(command[:w])
-        if self._actuators:
-            self._update_actuator_force(command[w:] if len(command) > w else np.zeros(w))
+        channels, variance = measurement.channels(), self._no_variance
+        acceleration = channels[self._channels.acceleration]
         self._count += 1
-        if not checked.is_incomplete:
-            self._identify(acceleration)
+        if checked.is_incomplete:
+            acceleration, variance = self._follow_incomplete(channels, acceleration, checked.lost, speed_m_s)
+            self._identifier.follow(command[:w])
+            self._update_actuator_force(command[w:])
+        else:
+            self._update_actuator_force(command[w:])
+            self._follow_motion(channels, command[:w], speed_m_s)
             if self._count % self._balance_every == 0:
                 self._balance_forces(acceleration, speed_m_s)
-        road, rate, contact, x = self._follow_road(acceleration, deflection_variance, speed_m_s, faster)
-        return Estimate(
+        road, rate, contact, x = self._follow_road(acceleration, variance, speed_m_s, faster)
+        estimate = Estimate.__new__(Estimate)
+        estimate.__dict__.update(  # as `__init__`, which takes four times as long
             time_s=float(measurement.time_s),
             x=x,
             road_height=road,
@@ -118,19 +125,21 @@ class Observer:
             forward_acc=forward_acc or 0.0,
             identified=self._identifier.result,
         )
+        return estimate
 
-    def _follow_motion(self, checked: ValidatedReading, speed_m_s: float) -> tuple[np.ndarray, np.ndarray]:
-        """Filter the reading; return the accelerations and the variance (w,) of deflections due to losses."""
-        channels = checked.measurement.channels()
-        acceleration = channels[self._channels.acceleration]
-        if checked.is_incomplete:
-            return self._follow_incomplete(channels, acceleration, checked.lost, speed_m_s)
-        self._filter.follow(channels, self._plane.motion, speed_m_s)
-        return acceleration, self._no_variance
+    def _follow_motion(self, channels: np.ndarray, command: np.ndarray, speed_m_s: float) -> None:
+        """Filter a reading, and compare the body's acceleration by its struts with that of the known ones."""
+        inertial = self._body_inertial, self._forward_acc
+        signals = self._filter.follow(channels, self._plane.motion, speed_m_s, self._body, *inertial)
+        if self._actuators:
+            mass = self._identifier.result.mass * self._body_mass
+            signals[: len(mass)] -= self._plane.kinematic_rows.T @ self._force / mass
+        self._identifier.update(signals, command)
 
     def _follow_incomplete(
         self, channels: np.ndarray, acceleration: np.ndarray, lost: tuple[bool, ...], speed_m_s: float
     ) -> tuple[np.ndarray, np.ndarray]:
+        """Filter a reading of which some is lost; return accelerations and variance (w,) of deflections."""
         own, plane, model = self._filter, self._plane, self._filter.model
         reading, reading_variance = own.readings(channels, plane.motion), own.reading_variance(speed_m_s)
         acceleration, acceleration_variance = self._without_lost_accelerations(acceleration, lost)
@@ -182,15 +191,6 @@ class Observer:
             self._body @ (acceleration - self._filter.state[self._filter.rows.offset])[: self._wheels]
         )
 
-    def _identify(self, acceleration: np.ndarray) -> None:
-        """Compare the body's acceleration by springs and dampers with that of the known ones."""
-        inertial = self._body_inertial, self._forward_acc
-        signals = strut_motion(self._filter.state, acceleration, self._body, *inertial)
-        if self._actuators:
-            mass = self._identifier.result.mass * self._body_mass
-            signals[: len(mass)] -= self._plane.kinematic_rows.T @ self._force / mass
-        self._identifier.update(signals)
-
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
         level = [0.0] * self._wheels
@@ -202,9 +202,11 @@ class Observer:
         return np.array([force + strength * by_damper + end + own for force, by_damper, end, own in parts])
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
-        limit = np.array([actuator.force_limit_n for actuator in self._actuators])
-        follow = -np.expm1(-self._period_s / np.array([actuator.lag_s for actuator in self._actuators]))
-        self._force = self._force + follow * (np.clip(requested, -limit, limit) - self._force)
+        """Follow the requested forces (wheels,), which may be absent for none."""
+        if not self._actuators:
+            return
+        asked = np.clip(requested if len(requested) else 0.0, -self._force_limit, self._force_limit)
+        self._force = self._force + self._force_share * (asked - self._force)
 
     def _substitute_accelerations(self) -> np.ndarray:
         """Substitute accelerometer readings (2w,): body driven by the modelled struts, wheels at rest."""

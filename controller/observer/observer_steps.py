@@ -11,6 +11,7 @@ from foreride.controller.observer.filter_steps import (
     readings,
     reframed,
     road_from_tyre,
+    strut_motion,
     vehicle_state,
 )
 from foreride.controller.observer.road_plane import adjust_plane, followed_plane
@@ -39,11 +40,16 @@ def follow_motion(
     reading_variance: Any,
     plane: Any,
     speed_m_s: float,
+    body_of_corners: Any,
+    inertial: Any,
+    forward_acc: float,
+    motion: Any,
 ) -> None:
     """Take in a complete reading, its accelerations first; the last states are corrections to the plane.
 
-    As `KinematicFilter.predict`, `readings`, `correct` and `RoadPlane.adjust`. The first five arguments are
-    the filter's and change in place, as the motion of the plane (5, body) does. begun: there are samples.
+    As `KinematicFilter.predict`, `readings`, `correct`, `RoadPlane.adjust` and `strut_motion`. The first five
+    arguments are the filter's and change in place, as the motion of the plane (5, body) does. begun: there
+    are samples.
     """
     count, wheels, size = samples.shape[1], samples.shape[1] // 2, plane.shape[1]
     reading = readings(channels, wheels, gyros, plane, len(output))
@@ -60,6 +66,7 @@ def follow_motion(
     start = len(state) - 3 * size
     adjust_plane(plane, state[start:], speed_m_s)
     state[start:] = 0.0
+    strut_motion(state, channels, body_of_corners, inertial, forward_acc, motion)
 
 
 @njit

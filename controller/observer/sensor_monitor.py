@@ -1,7 +1,6 @@
 """Sensor monitor: detection of silent, stuck and out-of-range readings, which are held back."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +21,7 @@ MAX_MAGNITUDE = {
 """Largest plausible magnitude of each channel, SI units."""
 
 
-@dataclass(frozen=True, eq=False)
-class ValidatedReading:
+class ValidatedReading(NamedTuple):
     """Validated reading: rejected channels are held at their last valid values.
 
     lost: of each channel, in the order body_acc (w), wheel_acc (w), rattle (w), pitch rate, speed, roll rate.

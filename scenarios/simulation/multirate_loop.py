@@ -2,7 +2,8 @@
 
 from collections import deque
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,8 +31,7 @@ from foreride.vehicle.plant.sensors import Sensors
 from foreride.vehicle.state import VehicleState
 
 
-@dataclass(frozen=True)
-class Decision:
+class Decision(NamedTuple):
     """Request for a command: the time, the estimate of that time and the preview, if there is one."""
 
     time_s: float

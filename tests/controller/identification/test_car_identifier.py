@@ -33,8 +33,8 @@ def identified(
         x[layout.wheel], x[layout.wheel_velocity] = -travel, -rate
         x[layout.damping] = damper * truth.settings
         corners = body_acceleration(car, x, flat, flat) / mass + 0.1 * rng.normal(size=w)
-        identifier.follow(commands[k])
-        identifier.update(np.concatenate([np.linalg.pinv(kinematic_rows) @ corners, travel, rate]))
+        signals = np.concatenate([np.linalg.pinv(kinematic_rows) @ corners, travel, rate])
+        identifier.update(signals, commands[k])
     return identifier
 
 
@@ -55,8 +55,7 @@ def test_a_fit_does_not_depend_on_how_many_samples_have_waited() -> None:
         size, command = 1.0 if k % 150 < 60 else 0.02, rng.uniform(500.0, 4000.0, 2)
         signals = size * rng.normal(size=6) * [2.0, 2.0, 0.02, 0.02, 0.5, 0.5]
         for identifier in (together, alone):
-            identifier.follow(command)
-            identifier.update(signals)
+            identifier.update(signals, command)
         alone._take_in()
         assert together.present == alone.present, k
     assert together.present != Identified()
