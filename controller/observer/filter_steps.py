@@ -188,11 +188,13 @@ def strut_motion(
 
 
 @njit
-def vehicle_state(state: Any, body_of_corners: Any, inputs: Any) -> Any:
-    """State of `vehicle.equations` without internal states; inputs: settings, then forces of actuators."""
+def vehicle_state(state: Any, body_of_corners: Any, inputs: Any, x: Any) -> None:
+    """Write the state of `vehicle.equations` without internal states.
+
+    inputs: settings of the dampers, then forces of the actuators.
+    """
     body, wheels = body_of_corners.shape
     moving = 2 * (body + wheels)
-    x = np.empty(moving + len(inputs))
     for i in range(body):
         height, rate = 0.0, 0.0
         for w in range(wheels):
@@ -202,7 +204,6 @@ def vehicle_state(state: Any, body_of_corners: Any, inputs: Any) -> Any:
     for w in range(wheels):
         x[2 * (body + w)], x[2 * (body + w) + 1] = state[wheels + w], state[3 * wheels + w]
     x[moving:] = inputs
-    return x
 
 
 @njit

@@ -138,11 +138,6 @@ class KinematicFilter:
         self.state, self.covariance, self.innovation, self.innovation_covariance = step
         return self._corrections()
 
-    def balance(self, innovation: np.ndarray, variance: np.ndarray) -> np.ndarray:
-        """Take in the body's acceleration beyond that of its modelled forces; return as `correct` does."""
-        self._update(self.model.balance, innovation, variance)
-        return self._corrections()
-
     def unspecified(self) -> np.ndarray:
         """Acceleration (body,) in the balance of forces that offsets and zero errors are found to cause.
 

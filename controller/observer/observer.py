@@ -7,12 +7,12 @@ from foreride.controller.interface import Estimate, Timing
 from foreride.controller.observer.filter_layout import gyros
 from foreride.controller.observer.filter_steps import vehicle_state
 from foreride.controller.observer.kinematic_filter import Claim, KinematicFilter
-from foreride.controller.observer.observer_steps import follow_road
+from foreride.controller.observer.observer_steps import balance_forces, follow_road
 from foreride.controller.observer.road_plane import LEAST_SPEED_M_S, RoadPlane
 from foreride.controller.observer.sensor_monitor import ValidatedReading
-from foreride.vehicle.arithmetic import FLOATS
+from foreride.controller.observer.strut_forces import StrutForces
 from foreride.vehicle.corner_inertia import corner_inertia
-from foreride.vehicle.equations import body_acceleration, forces, state_size
+from foreride.vehicle.equations import body_acceleration, state_size
 from foreride.vehicle.load import Car
 from foreride.vehicle.plant.sensors import PITCH_RATE, ROLL_RATE, SensorNoise, channel_layout
 
@@ -63,7 +63,7 @@ class Observer:
         self._force_limit = np.array([actuator.force_limit_n for actuator in self._actuators])
         lags_s = np.array([actuator.lag_s for actuator in self._actuators])
         self._force_share = -np.expm1(-timing.period_s / lags_s)
-        self._states = state_size(vehicle)
+        self._states, self._strut_forces = state_size(vehicle), StrutForces(vehicle)
         self.reset()
 
     def reset(self) -> None:
@@ -175,31 +175,29 @@ class Observer:
 
         The first comparisons tell sensors that are as specified from others, of which less is believed.
         """
-        own, mass = self._filter, self._identifier.result.mass
-        modelled = self._plane.kinematic_rows.T @ self._struts() / (mass * self._body_mass)
-        modelled -= self._body_inertial * self._forward_acc
-        measured = self._measured(acceleration)
-        excess, variance = measured - modelled, self._balance_floor + (BALANCE_SHARE * modelled) ** 2
-        self._plane.adjust(own.balance(excess, variance), speed_m_s)
+        own, identified = self._filter, self._identifier.result
+        balance_forces(
+            own.state,
+            own.covariance,
+            own.model.balance,
+            acceleration,
+            self._body,
+            self._plane.kinematic_rows,
+            self._struts(),
+            identified.mass * self._body_mass,
+            self._body_inertial * self._forward_acc,
+            self._balance_floor,
+            BALANCE_SHARE,
+            self._plane.motion,
+            speed_m_s,
+        )
         self._balances += 1
         if self._balances == FIRST_BALANCES and np.abs(own.unspecified()).max() < BELIEVED_SIGMAS:
             self._plane.adjust(own.confirm(), speed_m_s)
 
-    def _measured(self, acceleration: np.ndarray) -> np.ndarray:
-        """Measured acceleration of the body's motions, (body,)."""
-        return np.asarray(
-            self._body @ (acceleration - self._filter.state[self._filter.rows.offset])[: self._wheels]
-        )
-
     def _struts(self) -> np.ndarray:
         """Modelled forces of spring, damper, stop and actuator on the body at each wheel, N."""
-        level = [0.0] * self._wheels
-        spring, damper, stop, actuator, _ = forces(
-            self._vehicle, self._vehicle_state().tolist(), level, level, FLOATS
-        )
-        strength = self._identifier.result.damper
-        parts = zip(spring, damper, stop, actuator, strict=True)
-        return np.array([force + strength * by_damper + end + own for force, by_damper, end, own in parts])
+        return self._strut_forces(self._vehicle_state(), self._identifier.result.damper)
 
     def _update_actuator_force(self, requested: np.ndarray) -> None:
         """Follow the requested forces (wheels,), which may be absent for none."""
@@ -263,7 +261,9 @@ class Observer:
         return np.concatenate([settings, self._force]) if self._actuators else settings
 
     def _vehicle_state(self) -> np.ndarray:
-        return np.asarray(vehicle_state(self._filter.state, self._body, self._inputs()))
+        x = np.empty(self._states)
+        vehicle_state(self._filter.state, self._body, self._inputs(), x)
+        return x
 
     @staticmethod
     def _relative_change(previous: float | None, speed_m_s: float) -> float:

@@ -1,4 +1,4 @@
-"""Compiled steps of the observer: what it does in each period, in two calls rather than one for each part."""
+"""Compiled steps of the observer: what it does in each period, in few calls rather than one for each part."""
 
 from typing import Any
 
@@ -12,6 +12,7 @@ from foreride.controller.observer.filter_steps import (
     reframed,
     road_from_tyre,
     strut_motion,
+    taken_in,
     vehicle_state,
 )
 from foreride.controller.observer.road_plane import adjust_plane, followed_plane
@@ -51,7 +52,7 @@ def follow_motion(
     arguments are the filter's and change in place, as the motion of the plane (5, body) does. begun: there
     are samples.
     """
-    count, wheels, size = samples.shape[1], samples.shape[1] // 2, plane.shape[1]
+    count, wheels = samples.shape[1], samples.shape[1] // 2
     reading = readings(channels, wheels, gyros, plane, len(output))
     for i in range(count):
         samples[2, i] = samples[1, i] if begun else channels[i]
@@ -63,10 +64,51 @@ def follow_motion(
         now, spread = predicted(*before, samples, acceleration_variance, aliasing, transition, drive, process)
     after = corrected(now, spread, output, reading, reading_variance)
     state[:], covariance[:], innovation[:], innovation_covariance[:] = after
-    start = len(state) - 3 * size
+    _correct_plane(plane, state, speed_m_s)
+    strut_motion(state, channels, body_of_corners, inertial, forward_acc, motion)
+
+
+@njit
+def _correct_plane(plane: Any, state: Any, speed_m_s: float) -> None:
+    """Hand the corrections to the plane, which are the last states, over to it."""
+    start = len(state) - 3 * plane.shape[1]
     adjust_plane(plane, state[start:], speed_m_s)
     state[start:] = 0.0
-    strut_motion(state, channels, body_of_corners, inertial, forward_acc, motion)
+
+
+@njit
+def balance_forces(
+    state: Any,
+    covariance: Any,
+    balance: Any,
+    acceleration: Any,
+    body_of_corners: Any,
+    kinematic_rows: Any,
+    struts: Any,
+    inertia: Any,
+    by_inertia: Any,
+    floor: Any,
+    share: float,
+    plane: Any,
+    speed_m_s: float,
+) -> None:
+    """Take in the body's acceleration beyond that of its modelled forces; changes as in `follow_motion`.
+
+    balance: see `FilterModel`. struts: (wheels,) forces. inertia: (body,) masses and inertias. by_inertia:
+    (body,) acceleration by the longitudinal inertial force. floor, share: variance (body,) and relative
+    standard deviation of the modelled acceleration.
+    """
+    body, wheels = body_of_corners.shape
+    excess, variance = np.empty(body), np.empty(body)
+    for i in range(body):
+        measured, force = 0.0, 0.0
+        for w in range(wheels):
+            measured += body_of_corners[i, w] * (acceleration[w] - state[4 * wheels + w])
+            force += kinematic_rows[w, i] * struts[w]
+        modelled = force / inertia[i] - by_inertia[i]
+        excess[i], variance[i] = measured - modelled, floor[i] + (share * modelled) ** 2
+    state[:], covariance[:] = taken_in(state, covariance, balance, excess, variance)
+    _correct_plane(plane, state, speed_m_s)
 
 
 @njit
@@ -122,4 +164,4 @@ def follow_road(
     frame = frames[follows], faster * by_speed, frame_drives[follows]
     covariance[:] = reframed(state, covariance, change, *frame, spread)
     rate -= change
-    x[:] = vehicle_state(state, body_of_corners, inputs)
+    vehicle_state(state, body_of_corners, inputs, x)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from foreride.vehicle.dampers.damper import IdealDamper
 from foreride.vehicle.equations import FLOATS, input_size, state_size
 from foreride.vehicle.load import Car
+from foreride.vehicle.plant.recorded_function import RecordedFunction
 from foreride.vehicle.state import SENSED, VehicleState, observe
 from foreride.vehicle.state_layout import state_layout
 
@@ -56,21 +57,17 @@ class Instant:
     """Observer of one car at one instant."""
 
     def __init__(self, car: Car) -> None:
-        self._car, self._layout, self._wheels = car, state_layout(car), car.wheels
-        self._recorded_forces = _ideal(car)
+        self._car, self._wheels = car, car.wheels
+        self._recorded_forces = has_ideal_dampers(car)
         function, self._rows = recorded(car)
         numbers = dict(self._rows, speed_m_s=0)  # the speed is not among the results
         self._sensed = np.r_[tuple(numbers[name] for name in SENSED)]
-        self._inputs, self._outputs = np.zeros(function.size1_in(0)), np.zeros(function.size1_out(0))
+        self._function = RecordedFunction(function)
+        self._inputs, self._outputs = self._function.inputs, self._function.outputs
         states = state_size(car)
         road = slice(states, states + 2 * car.wheels)
         self._state, self._road, self._forces = np.split(self._inputs[:-1], [road.start, road.stop])
         self._no_force = np.zeros(car.wheels)
-        buffer: Any
-        buffer, self._evaluate = function.buffer()
-        buffer.set_arg(0, memoryview(self._inputs))
-        buffer.set_res(0, memoryview(self._outputs))
-        self._buffer = buffer  # which lives as long as its function is called
 
     def __call__(
         self,
@@ -85,8 +82,8 @@ class Instant:
         """All signals as `observe` gives them; x: (states,); road: (2 · wheels,) heights, then rates."""
         self._state[:], self._road[:], self._inputs[-1] = x, road, forward_acc
         if not self._recorded_forces:
-            self._forces[:] = self._damper_forces(x.tolist())
-        self._evaluate()
+            self._forces[:] = damper_forces(self._car, x.tolist())
+        self._function.evaluate()
         wheels, seen = self._wheels, _Seen.__new__(_Seen)
         seen.__dict__.update(
             time_s=time_s,
@@ -102,21 +99,20 @@ class Instant:
         )
         return seen
 
-    def _damper_forces(self, x: list[float]) -> list[float]:
-        layout, found = self._layout, []
-        body, velocity = x[layout.body], x[layout.body_velocity]
-        parts = x[layout.wheel], x[layout.wheel_velocity], x[layout.damping], self._internal_states(x)
-        for corner, wheel, wheel_velocity, setting, states in zip(self._car.corners, *parts, strict=True):
-            row, normalised = corner.kinematic_row, corner.normalised_setting(setting)
-            travel = sum(map(mul, row, body)) - wheel
-            rate = sum(map(mul, row, velocity)) - wheel_velocity
-            found.append(corner.damper.force(setting, normalised, travel, rate, states, FLOATS))
-        return found
 
-    def _internal_states(self, x: list[float]) -> list[list[float]]:
-        flat, wheels = x[self._layout.internal_states], self._car.wheels
-        depth = len(flat) // wheels
-        return [flat[i * depth : (i + 1) * depth] for i in range(wheels)]
+def damper_forces(car: Car, x: list[float]) -> list[float]:
+    """Forces of the dampers on the body at each wheel, N, by floats; x may end before the internal states."""
+    layout, found = state_layout(car), []
+    body, velocity, flat = x[layout.body], x[layout.body_velocity], x[layout.internal_states]
+    depth = len(flat) // car.wheels
+    states = [flat[i * depth : (i + 1) * depth] for i in range(car.wheels)]
+    parts = x[layout.wheel], x[layout.wheel_velocity], x[layout.damping], states
+    for corner, wheel, wheel_velocity, setting, own in zip(car.corners, *parts, strict=True):
+        row, normalised = corner.kinematic_row, corner.normalised_setting(setting)
+        travel = sum(map(mul, row, body)) - wheel
+        rate = sum(map(mul, row, velocity)) - wheel_velocity
+        found.append(corner.damper.force(setting, normalised, travel, rate, own, FLOATS))
+    return found
 
 
 @lru_cache(maxsize=32)
@@ -128,7 +124,7 @@ def recorded(car: Car) -> tuple["casadi.Function", dict[str, int | slice]]:
     import casadi
 
     states, wheels = state_size(car), car.wheels
-    ends = states + wheels * np.arange(3 if _ideal(car) else 4)
+    ends = states + wheels * np.arange(3 if has_ideal_dampers(car) else 4)
     given = casadi.SX.sym("given", int(ends[-1]) + 1)
     x, height, velocity, *damper, acc = np.split(np.array(casadi.vertsplit(given), dtype=object), ends)
     command: Any = casadi.SX.zeros(input_size(car))
@@ -143,5 +139,6 @@ def recorded(car: Car) -> tuple["casadi.Function", dict[str, int | slice]]:
     return casadi.Function("instant", [given], [casadi.vertcat(*parts)]), rows
 
 
-def _ideal(car: Car) -> bool:
+def has_ideal_dampers(car: Car) -> bool:
+    """Whether all dampers are ideal."""
     return all(isinstance(corner.damper, IdealDamper) for corner in car.corners)
