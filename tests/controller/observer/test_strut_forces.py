@@ -15,7 +15,7 @@ from foreride.vehicle.state_layout import state_layout
 HALF = load_vehicle("half")
 CARS = {name: load_vehicle(name) for name in ("quarter", "half", "full")} | {
     "actuator": replace(HALF, actuator=SlowActive()),
-    "two dampers": replace(HALF, damper=(ValveDamper(), ScaledDamper(0.7, 1.2, ValveDamper()))),
+    "scaled damper": replace(HALF, damper=ScaledDamper(0.7, 1.2, ValveDamper())),
 }
 
 
