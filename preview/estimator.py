@@ -9,7 +9,8 @@ from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
 from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.preview.compose import compose
-from foreride.preview.ego_motion.ego_motion import EgoMotion, Measurement
+from foreride.preview.ego_motion.axle_readings import Measurement
+from foreride.preview.ego_motion.ego_motion import EgoMotion
 from foreride.preview.ego_motion.path import Path
 from foreride.preview.geometry.cross_ratio import marks_of
 from foreride.preview.height.height_measurement import HeightGauge
@@ -178,8 +179,9 @@ class Estimator:
     def _wheels_on_plane(self) -> bool:
         """True if no wheel is on a known object."""
         x = self.motion.x_m
-        return not any(
-            track.confirmed and track.start_m - _OBJECT_MARGIN_M < x + axle < track.end_m + _OBJECT_MARGIN_M
-            for track in self.tracker.tracks
-            for axle in self.axle_x_m
-        )
+        for track in self.tracker.tracks:
+            if track.confirmed:
+                near, far = track.start_m - _OBJECT_MARGIN_M, track.end_m + _OBJECT_MARGIN_M
+                if any(near < x + axle < far for axle in self.axle_x_m):
+                    return False
+        return True

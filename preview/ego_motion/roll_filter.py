@@ -4,8 +4,12 @@ The roll of a symmetric car is independent of heave and pitch, so it has a filte
 `preview.ego_motion.heave_pitch_filter`, with the same weighting by roughness.
 """
 
+from math import radians
+from typing import Any
+
 import numpy as np
 
+from foreride.files.jit import njit
 from foreride.preview.settings import Settings
 
 Array = np.ndarray
@@ -37,10 +41,8 @@ class RollFilter:
         """Prediction over `step` seconds with the gyro's mean reading (rad/s)."""
         if not self._square:
             return
-        self.state[ROLL] += step * (roll_rate - self.state[GYRO])
-        transition = np.array([[1.0, -step], [0.0, 1.0]])
-        self.covariance = transition @ self.covariance @ transition.T
-        self.covariance[ROLL, ROLL] += np.deg2rad(self.settings.gyro_noise_deg_s) ** 2 * step
+        noise = radians(self.settings.gyro_noise_deg_s)
+        _predict(self.state, self.covariance, step, roll_rate, noise)
 
     def level(self, deflection: Array, roughness_m: float) -> None:
         """Correction by the road plane.
@@ -51,6 +53,26 @@ class RollFilter:
             return
         measured = float(self._kinematic_row @ deflection) / self._square
         variance = (self.settings.level_ratio * roughness_m) ** 2 / self._square
-        gain = self.covariance[:, ROLL] / (self.covariance[ROLL, ROLL] + variance)
-        self.state = self.state + gain * (measured - self.state[ROLL])
-        self.covariance = self.covariance - np.outer(gain, self.covariance[ROLL])
+        _correct(self.state, self.covariance, measured, variance)
+
+
+@njit
+def _predict(state: Any, covariance: Any, step: float, roll_rate: float, rate_noise: float) -> None:
+    state[ROLL] += step * (roll_rate - state[GYRO])
+    for k in range(len(state)):
+        covariance[ROLL, k] -= step * covariance[GYRO, k]
+    for k in range(len(state)):
+        covariance[k, ROLL] -= step * covariance[k, GYRO]
+    covariance[ROLL, ROLL] += rate_noise**2 * step
+
+
+@njit
+def _correct(state: Any, covariance: Any, measured: float, variance: float) -> None:
+    """Take in a measured roll angle of this variance."""
+    innovation, total = measured - state[ROLL], covariance[ROLL, ROLL] + variance
+    by_roll = covariance[ROLL, ROLL], covariance[ROLL, GYRO]
+    for i in range(len(state)):
+        gain = covariance[i, ROLL] / total
+        state[i] += gain * innovation
+        for k in range(len(state)):
+            covariance[i, k] -= gain * by_roll[k]

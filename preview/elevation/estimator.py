@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from foreride.preview.ego_motion.ego_motion import EgoMotion, EgoState, Measurement
+from foreride.preview.ego_motion.axle_readings import Measurement
+from foreride.preview.ego_motion.ego_motion import EgoMotion, EgoState
 from foreride.preview.elevation.fusion import ElevationFusion
 from foreride.preview.elevation.range_sensor import RangeSensor
 from foreride.preview.elevation.settings import ElevationSettings
