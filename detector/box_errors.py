@@ -47,6 +47,8 @@ def degrade(
 
     Edges that touch the image border or the bonnet stay there.
     """
+    if not len(detections) and errors.false_per_frame == 0.0:
+        return detections
     width, height = size_px
     limit = float(height) if bonnet_row_px is None else min(bonnet_row_px, float(height))
     least, most = np.zeros(4), np.array([width, limit, width, limit])

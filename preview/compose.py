@@ -35,7 +35,8 @@ def compose(
     confirmed = [track for track in tracks if track.confirmed]
     if not confirmed:
         flat, sigma = constant_rows(shape, 0.0), constant_rows(shape, background_m)
-        return RoadPreview(time_s, distance_m, flat, flat, sigma, flat, age_s)
+        here = {"is_exact": False, "height_here_m": flat[:, 0]}
+        return RoadPreview.unchecked(time_s, distance_m, flat, flat, sigma, flat, age_s=age_s, **here)
     height, existence, position_sigma, height_sigma = rows = np.zeros((4, *shape))
     height_sigma += background_m
     for track in confirmed:

@@ -121,9 +121,10 @@ class Estimator:
         """
         state = self.motion.at(exposure_s)
         pose = pose_of(self.mount, state.x_m, state.heave_m, state.pitch_rad, roll=state.roll_rad)
-        path = Path(state.curvature_1_m, self.mount.x_m - min(self.axle_x_m))
-        view = rectify_frame(exposure_s, self.camera, pose, detections, self.settings, path)
-        self.tracker.update(view, detections)
+        if len(detections) or self.tracker.tracks:
+            path = Path(state.curvature_1_m, self.mount.x_m - min(self.axle_x_m))
+            view = rectify_frame(exposure_s, self.camera, pose, detections, self.settings, path)
+            self.tracker.update(view, detections)
         if self._gauge is not None and image is not None:
             for track in self._gauge.measure(pose, image, second, self.tracker.tracks):
                 self.tracker.refit(track)

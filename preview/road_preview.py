@@ -102,10 +102,15 @@ class RoadPreview:
             )
 
     @classmethod
-    def unchecked(cls, time_s: float, *arrays: np.ndarray, age_s: float = 0.0) -> "RoadPreview":
-        """Preview whose arrays, in the order of the fields, are known to be as they must be."""
+    def unchecked(
+        cls, time_s: float, *arrays: np.ndarray, age_s: float = 0.0, **properties: bool | np.ndarray
+    ) -> "RoadPreview":
+        """Preview whose arrays, in the order of the fields, are known to be as they must be.
+
+        properties: `is_exact` and `height_here_m` where they are known.
+        """
         preview = object.__new__(cls)
-        preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s)
+        preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s, **properties)
         return preview
 
     @classmethod
@@ -113,14 +118,8 @@ class RoadPreview:
         cls, time_s: float, distance_m: np.ndarray, height_m: np.ndarray, height_here_m: np.ndarray
     ) -> "RoadPreview":
         """Error-free preview of heights that are known to be as they must be, here (wheels,) as well."""
-        preview, arrays = object.__new__(cls), (distance_m, height_m, *_error_free(height_m.shape))
-        preview.__dict__.update(
-            zip(_FIELDS, (time_s, *arrays), strict=True),
-            age_s=0.0,
-            is_exact=True,
-            height_here_m=height_here_m,
-        )
-        return preview
+        arrays = distance_m, height_m, *_error_free(height_m.shape)
+        return cls.unchecked(time_s, *arrays, is_exact=True, height_here_m=height_here_m)
 
     @property
     def wheels(self) -> int:

@@ -57,7 +57,9 @@ class EgoMotion:
         self._readings = AxleReadings(axle_x_m, facts.tyre_compliance)
         self.settings = settings
         self.x_m = x_m
-        self._body = HeavePitchFilter(self._readings.positions_m, settings)
+        axles = self._readings.positions_m
+        self._front_m = float(axles[0]) if len(axles) > 1 else 0.0  # a quarter car has no pitch
+        self._body = HeavePitchFilter(axles, settings)
         self._roll = RollFilter(axle_x_m, wheel_y_m or (0.0,) * len(axle_x_m), settings)
         self._last_inertial: tuple[float, float, float] | None = None
         self.road_m = 0.0
@@ -90,8 +92,8 @@ class EgoMotion:
             if self.turn is not None:
                 self._transform_history(self.turn)
             self._roll.level(self._readings.wheel_deflection_m, self._body.roughness_m)
-        self.road_m = float(self._body.road_m(deflection)[0])
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
+        self.road_m = heave - self._front_m * pitch - float(deflection[0])
         path_curvature = curvature(yaw_rate, speed)
         state = EgoState(time_s, self.x_m, heave, pitch, speed, self._roll.roll_rad, path_curvature)
         self._times.append(state.time_s)

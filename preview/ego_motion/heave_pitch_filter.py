@@ -82,8 +82,7 @@ class HeavePitchFilter:
         the road in `_RISE_S`. Returns the update of the plane if its grade was found to have changed.
         """
         turn = self._detect_plane_update(deflection, step, speed_m_s)
-        self._correct(deflection, self.settings.level_ratio * self.roughness_m)
-        self._past.append(self.road_m(deflection))
+        self._past.append(self._correct(deflection, self.settings.level_ratio * self.roughness_m))
         if step > 0 and len(self._past) > max(1, round(_RISE_S / step)):
             rise = self._past[-1] - self._past.popleft()
             share = min(1.0, step / self.settings.roughness_memory_s)
@@ -117,8 +116,11 @@ class HeavePitchFilter:
         correction = self.state - prior_state
         return PlaneUpdate(float(correction[HEAVE]), float(correction[PITCH]))
 
-    def _correct(self, deflection: np.ndarray, sigma_m: float) -> None:
-        _correct(self.state, self.covariance, self._observation, deflection, sigma_m)
+    def _correct(self, deflection: np.ndarray, sigma_m: float) -> np.ndarray:
+        """Correction of the state; returns the height of the road under each axle by the new one, m."""
+        road_m = np.empty(len(deflection))
+        _correct(self.state, self.covariance, self._observation, deflection, sigma_m, road_m)
+        return road_m
 
     def road_m(self, deflection: np.ndarray) -> np.ndarray:
         """Height of the road under each axle, m."""
@@ -154,8 +156,8 @@ def _predict(
 
 
 @njit
-def _correct(s: Any, covariance: Any, observation: Any, measured: Any, sigma_m: float) -> None:
-    """Take in the heights of the axles one after the other."""
+def _correct(s: Any, covariance: Any, observation: Any, measured: Any, sigma_m: float, road_m: Any) -> None:
+    """Take in the heights of the axles one after the other, and write those of the road."""
     size = len(s)
     cross = np.empty(size)
     for axle in range(len(observation)):
@@ -171,3 +173,7 @@ def _correct(s: Any, covariance: Any, observation: Any, measured: Any, sigma_m: 
             s[i] += gain * rest
             for k in range(size):
                 covariance[i, k] -= gain * cross[k]
+    for axle in range(len(observation)):
+        road_m[axle] = -measured[axle]
+        for i in range(size):
+            road_m[axle] += observation[axle, i] * s[i]

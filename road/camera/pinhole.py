@@ -6,6 +6,7 @@ car.
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Annotated
 
 import numpy as np
@@ -138,7 +139,8 @@ class CameraPose:
 
 def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
     """(3, 3) rotation R_z(yaw) R_y(pitch) R_x(roll), body to world; pitch > 0 is nose-down (ISO 8855)."""
-    cr, sr, cp, sp, cw, sw = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
+    angles = np.array([roll, pitch, yaw])
+    (cr, cp, cw), (sr, sp, sw) = np.cos(angles).tolist(), np.sin(angles).tolist()
     return np.array(
         [
             [cw * cp, cw * sp * sr - sw * cr, cw * sp * cr + sw * sr],
@@ -146,6 +148,14 @@ def rotation_matrix(roll: float, pitch: float, yaw: float) -> Array:
             [-sp, cp * sr, cp * cr],
         ]
     )
+
+
+@lru_cache(maxsize=8)
+def _tilt(pitch_deg: float) -> Array:
+    """(3, 3) rotation of a camera that is mounted with this pitch, read-only."""
+    tilt = rotation_matrix(0.0, float(np.deg2rad(pitch_deg)), 0.0)
+    tilt.setflags(write=False)
+    return tilt
 
 
 def pose_of(
@@ -167,7 +177,7 @@ def pose_of(
     body = rotation_matrix(roll, pitch, yaw)
     offset = body @ np.array([mount.x_m, mount.y_m, mount.height_m - mount.cg_height_m])
     x, y, z = np.array([x_cg, y_cg, heave + mount.cg_height_m]) + offset
-    attitude = body @ rotation_matrix(0.0, np.deg2rad(mount.pitch_deg), 0.0)
+    attitude = body @ _tilt(mount.pitch_deg)
     return CameraPose(
         float(x),
         float(y),

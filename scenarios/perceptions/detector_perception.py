@@ -79,10 +79,11 @@ class DetectorPerception(Perception):
 
     def next_tick(self, tick: int) -> int | None:
         """Tick of the next exposure or the next arrival of boxes."""
-        arrivals = [exposed + self._latency for exposed, _ in self._pending]
-        return min(
-            next_due(tick, self._rate_hz), *(arrival for arrival in arrivals if arrival > tick), 1 << 62
-        )
+        exposure = next_due(tick, self._rate_hz)
+        for exposed, _ in self._pending:
+            if exposed + self._latency > tick:
+                return min(exposure, exposed + self._latency)
+        return exposure
 
     def expose(self, tick: int, state: VehicleState) -> None:
         """Start an exposure if one is due."""

@@ -108,8 +108,9 @@ def test_the_grade_ahead_is_uncertain_by_two_percent_while_the_plane_settles() -
     body.covariance[:] = 0.0
     sigmas = []
 
-    def recorded(deflection: np.ndarray, sigma_m: float) -> None:
+    def recorded(deflection: np.ndarray, sigma_m: float) -> np.ndarray:
         sigmas.append((np.sqrt(np.diag(body.covariance)).tolist(), sigma_m))
+        return body.road_m(deflection)
 
     body._correct = recorded  # type: ignore[method-assign]
     for _ in range(10):
