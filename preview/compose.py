@@ -35,14 +35,16 @@ def compose(
     confirmed = [track for track in tracks if track.confirmed]
     if not confirmed:
         flat, sigma = constant_rows(shape, 0.0), constant_rows(shape, background_m)
-        here = {"is_exact": False, "height_here_m": flat[:, 0]}
-        return RoadPreview.unchecked(time_s, distance_m, flat, flat, sigma, flat, age_s=age_s, **here)
-    height, existence, position_sigma, height_sigma = rows = np.zeros((4, *shape))
+        rows = flat, flat, sigma, flat
+        return RoadPreview.unchecked(
+            time_s, distance_m, *rows, age_s=age_s, is_exact=False, height_here_m=flat[:, 0]
+        )
+    height, existence, position_sigma, height_sigma = entered = np.zeros((4, *shape))
     height_sigma += background_m
     for track in confirmed:
         known = track.existence, track.position_sigma_m(x_m, settings)
         shapes = wheel_shapes(track, wheel_y_m, tyre or Tyre())
-        _enter(distance_m, x_m, np.array(axle_x_m), background_m, *known, *shapes, rows)
+        _enter(distance_m, x_m, np.array(axle_x_m), background_m, *known, *shapes, entered)
     return RoadPreview(time_s, distance_m, height, position_sigma, height_sigma, existence, age_s)
 
 
