@@ -35,9 +35,9 @@ def compose(
     confirmed = [track for track in tracks if track.confirmed]
     if not confirmed:
         flat, sigma = constant_rows(shape, 0.0), constant_rows(shape, background_m)
-        rows = flat, flat, sigma, flat
+        rows, here_m = (flat, flat, sigma, flat), flat[:, 0]
         return RoadPreview.unchecked(
-            time_s, distance_m, *rows, age_s=age_s, is_exact=False, height_here_m=flat[:, 0]
+            time_s, distance_m, *rows, age_s=age_s, is_exact=False, is_empty=True, height_here_m=here_m
         )
     height, existence, position_sigma, height_sigma = entered = np.zeros((4, *shape))
     height_sigma += background_m

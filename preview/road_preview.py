@@ -107,7 +107,7 @@ class RoadPreview:
     ) -> "RoadPreview":
         """Preview whose arrays, in the order of the fields, are known to be as they must be.
 
-        properties: `is_exact` and `height_here_m` where they are known.
+        properties: `is_exact`, `is_empty` and `height_here_m` where they are known.
         """
         preview = object.__new__(cls)
         preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s, **properties)
@@ -130,6 +130,11 @@ class RoadPreview:
     def is_exact(self) -> bool:
         """Whether the preview claims to be free of errors."""
         return not (self.position_sigma_m.any() or self.height_sigma_m.any())
+
+    @cached_property
+    def is_empty(self) -> bool:
+        """Whether nothing was seen: a level road of existence 0."""
+        return not (self.existence.any() or self.height_m.any())
 
     @cached_property
     def height_here_m(self) -> np.ndarray:

@@ -108,6 +108,9 @@ def _credible(
     prior = np.empty(len(height))
     _relative_sigmas(height, height_sigma, window, prior)
     for i in range(len(height)):
+        if height[i] == 0.0 and existence[i] == 0.0:
+            heights[i] = probable[i] = 0.0
+            continue
         share = correlation[i] ** 2
         factor = 1.0 + correlation[i] * (gain - 1.0)
         if height[i] > 0.0:

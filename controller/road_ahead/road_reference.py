@@ -148,8 +148,10 @@ class RoadReference:
         settings, felt = self._settings, measured or preview
         heights, existence, found = preview.height_m, preview.existence, self._no_matches
         if not preview.is_exact:
+            found = np.array(matches)
+        if not (preview.is_exact or preview.is_empty):
             heights, existence = np.empty((2, *heights.shape))
-            told, found = (settings.height_sigmas, self._credibility.value), np.array(matches)
+            told = settings.height_sigmas, self._credibility.value
             for wheel, match in enumerate(matches):
                 heights[wheel], existence[wheel] = credible(preview, wheel, match, *told)
         rows = np.empty((self._hypotheses, *heights.shape))

@@ -54,6 +54,16 @@ def test_what_is_not_confirmed_or_lies_behind_is_left_out() -> None:
     assert not composed(track(12.0)).height_m.any()
 
 
+@pytest.mark.parametrize("tracks", [(), (track(24.0, confirmed=False),), (track(24.0),)])
+def test_what_a_preview_says_of_itself_is_what_its_arrays_say(tracks: tuple[Track, ...]) -> None:
+    preview = composed(*tracks)
+    rows = preview.height_m, preview.position_sigma_m, preview.height_sigma_m, preview.existence
+    examined = RoadPreview(preview.time_s, preview.distance_m, *(row.copy() for row in rows), preview.age_s)
+    assert preview.is_exact == examined.is_exact
+    assert preview.is_empty == examined.is_empty == (not examined.height_m.any())
+    np.testing.assert_array_equal(preview.height_here_m, examined.height_here_m)
+
+
 def test_two_tracks_on_one_spot_count_once() -> None:
     low, high = track(24.0, 0.05), track(24.0, 0.09)
     alone = composed(high).height_m
