@@ -17,6 +17,7 @@ import numpy as np
 
 from foreride.controller.identification.least_squares import LeastSquaresBank
 from foreride.controller.interface import Identified
+from foreride.files.array_copies import copy_matrix, copy_vector
 from foreride.files.jit import njit
 from foreride.vehicle.load import Car
 
@@ -229,7 +230,8 @@ def _record(
     """
     _follow(command, commands, every, gain, settings)
     greatest = 0.0
-    kept_signals[at], kept_settings[at] = signals, settings
+    copy_vector(signals, kept_signals[at])
+    copy_matrix(settings, kept_settings[at])
     for i in range(len(arms)):
         outputs[at, i] = _passed(signals[i] * arms[i], slow, fast, mean, band, i, 0)
         greatest = max(greatest, abs(band[i, 0]))

@@ -75,15 +75,38 @@ def _fitted(
     parameters, covariance, residuals = np.empty((models, n)), np.empty((models, n, n)), np.empty(models)
     by_prior = np.dot(weight, prior)
     for m in range(models):
-        information, data = weight, (squares[m], products[m], sums, least)
-        residual = _residual(prior, *data)
+        own, spread = parameters[m], covariance[m]
+        data = squares[m], products[m], sums, least
+        residuals[m] = _residual(prior, *data)
         for _ in range(2):  # the residuals decide how much the data weigh against the prior
-            share = 1.0 / (residual * correlation)
-            information = squares[m] * share + weight
-            parameters[m] = np.linalg.solve(information, products[m] * share + by_prior)
-            residual = _residual(parameters[m], *data)
-        covariance[m], residuals[m] = np.linalg.inv(information), residual
+            share = 1.0 / (residuals[m] * correlation)
+            for i in range(n):
+                for j in range(n):
+                    spread[i, j] = squares[m, i, j] * share + weight[i, j]
+            _invert(spread)
+            for i in range(n):
+                own[i] = 0.0
+                for j in range(n):
+                    own[i] += spread[i, j] * (products[m, j] * share + by_prior[j])
+            residuals[m] = _residual(own, *data)
     return parameters, covariance, residuals
+
+
+@njit
+def _invert(matrix: Any) -> None:
+    """Replace a symmetric positive definite matrix by its inverse: Gauss–Jordan, pivots on the diagonal."""
+    n = len(matrix)
+    for k in range(n):
+        pivot = matrix[k, k]
+        matrix[k, k] = 1.0
+        for j in range(n):
+            matrix[k, j] /= pivot
+        for i in range(n):
+            if i != k:
+                factor = matrix[i, k]
+                matrix[i, k] = 0.0
+                for j in range(n):
+                    matrix[i, j] -= factor * matrix[k, j]
 
 
 @njit
@@ -106,7 +129,9 @@ def _add(outputs: Any, regressors: Any, kept: float, squares: Any, products: Any
     samples, models, rows, n = regressors.shape
     for k in range(samples):
         output = outputs[k]
-        sums[0] = kept * sums[0] + (output * output).sum()
+        sums[0] *= kept
+        for row in range(rows):
+            sums[0] += output[row] * output[row]
         sums[1] = kept * sums[1] + rows
         for m in range(models):
             for i in range(n):

@@ -12,6 +12,7 @@ from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.prediction.casadi_llvm import evaluate
 from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel
+from foreride.files.array_copies import copy_matrix
 from foreride.files.jit import njit
 from foreride.vehicle.equations import input_size
 
@@ -175,7 +176,8 @@ def _linearise(
 def _predict(advance: int, points: Any, interval: Any, state: Any, plan: Any, road: Any) -> None:
     """Write the points that the car passes through."""
     n_x, inputs, wheels, steps = len(state), plan.shape[1], len(road), len(interval)
-    points[:n_x, 0] = state
+    for i in range(n_x):
+        points[i, 0] = state[i]
     for step in range(steps):
         for a in range(inputs):
             points[n_x + a, step] = plan[interval[step], a]
@@ -204,8 +206,12 @@ def _write_stages(
     residuals by the next state. The steps are linearised in groups, shortly before they are used.
     """
     (intervals, size), (_, count, lanes) = slope.shape, results.shape
-    n_r, most = count - len(places) - len(outputs), np.diff(first_steps).max()
-    step_motion, product, group = np.eye(size), np.empty((size, size)), -1
+    n_r, most = count - len(places) - len(outputs), 0
+    for k in range(intervals):
+        most = max(most, first_steps[k + 1] - first_steps[k])
+    step_motion, product, group = np.zeros((size, size)), np.empty((size, size)), -1
+    for i in range(size):
+        step_motion[i, i] = 1.0
     jacobians, weighted = np.empty((n_r * most, size)), np.empty((n_r * most, size))
     # One unsigned index into each of these is several times as fast as two or three signed ones.
     entries, values = step_motion.reshape(-1), results.reshape(-1)
@@ -224,7 +230,7 @@ def _write_stages(
             for e in range(len(places)):
                 entries[places[e]] = values[first + np.uint64(e * lanes)]
             if step == first_steps[k]:
-                _copy(step_motion, reached)
+                copy_matrix(step_motion, reached)
             else:
                 reached, other = other, reached
                 np.dot(step_motion, other, reached)
@@ -243,13 +249,6 @@ def _write_stages(
                     slope[k, j] += residual * weighted[end, j]
                 end += 1
         np.dot(weighted[:end].T, jacobians[:end], cost[k])
-
-
-@njit
-def _copy(source: Any, target: Any) -> None:
-    for i in range(len(target)):
-        for j in range(target.shape[1]):
-            target[i, j] = source[i, j]
 
 
 @njit

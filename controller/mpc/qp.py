@@ -119,7 +119,7 @@ def _solve_bounds(hessian: Any, gradient: Any, low: Any, high: Any, x: Any) -> b
     Raises LinAlgError if the free part of the matrix is not positive definite.
     """
     n = len(x)
-    side, free = np.zeros(n, dtype=np.int64), np.empty(n, dtype=np.int64)
+    side, free, slope = np.zeros(n, dtype=np.int64), np.empty(n, dtype=np.int64), np.empty(n)
     for i in range(n):
         if not low[i] <= high[i]:
             return False
@@ -131,8 +131,10 @@ def _solve_bounds(hessian: Any, gradient: Any, low: Any, high: Any, x: Any) -> b
             if side[i] == 0:
                 free[count] = i
                 count += 1
-        _solve_free(hessian, gradient + np.dot(hessian, x), free[:count], x)
-        settled, slope = True, gradient + np.dot(hessian, x)
+        _write_slope(hessian, gradient, x, slope)
+        _solve_free(hessian, slope, free[:count], x)
+        _write_slope(hessian, gradient, x, slope)
+        settled = True
         for i in range(n):
             before = side[i]
             if before == 0:
@@ -143,6 +145,14 @@ def _solve_bounds(hessian: Any, gradient: Any, low: Any, high: Any, x: Any) -> b
         if settled:
             return bool(np.isfinite(_clip(x, low, high)))
     return False
+
+
+@njit
+def _write_slope(hessian: Any, gradient: Any, x: Any, slope: Any) -> None:
+    """Write the gradient at x."""
+    np.dot(hessian, x, slope)
+    for i in range(len(x)):
+        slope[i] += gradient[i]
 
 
 @njit

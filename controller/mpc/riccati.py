@@ -13,6 +13,7 @@ import numpy as np
 from foreride.controller.mpc.condensing import to_go
 from foreride.controller.mpc.linearisation import Stages
 from foreride.controller.mpc.qp import ACTIVE_TOLERANCE, BOUND_TOLERANCE, SLOPE_TOLERANCE
+from foreride.files.array_copies import copy_matrix, copy_vector
 from foreride.files.jit import njit
 
 _MOST_SETS = 6
@@ -55,7 +56,9 @@ def _solve(
     gradients, gains = np.empty((intervals, inputs, size + 1)), np.empty((intervals, inputs, size + 1))
     # The cost to go at each interval's start: what lies beyond the last change of sides stays.
     cost, slope = np.empty((intervals + 1, size, size)), np.empty((intervals + 1, size))
-    cost[intervals], slope[intervals], last = ending, end_slope, intervals - 1
+    copy_matrix(ending, cost[intervals])
+    copy_vector(end_slope, slope[intervals])
+    last = intervals - 1
     for _ in range(_MOST_SETS):
         for k in range(intervals):
             for a in range(inputs):
@@ -146,7 +149,7 @@ def _follow(
             if side[k, a] != before:
                 changed = k
         np.dot(transition[k], deviation, reached)
-        deviation[:n_x] = reached[:n_x]
+        copy_vector(reached, deviation[:n_x])
     return changed
 
 

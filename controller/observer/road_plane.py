@@ -167,14 +167,18 @@ def _is_obstacle(departure: Any, base_m: Any, memory: Any, travelled_m: float) -
     memory: elapsed time, share of the longest obstacle that has passed, mean departure.
     """
     elapsed_s, passed, mean_m = memory
-    usual_m, rise_m = ROUGHNESSES * mean_m, np.abs(departure - base_m).max()
+    usual_m, rise_m, height_m = ROUGHNESSES * mean_m, 0.0, 0.0
+    for w in range(len(departure)):
+        rise_m = max(rise_m, abs(departure[w] - base_m[w]))
+        height_m = max(height_m, abs(departure[w]))
     if passed < 1.0 and rise_m >= usual_m:
         passing = max(travelled_m / OBSTACLE_LENGTH_M, elapsed_s / OBSTACLE_TIME_S)
         memory[1] = passed + passing if rise_m < OBSTACLE_HEIGHT_M else 1.0
         if memory[1] < 1.0:
             return True
-    elif passed < 1.0 or np.abs(departure).max() < usual_m:
+    elif passed < 1.0 or height_m < usual_m:
         memory[1] = 0.0
-    base_m += min(1.0, travelled_m / FOOT_M) * (departure - base_m)
+    for w in range(len(departure)):
+        base_m[w] += min(1.0, travelled_m / FOOT_M) * (departure[w] - base_m[w])
     memory[2] += min(1.0, travelled_m / MEMORY_M) * (max(rise_m, LEAST_ROUGHNESS_M) - mean_m)
     return False

@@ -23,7 +23,7 @@ def fuse(
     which is not known beyond its end. Heights of observer and preview differ by a constant: it is taken where
     the leader last touched the road, so that measured and previewed road join there.
     """
-    known = np.searchsorted(grid, distance[-1], side="right")
+    known = min(cell(grid, distance[-1], 0) + 1, len(grid))
     heights, sigmas, exists = np.empty(known), np.empty(known), np.empty(known)
     join, touched, last, j = -1, False, len(distance) - 1, 0
     for i in range(known):

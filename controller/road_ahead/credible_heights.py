@@ -125,10 +125,15 @@ def _credible(
 @njit
 def _relative_sigmas(height: Any, sigma: Any, window: int, out: Any) -> None:
     """Write the relative standard deviation of the heights around each point, at most 1."""
-    moving_mean(height**2, window, out)
-    squares = out.copy()
-    moving_mean(sigma**2, window, out)
-    for i in range(len(out)):
+    n = len(out)
+    values, squares = np.empty(n), np.empty(n)
+    for i in range(n):
+        values[i] = height[i] ** 2
+    moving_mean(values, window, squares)
+    for i in range(n):
+        values[i] = sigma[i] ** 2
+    moving_mean(values, window, out)
+    for i in range(n):
         out[i] = np.sqrt(min(max(out[i], 0.0) / max(squares[i], 1e-12), 1.0))
 
 

@@ -88,7 +88,8 @@ def _posterior(
 ) -> tuple[float, float, float, float, float]:
     """The fields of the match. measured: (n, 2) positions, from the wheel on, and heights of the road."""
     count, variance = len(measured) - 1, gain_sigma**2
-    changes, gain_variances, costs = np.empty((3, len(shifts_m)))  # changes of the factor
+    # Changes of the factor, their variances, costs and probabilities.
+    changes, gain_variances, costs, posterior = np.empty((4, len(shifts_m)))
     positions, previewed, weight, flat = np.empty(count + 1), np.empty(count + 1), np.empty(count), 0.0
     for i in range(count):
         weight[i] = 1.0 / np.sqrt(NOISE_M**2 + WALK_M2_M * (measured[i + 1, 0] - measured[i, 0]))
@@ -105,13 +106,20 @@ def _posterior(
         spread = 1.0 + variance * squares
         changes[k], gain_variances[k] = variance * joint / spread, variance / spread
         costs[k] = 0.5 * (errors - variance * joint**2 / spread + np.log(spread))
-    least = costs.min()
-    posterior = prior * np.exp(least - costs)
-    evidence = posterior.sum()
-    posterior /= evidence
-    shift, change = (posterior * shifts_m).sum(), (posterior * changes).sum()
-    shift_variance, wide = (posterior * (shifts_m - shift) ** 2).sum(), (prior * shifts_m**2).sum()
-    gain_variance = (posterior * (gain_variances + (changes - change) ** 2)).sum()
+    least, evidence, shift, change = np.inf, 0.0, 0.0, 0.0
+    for k in range(len(shifts_m)):
+        least = min(least, costs[k])
+    for k in range(len(shifts_m)):
+        posterior[k] = prior[k] * np.exp(least - costs[k])
+        evidence += posterior[k]
+    for k in range(len(shifts_m)):
+        posterior[k] /= evidence
+        shift, change = shift + posterior[k] * shifts_m[k], change + posterior[k] * changes[k]
+    shift_variance = wide = gain_variance = 0.0
+    for k in range(len(shifts_m)):
+        shift_variance += posterior[k] * (shifts_m[k] - shift) ** 2
+        gain_variance += posterior[k] * (gain_variances[k] + (changes[k] - change) ** 2)
+        wide += prior[k] * shifts_m[k] ** 2
     remaining = min(1.0, np.sqrt(shift_variance / wide)) if wide > 0.0 else 1.0
     log_ratio = min(max(np.log(evidence) + flat - least, -MAX_LOG_RATIO), MAX_LOG_RATIO)
     return shift, remaining, 1.0 + change, np.sqrt(gain_variance), log_ratio

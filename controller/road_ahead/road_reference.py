@@ -232,7 +232,9 @@ def _ahead(
     out: Any,
 ) -> None:
     """Write the heights (roads, wheels, n) at times after the last update."""
-    distances = (speed + 0.5 * forward_acc * times_s) * times_s
+    distances = np.empty(len(times_s))
+    for i in range(len(times_s)):
+        distances[i] = (speed + 0.5 * forward_acc * times_s[i]) * times_s[i]
     for k in range(len(previewed)):
         interpolate_rows(distances, grid, previewed[k], out[k])
         for wheel in range(previewed.shape[1]):

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
+from foreride.files.array_copies import copy_vector
 from foreride.files.interpolation import interpolate
 from foreride.files.jit import njit
 
@@ -54,14 +55,18 @@ def write_roads(
     matches: (wheels, 5) of the preview, see `PreviewMatch`.
     """
     n = len(grid)
-    early, late, variance = np.empty(n), np.empty(n), np.empty(n)
+    early, late, variance, nearer = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     for wheel in range(len(matches)):
         roads, sigma = rows[:, wheel], position_sigma[wheel]
         earlier_m, ratio = matches[wheel, 0], matches[wheel, 1]
         _place(roads, kind, settings, earlier_m, ratio, heights[wheel], existence[wheel], grid, sigma)
-        if has_measured and felt_exists[wheel].any():
-            move(grid, heights[wheel], ratio * sigma, early)
-            move(grid, heights[wheel], -ratio * sigma, late)
+        if has_measured and np.any(felt_exists[wheel]):
+            for i in range(n):
+                nearer[i] = ratio * sigma[i]
+            move(grid, heights[wheel], nearer, early)
+            for i in range(n):
+                nearer[i] = -nearer[i]
+            move(grid, heights[wheel], nearer, late)
             seen = height[wheel], height_sigma[wheel], exists[wheel]
             previewed_variance(*seen, early, late, variance)
             fuse(roads, variance, grid, felt_grid, felt[wheel], felt_sigma[wheel], felt_exists[wheel])
@@ -82,7 +87,7 @@ def _place(
     """Write the roads (roads, n) of a wheel where its matched preview expects them."""
     sigmas_early, known_m, unknown_m, blend_m = settings
     n = len(grid)
-    road, nearer = np.empty(n), np.zeros(n)
+    road, nearer, places = np.empty(n), np.zeros(n), np.empty(n)
     for k in range(len(roads)):
         for i in range(n):
             if kind == 0:
@@ -96,8 +101,9 @@ def _place(
                 nearer[i] = _HYPOTHESES[k, 0] * sigma_ratio * sigma[i]
         move(grid, road, nearer, roads[k])
         if earlier_m != 0.0:
-            road[:] = roads[k]
-            interpolate(grid + earlier_m, grid, road, roads[k])
+            for i in range(n):
+                road[i], places[i] = roads[k, i], grid[i] + earlier_m
+            interpolate(places, grid, road, roads[k])
 
 
 @njit
@@ -107,11 +113,14 @@ def move(grid: Any, heights: Any, nearer_m: Any, out: Any) -> None:
     The order of the points is kept: a moved stretch compresses the road before it or, moved away, behind it.
     """
     n = len(grid)
-    least, most = nearer_m.min(), nearer_m.max()
+    least = most = nearer_m[0]
+    places = np.empty(n)
+    for i in range(n):
+        least, most = min(least, nearer_m[i]), max(most, nearer_m[i])
+        places[i] = grid[i] - nearer_m[i]
     if least == most == 0.0:
-        out[:] = heights
+        copy_vector(heights, out)
         return
-    places = grid - nearer_m
     if least < 0.0:
         for i in range(1, n):
             places[i] = max(places[i - 1], places[i])

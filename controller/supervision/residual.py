@@ -161,7 +161,10 @@ def _told(
     """The numbers of a `Claim`; the place is tolerated within `reach_m` and its sigma, and `widest_m`."""
     sigma = interpolated(0.0, grid, position_sigma)
     reach = min(np.hypot(reach_m, sigma), widest_m)
-    here, low, high = claims(reach * _SAMPLES, grid, existence, height)
+    distances = np.empty(len(_SAMPLES))
+    for i in range(len(distances)):
+        distances[i] = reach * _SAMPLES[i]
+    here, low, high = claims(distances, grid, existence, height)
     up, down = 0.0, 0.0
     for i in range(len(grid)):
         if 0.0 < grid[i] < LATE_M:

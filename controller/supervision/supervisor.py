@@ -164,14 +164,21 @@ def relief_m(preview: RoadPreview) -> float:
 @njit(fastmath={"reassoc", "nnan"})
 def _relief(distance: Any, heights: Any) -> float:
     """The relief of finite heights; sums in any order and comparisons are taken several at once."""
-    n, relief = len(distance), 0.0
-    metre = max(1, int(np.round(1.0 / (distance[1] - distance[0]))))
-    along = distance - distance.sum() / n
-    spread = (along * along).sum()
+    n, middle, spread, relief = len(distance), 0.0, 0.0, 0.0
+    metre = max(1, int(1.0 / (distance[1] - distance[0]) + 0.5))
+    for i in range(n):
+        middle += distance[i]
+    middle /= n
+    for i in range(n):
+        spread += (distance[i] - middle) ** 2
     for wheel in range(len(heights)):
-        mean, grade = heights[wheel].sum() / n, (heights[wheel] * along).sum() / spread
+        row, mean, grade = heights[wheel], 0.0, 0.0
         for i in range(n):
-            relief = max(relief, abs(heights[wheel, i] - mean - grade * along[i]))
+            mean += row[i]
+            grade += row[i] * (distance[i] - middle)
+        mean, grade = mean / n, grade / spread
+        for i in range(n):
+            relief = max(relief, abs(row[i] - mean - grade * (distance[i] - middle)))
         for i in range(metre, n):
-            relief = max(relief, abs(heights[wheel, i] - heights[wheel, i - metre]))
+            relief = max(relief, abs(row[i] - row[i - metre]))
     return relief
