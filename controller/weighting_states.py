@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from foreride.comfort.weighting import wk_second_order
-from foreride.files.jit import njit
+from foreride.files.jit import copy_vector, njit
 from foreride.vehicle.equations import state_size
 from foreride.vehicle.load import Car
 from foreride.vehicle.state_layout import state_layout
@@ -62,7 +62,7 @@ def _advance(
     out: x, then the filter states by seat.
     """
     n = len(x)
-    out[:n] = x
+    copy_vector(x, out[:n])
     for seat in range(len(velocity)):
         now = 0.0
         for i in range(len(x)):

@@ -17,8 +17,7 @@ import numpy as np
 
 from foreride.controller.identification.least_squares import LeastSquaresBank
 from foreride.controller.interface import Identified
-from foreride.files.array_copies import copy_matrix, copy_vector
-from foreride.files.jit import njit
+from foreride.files.jit import copy_matrix, copy_vector, njit
 from foreride.vehicle.load import Car
 
 BAND_HZ = (0.5, 20.0)

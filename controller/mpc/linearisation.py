@@ -12,8 +12,7 @@ from foreride.controller.mpc.terminal_cost import TerminalCost
 from foreride.controller.mpc.time_grid import TimeGrid
 from foreride.controller.prediction.casadi_llvm import evaluate
 from foreride.controller.prediction.prediction_model import KNOWN, PredictionModel
-from foreride.files.array_copies import copy_matrix
-from foreride.files.jit import njit
+from foreride.files.jit import copy_matrix, njit
 from foreride.vehicle.equations import input_size
 
 
@@ -209,9 +208,7 @@ def _write_stages(
     n_r, most = count - len(places) - len(outputs), 0
     for k in range(intervals):
         most = max(most, first_steps[k + 1] - first_steps[k])
-    step_motion, product, group = np.zeros((size, size)), np.empty((size, size)), -1
-    for i in range(size):
-        step_motion[i, i] = 1.0
+    step_motion, product, group = np.eye(size), np.empty((size, size)), -1
     jacobians, weighted = np.empty((n_r * most, size)), np.empty((n_r * most, size))
     # One unsigned index into each of these is several times as fast as two or three signed ones.
     entries, values = step_motion.reshape(-1), results.reshape(-1)

@@ -13,8 +13,7 @@ import numpy as np
 from foreride.controller.mpc.condensing import to_go
 from foreride.controller.mpc.linearisation import Stages
 from foreride.controller.mpc.qp import ACTIVE_TOLERANCE, BOUND_TOLERANCE, SLOPE_TOLERANCE
-from foreride.files.array_copies import copy_matrix, copy_vector
-from foreride.files.jit import njit
+from foreride.files.jit import copy_matrix, copy_vector, njit
 
 _MOST_SETS = 6
 """Sets that are tried; with more changes of sides the condensed program is solved sooner."""

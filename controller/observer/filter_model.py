@@ -77,7 +77,7 @@ def filter_model(vehicle: Car, noise: SensorNoise, period_s: float) -> FilterMod
         transition,
         drive,
         (frozen[0], following[0]),
-        (frozen[1], following[1]),
+        (np.ascontiguousarray(frozen[1]), np.ascontiguousarray(following[1])),
         _frame_velocity(vehicle) @ np.eye(len(constant))[filter_layout(vehicle).plane_rate],
         _output(vehicle),
         _balance(vehicle),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from foreride.files.jit import njit
+from foreride.files.jit import copy_vector, njit
 
 DEFLECTION_SIGMA_M, AIR_SIGMA_M = 3e-4, 0.02
 """Standard deviation of the tyre deflection as the accelerations give it: on the ground and off it."""
@@ -74,11 +74,15 @@ def taken_in(state: Any, covariance: Any, output: Any, innovation: Any, variance
             expected += row[k] * cross[k]
         for i in range(n):
             change[i] += cross[i] * (rest / expected)
-        cross /= np.sqrt(expected)
+        sigma = np.sqrt(expected)
+        for i in range(n):
+            cross[i] /= sigma
         for i in range(n):
             for j in range(n):
                 covariance[i, j] -= cross[i] * cross[j]
-    return state + change, covariance
+    for i in range(n):
+        change[i] += state[i]
+    return change, covariance
 
 
 @njit
@@ -116,17 +120,27 @@ def predicted(
     samples: (3, m) accelerations of the period's end, of its beginning and one period before. aliasing:
     standard deviation of the period's mean acceleration per second difference of them.
     """
-    now, previous, before = samples
-    mean = (5.0 * now + 8.0 * previous - before) / 12.0
-    unseen = aliasing * (now - 2.0 * previous + before)
-    moved = product(transition, state) + product(drive, mean)
-    return moved, propagated(covariance, transition, drive, variance + unseen**2) + process
+    count, n = len(variance), len(state)
+    mean, spread = np.empty(count), np.empty(count)
+    for i in range(count):
+        now, previous, before = samples[0, i], samples[1, i], samples[2, i]
+        mean[i] = (5.0 * now + 8.0 * previous - before) / 12.0
+        spread[i] = variance[i] + (aliasing * (now - 2.0 * previous + before)) ** 2
+    moved, driven = product(transition, state), product(drive, mean)
+    after = propagated(covariance, transition, drive, spread)
+    for i in range(n):
+        moved[i] += driven[i]
+        for j in range(n):
+            after[i, j] += process[i, j]
+    return moved, after
 
 
 @njit
 def corrected(state: Any, covariance: Any, output: Any, reading: Any, variance: Any) -> Any:
     """State and covariance after a reading, its innovation and that one's covariance."""
-    innovation = reading - product(output, state)
+    innovation = product(output, state)
+    for i in range(len(reading)):
+        innovation[i] = reading[i] - innovation[i]
     expected = expected_covariance(covariance, output, variance)
     state, covariance = taken_in(state, covariance, output, innovation, variance)
     return state, covariance, innovation, expected
@@ -154,17 +168,27 @@ def readings(channels: Any, wheels: int, gyros: int, motion: Any, count: int) ->
 
 @njit
 def reframed(
-    state: Any, covariance: Any, change: Any, frame: Any, faster: Any, drive: Any, variance: Any
+    state: Any,
+    covariance: Any,
+    change: Any,
+    frame: Any,
+    by_speed: Any,
+    faster: float,
+    drive: Any,
+    variance: Any,
 ) -> Any:
     """Covariance after the velocity of the frame has changed by `change` (wheels,), and `state` in place.
 
-    frame, faster: map of s, and what is added to it.
+    frame, by_speed: map of s, and what is added to it by the relative change of the speed, `faster`.
     """
-    wheels = len(change)
+    wheels, moved = len(change), frame.copy()
+    for i in range(len(state)):
+        for j in range(len(state)):
+            moved[i, j] += faster * by_speed[i, j]
     for i in range(wheels):
         state[2 * wheels + i] -= change[i]
         state[3 * wheels + i] -= change[i]
-    return propagated(covariance, frame + faster, drive, variance)
+    return propagated(covariance, moved, drive, variance)
 
 
 @njit
@@ -203,7 +227,7 @@ def vehicle_state(state: Any, body_of_corners: Any, inputs: Any, x: Any) -> None
         x[2 * i], x[2 * i + 1] = height, rate
     for w in range(wheels):
         x[2 * (body + w)], x[2 * (body + w) + 1] = state[wheels + w], state[3 * wheels + w]
-    x[moving:] = inputs
+    copy_vector(inputs, x[moving:])
 
 
 @njit
@@ -216,27 +240,30 @@ def road_from_tyre(
     mass: float,
     masses: Any,
     transfer: Any,
+    forward_acc: float,
     by_struts: Any,
     tyres: Any,
     period_s: float,
+    road: Any,
+    contact: Any,
+    rate: Any,
 ) -> Any:
-    """Road's height (wheels,), contact, rate of the height, and variance of the deflections.
+    """Write the road's height (wheels,), contact and rate of the height; return the deflections' variance.
 
     previous_m: (wheels,) height one period before. deflection: (wheels,) of the tyres, replaced in place.
     acceleration: (2w,) as measured. variance: (wheels,) of the deflections, due to lost sensors. mass: of the
     body over the known one. masses: (wheels, 2w), see `vehicle.corner_inertia`. transfer: (wheels,) forces by
-    the longitudinal acceleration. by_struts: (wheels,) those that cancel in the body. tyres: (wheels, 3)
-    stiffness, damping and static force.
+    the longitudinal acceleration, `forward_acc`. by_struts: (wheels,) those that cancel in the body. tyres:
+    (wheels, 3) stiffness, damping and static force.
     """
     wheels = len(previous_m)
-    road, rate, spread = np.empty(wheels), np.empty(wheels), np.empty(wheels)
-    contact = np.empty(wheels, dtype=np.bool_)
+    spread = np.empty(wheels)
     for i in range(wheels):
         body, wheel = 0.0, 0.0
         for k in range(wheels):
             body += masses[i, k] * (acceleration[k] - state[4 * wheels + k])
             wheel += masses[i, wheels + k] * (acceleration[wheels + k] - state[5 * wheels + k])
-        force = mass * (body + transfer[i]) + wheel + by_struts[i]
+        force = mass * (body + transfer[i] * forward_acc) + wheel + by_struts[i]
         stiffness, damping, static = tyres[i]
         deflection[i] = (force + damping / period_s * deflection[i]) / (stiffness + damping / period_s)
         height = state[wheels + i] + deflection[i]
@@ -244,4 +271,4 @@ def road_from_tyre(
         road[i] = height if contact[i] else min(height, previous_m[i])
         rate[i] = (road[i] - previous_m[i]) / period_s
         spread[i] = variance[i] + (DEFLECTION_SIGMA_M if contact[i] else AIR_SIGMA_M) ** 2
-    return road, contact, rate, spread
+    return spread

@@ -180,5 +180,5 @@ class KinematicFilter:
         faster: relative change of the speed; deflection_variance: (wheels,) of the tyre deflections.
         """
         model, own = self.model, (self.state, self.covariance)
-        frame = model.frame[follows], faster * model.faster, model.frame_drive[follows]
+        frame = model.frame[follows], model.faster, faster, model.frame_drive[follows]
         self.covariance = reframed(*own, change, *frame, deflection_variance)

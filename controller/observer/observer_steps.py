@@ -16,7 +16,7 @@ from foreride.controller.observer.filter_steps import (
     vehicle_state,
 )
 from foreride.controller.observer.road_plane import adjust_plane, followed_plane
-from foreride.files.jit import njit
+from foreride.files.jit import copy_matrix, copy_vector, njit
 
 _UNKNOWN = -1
 """Whether the road is that of an obstacle: for `RoadPlane` to decide."""
@@ -62,8 +62,11 @@ def follow_motion(
     if begun:
         before = state, covariance
         now, spread = predicted(*before, samples, acceleration_variance, aliasing, transition, drive, process)
-    after = corrected(now, spread, output, reading, reading_variance)
-    state[:], covariance[:], innovation[:], innovation_covariance[:] = after
+    now, spread, found, expected = corrected(now, spread, output, reading, reading_variance)
+    copy_vector(now, state)
+    copy_matrix(spread, covariance)
+    copy_vector(found, innovation)
+    copy_matrix(expected, innovation_covariance)
     _correct_plane(plane, state, speed_m_s)
     strut_motion(state, channels, body_of_corners, inertial, forward_acc, motion)
 
@@ -107,7 +110,9 @@ def balance_forces(
             force += kinematic_rows[w, i] * struts[w]
         modelled = force / inertia[i] - by_inertia[i]
         excess[i], variance[i] = measured - modelled, floor[i] + (share * modelled) ** 2
-    state[:], covariance[:] = taken_in(state, covariance, balance, excess, variance)
+    after = taken_in(state, covariance, balance, excess, variance)
+    copy_vector(after[0], state)
+    copy_matrix(after[1], covariance)
     _correct_plane(plane, state, speed_m_s)
 
 
@@ -149,19 +154,19 @@ def follow_road(
     `vehicle_state`; the filter's state and covariance, those of the plane and deflection change in place.
     faster: relative change of the speed. inputs: settings of the dampers, then forces of the actuators.
     """
-    force = transfer * forward_acc
-    tyre = acceleration, variance, mass, masses, force, by_struts, tyres, period_s
-    found = road_from_tyre(state, previous_m, deflection, *tyre)
-    road[:], contact[:], rate[:], spread = found
+    tyre = acceleration, variance, mass, masses, transfer, forward_acc, by_struts, tyres, period_s
+    spread = road_from_tyre(state, previous_m, deflection, *tyre, road, contact, rate)
     memory[0] = period_s
-    plane[0] += period_s * plane[2]
+    for i in range(plane.shape[1]):
+        plane[0, i] += period_s * plane[2, i]
     maps = kinematic_rows, body_of_road
     change = product(
         kinematic_rows,
         followed_plane(plane, plane_wheels, memory, *maps, road, speed_m_s, _UNKNOWN),
     )
     follows = int(not np.any(plane_wheels[0]))
-    frame = frames[follows], faster * by_speed, frame_drives[follows]
-    covariance[:] = reframed(state, covariance, change, *frame, spread)
-    rate -= change
+    frame = frames[follows], by_speed, faster, frame_drives[follows]
+    copy_matrix(reframed(state, covariance, change, *frame, spread), covariance)
+    for w in range(len(rate)):
+        rate[w] -= change[w]
     vehicle_state(state, body_of_corners, inputs, x)

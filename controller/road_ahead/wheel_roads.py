@@ -5,9 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from foreride.controller.road_ahead.axle_fusion import fuse, previewed_variance
-from foreride.files.array_copies import copy_vector
 from foreride.files.interpolation import interpolate
-from foreride.files.jit import njit
+from foreride.files.jit import copy_vector, njit
 
 
 class RoadHypothesis(NamedTuple):
