@@ -1,11 +1,10 @@
 """Sensor readings of the wheels as means over the axles, and the height of the body over the road in them."""
 
-from typing import Any, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from foreride.files.errors import InputError
-from foreride.files.jit import njit
 
 
 class Measurement(Protocol):
@@ -36,68 +35,49 @@ class Measurement(Protocol):
         """Speed along the road, m/s."""
 
 
+class BodyReading(NamedTuple):
+    """Acceleration of the body at the centre of gravity (m/s²), and deflections.
+
+    deflection_m: (axles,) height of the body over the road less that at rest, front first.
+    wheel_deflection_m: (wheels,) the same at each wheel.
+    """
+
+    acceleration: float
+    deflection_m: np.ndarray
+    wheel_deflection_m: np.ndarray
+
+
 class AxleReadings:
-    """Readings over the axles, overwritten by each measurement.
+    """Readings over the axles, which are linear in those of the wheels.
 
     axle_x_m: position of each wheel relative to the centre of gravity; wheels at the same place share an
-    axle, which moves by their mean. tyre_compliance: as in `preview.vehicle_facts`.
-
-    positions_m: of the axles, front first. wheel_deflection_m (wheels,), deflection_m (axles,): height of the
-    body over the road less its value at rest.
+    axle, which moves by their mean. tyre_compliance: as in `preview.vehicle_facts`. positions_m: of the
+    axles, front first.
     """
 
     def __init__(self, axle_x_m: tuple[float, ...], tyre_compliance: np.ndarray) -> None:
         axles = sorted(set(axle_x_m), reverse=True)
         if len(axles) not in (1, 2):
             raise InputError(f"axle_x_m must name 1 or 2 axles, got {len(axles)}")
-        self.positions_m = np.array(axles, dtype=float)
-        self._axle_of_wheel = np.array([axles.index(x) for x in axle_x_m])
-        self._compliance = np.ascontiguousarray(tyre_compliance)
-        self.wheel_deflection_m, self.deflection_m = np.zeros(len(axle_x_m)), np.zeros(len(axles))
+        self.positions_m, self._wheels = np.array(axles, dtype=float), len(axle_x_m)
+        shares = np.array([[x == axle for x in axle_x_m] for axle in axles], dtype=float)
+        shares /= shares.sum(axis=1, keepdims=True)
+        # Newton for wheels and body above the tyres: k (road - wheel) = m_u a_u + m_s a_s.
+        deflection = np.hstack([-tyre_compliance, np.eye(self._wheels)])
+        acceleration = np.zeros(3 * self._wheels)
+        acceleration[: self._wheels] = _at_centre(self.positions_m) @ shares
+        self._rows = np.vstack([deflection, shares @ deflection, acceleration])
 
-    def take(self, measurement: Measurement) -> tuple[float, float]:
-        """Acceleration of the body at the centre of gravity, and the greatest one of a wheel, m/s²."""
-        read = measurement.body_acc, measurement.wheel_acc, measurement.rattle_m
-        car = self._compliance, self._axle_of_wheel, self.positions_m
-        return _take(*read, *car, self.wheel_deflection_m, self.deflection_m)  # type: ignore[no-any-return]
+    def of(self, measurement: Measurement) -> BodyReading:
+        """Reading of the body in a measurement."""
+        read = np.concatenate([measurement.body_acc, measurement.wheel_acc, measurement.rattle_m])
+        values = self._rows @ read
+        return BodyReading(float(values[-1]), values[self._wheels : -1], values[: self._wheels])
 
 
-@njit
-def _take(
-    body_acc: Any,
-    wheel_acc: Any,
-    rattle_m: Any,
-    compliance: Any,
-    axle_of_wheel: Any,
-    axle_x_m: Any,
-    wheel_deflection: Any,
-    deflection: Any,
-) -> tuple[float, float]:
-    """Newton for wheels and body above the tyres: k (road - wheel) = m_u a_u + m_s a_s."""
-    wheels, greatest = len(rattle_m), 0.0
-    for wheel in range(wheels):
-        tyre_m = 0.0
-        for other in range(wheels):
-            tyre_m += compliance[wheel, other] * body_acc[other]
-        for other in range(wheels):
-            tyre_m += compliance[wheel, wheels + other] * wheel_acc[other]
-        wheel_deflection[wheel] = rattle_m[wheel] - tyre_m
-        greatest = max(greatest, abs(wheel_acc[wheel]))
-    for axle in range(len(axle_x_m)):
-        deflection[axle] = _mean(wheel_deflection, axle_of_wheel, axle)
-    front = _mean(body_acc, axle_of_wheel, 0)
+def _at_centre(axle_x_m: np.ndarray) -> np.ndarray:
+    """Weights (axles,) that interpolate a quantity over the axles to the centre of gravity."""
     if len(axle_x_m) == 1:
-        return front, greatest
-    rear = _mean(body_acc, axle_of_wheel, 1)
-    return (axle_x_m[0] * rear - axle_x_m[1] * front) / (axle_x_m[0] - axle_x_m[1]), greatest
-
-
-@njit
-def _mean(values: Any, axle_of_wheel: Any, axle: int) -> float:
-    """Mean over the wheels of an axle."""
-    total, count = 0.0, 0
-    for wheel in range(len(values)):
-        if axle_of_wheel[wheel] == axle:
-            total += values[wheel]
-            count += 1
-    return total / count
+        return np.ones(1)
+    front, rear = axle_x_m
+    return np.array([-rear, front]) / (front - rear)

@@ -82,16 +82,16 @@ class EgoMotion:
             if step <= 0:
                 raise InputError(f"time_s must advance beyond {previous.time_s}, got {time_s}")
             self.x_m += step * 0.5 * (previous.speed_m_s + speed)
-        acceleration, greatest_wheel_acc = self._readings.take(measurement)
-        if greatest_wheel_acc > self.settings.strike_acc_m_s2:
+        if max(map(abs, measurement.wheel_acc.tolist())) > self.settings.strike_acc_m_s2:
             self._masked_until_s = time_s + self.settings.strike_hold_s
+        acceleration, deflection, wheel_deflection = self._readings.of(measurement)
         self._predict(step, acceleration, measurement.pitch_rate, measurement.roll_rate)
-        self.turn, deflection = None, self._readings.deflection_m
+        self.turn = None
         if on_plane and time_s >= self._masked_until_s:
             self.turn = self._body.level(deflection, step, speed)
             if self.turn is not None:
                 self._transform_history(self.turn)
-            self._roll.level(self._readings.wheel_deflection_m, self._body.roughness_m)
+            self._roll.level(wheel_deflection, self._body.roughness_m)
         heave, pitch = float(self._body.state[HEAVE]), float(self._body.state[PITCH])
         self.road_m = heave - self._front_m * pitch - float(deflection[0])
         path_curvature = curvature(yaw_rate, speed)

@@ -70,12 +70,14 @@ def box_equations(
     gradient[:] = 0.0
     cost[:] = 0.0
     for k in range(len(states)):
-        profile, state, into = profiles[k], states[k], (information[k], gradient[k])
+        profile, state = profiles[k], states[k]
         for bearings in data:
             point = _highest(profile, state, bearings[_CAMERA_X], bearings[_CAMERA_Z])
-            cost[k] += _add_edge(bearings, 0, 0.0, 0.0, state, correlation, *into)
-            at = _PROFILE_POINTS[point], profile[point]
-            cost[k] += _add_edge(bearings, 1, *at, state, correlation, *into)
+            for top in range(2):
+                share, rise = top * _PROFILE_POINTS[point], top * profile[point]
+                cost[k] += _add_edge(
+                    bearings, top, share, rise, state, correlation, information[k], gradient[k]
+                )
 
 
 @njit
