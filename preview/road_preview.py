@@ -107,7 +107,7 @@ class RoadPreview:
     ) -> "RoadPreview":
         """Preview whose arrays, in the order of the fields, are known to be as they must be.
 
-        properties: `is_exact`, `is_empty` and `height_here_m` where they are known.
+        properties: `is_exact`, `is_certain`, `is_empty` and `height_here_m` where they are known.
         """
         preview = object.__new__(cls)
         preview.__dict__.update(zip(_FIELDS, (time_s, *arrays), strict=True), age_s=age_s, **properties)
@@ -119,7 +119,7 @@ class RoadPreview:
     ) -> "RoadPreview":
         """Error-free preview of heights that are known to be as they must be, here (wheels,) as well."""
         arrays = distance_m, height_m, *_error_free(height_m.shape)
-        return cls.unchecked(time_s, *arrays, is_exact=True, height_here_m=height_here_m)
+        return cls.unchecked(time_s, *arrays, is_exact=True, is_certain=True, height_here_m=height_here_m)
 
     @property
     def wheels(self) -> int:
@@ -135,6 +135,11 @@ class RoadPreview:
     def is_empty(self) -> bool:
         """Whether nothing was seen: a level road of existence 0."""
         return not (self.existence.any() or self.height_m.any())
+
+    @cached_property
+    def is_certain(self) -> bool:
+        """Whether the preview claims to be free of errors, with everything in it real."""
+        return self.is_exact and bool((self.existence == 1.0).all())
 
     @cached_property
     def height_here_m(self) -> np.ndarray:

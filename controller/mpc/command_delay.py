@@ -47,6 +47,8 @@ class CommandDelayLine:
         """Return the commands that act from now until one issued now would act; empty without delay."""
         period, pending, start = self._timing.period_s, [], 0.0
         count = min(_periods(self.delay_s, period), self._longest)
+        if not count:
+            return []
         for i, command in enumerate(list(self._issued)[self._longest - count :]):
             end = self.delay_s - (count - 1 - i) * period
             pending.append(DelayedCommand(start, end - start, command))

@@ -129,6 +129,9 @@ class RoadReference:
             self._grid, self._previewed_heights = _LEVEL, np.zeros((self._hypotheses, self._wheels, 2))
             return
         self._grid = preview.distance_m
+        if preview.is_certain and self._hypotheses == 1:  # what was measured adds nothing to it
+            self._previewed_heights = preview.height_m[None]
+            return
         matches = {leader: alignment.match(preview) for leader, alignment in self._alignments.items()}
         for leader, match in matches.items():
             self._credibility.update(leader, match)

@@ -1,7 +1,10 @@
 """Correlation of measured and previewed road of one wheel: height differences over a short distance."""
 
-from collections import deque
-from math import exp, sqrt
+from typing import Any
+
+import numpy as np
+
+from foreride.files.jit import njit
 
 LAG_M = 0.2
 """Distance of the differences; they do not contain slow errors, such as an observer's drift."""
@@ -18,14 +21,19 @@ ENERGY_M, FORGOTTEN_M = 0.002, 0.0006
 HYSTERESIS = 0.15
 
 
+_ROOM = 256
+"""Places that the arrays hold at first."""
+
+
 class Correlation:
     """Test with forgetting, distance constant `memory_m`, and hysteresis from `least` upwards."""
 
     def __init__(self, memory_m: float, least: float):
         self._memory_m, self._least = memory_m, least
-        self._past: deque[tuple[float, float, float]] = deque()
+        self._past = np.empty((_ROOM, 3))  # place, felt and claimed height, from the first to the end
+        self._first = self._end = 0
         self._travelled_m = 0.0
-        self._moments = 0.0, 0.0, 0.0
+        self._moments = np.zeros(3)  # felt, joint and claimed
         self.alike = True
 
     def feel(
@@ -33,35 +41,65 @@ class Correlation:
     ) -> bool:
         """Add measured and previewed height, known to `sigma_m` along the road; return if they correlate."""
         self._travelled_m += travelled_m
-        keep = exp(-travelled_m / self._memory_m)
-        felt, joint, claimed = self._moments
-        self._moments = keep * felt, keep * joint, keep * claimed
-        if contact:
-            self._past.append((self._travelled_m, felt_m, claimed_m))
-            self._add_difference(1.0 - keep)
-        felt, joint, claimed = self._moments
-        least = self._least * exp(-0.5 * (sigma_m / WIDTH_M) ** 2)
-        both = sqrt(felt * claimed)
-        if claimed > ENERGY_M**2 and joint < least * both:
-            self.alike = False
-        elif claimed < FORGOTTEN_M**2 or joint > (least + HYSTERESIS) * both:
-            self.alike = True
+        if self._end == len(self._past):
+            self._make_room()
+        own = self._past, self._moments, self._first, self._end, self.alike, self._memory_m, self._least
+        now = self._travelled_m, felt_m, contact, claimed_m, sigma_m, travelled_m
+        self._first, self.alike = _feel(*own, *now)
+        self._end += contact
         return self.alike
 
-    def _add_difference(self, share: float) -> None:
-        """Update the second moments by the differences over LAG_M, if the wheel had contact then."""
-        past = self._past
-        while len(past) > 1 and past[1][0] <= self._travelled_m - LAG_M:
-            past.popleft()
-        place, felt, claimed = past[0]
-        if not 0.5 * LAG_M <= self._travelled_m - place <= 2.0 * LAG_M:
-            return
-        rise = min(max(past[-1][1] - felt, -CLIP_M), CLIP_M)
-        told = min(max(past[-1][2] - claimed, -CLIP_M), CLIP_M)
-        if abs(told) > CLAIMED_M:
-            squares, joint, told_squares = self._moments
-            self._moments = (
-                squares + share * (rise * rise),
-                joint + share * (rise * told),
-                told_squares + share * (told * told),
-            )
+    def _make_room(self) -> None:
+        """Move the places to the start of an array with room for as many again."""
+        kept = self._past[self._first : self._end]
+        self._past = np.empty((max(_ROOM, 2 * len(kept)), 3))
+        self._past[: len(kept)] = kept
+        self._first, self._end = 0, len(kept)
+
+
+@njit
+def _feel(
+    past: Any,
+    moments: Any,
+    first: int,
+    end: int,
+    alike: bool,
+    memory_m: float,
+    least: float,
+    place_m: float,
+    felt_m: float,
+    contact: bool,
+    claimed_m: float,
+    sigma_m: float,
+    travelled_m: float,
+) -> tuple[int, bool]:
+    """The first of the past places that is still needed, and whether the heights correlate."""
+    keep = np.exp(-travelled_m / memory_m)
+    for i in range(3):
+        moments[i] *= keep
+    if contact:
+        past[end, 0], past[end, 1], past[end, 2] = place_m, felt_m, claimed_m
+        while end > first and past[first + 1, 0] <= place_m - LAG_M:
+            first += 1
+        _add_difference(past[first], past[end], 1.0 - keep, moments)
+    felt, joint, claimed = moments
+    least *= np.exp(-0.5 * (sigma_m / WIDTH_M) ** 2)
+    both = np.sqrt(felt * claimed)
+    if claimed > ENERGY_M**2 and joint < least * both:
+        return first, False
+    if claimed < FORGOTTEN_M**2 or joint > (least + HYSTERESIS) * both:
+        return first, True
+    return first, alike
+
+
+@njit
+def _add_difference(then: Any, now: Any, share: float, moments: Any) -> None:
+    """Update the second moments by the differences over LAG_M, if the wheel had contact then."""
+    if not 0.5 * LAG_M <= now[0] - then[0] <= 2.0 * LAG_M:
+        return
+    rise = min(max(now[1] - then[1], -CLIP_M), CLIP_M)
+    told = min(max(now[2] - then[2], -CLIP_M), CLIP_M)
+    if abs(told) > CLAIMED_M:
+        moments[0] += share * (rise * rise)
+        moments[1] += share * (rise * told)
+        moments[2] += share * (told * told)

@@ -79,8 +79,8 @@ class PreviewGate:
         for wheel, residual, correlation in zip(
             self._front, self._residuals, self._correlations, strict=True
         ):
-            felt, contact = float(estimate.road_height[wheel]), bool(estimate.contact[wheel])
+            felt, contact = estimate.road_height.item(wheel), estimate.contact.item(wheel)
             strikes.append(residual.feel(felt, contact, preview, travelled_m))
-            claim = residual.claim
-            alike = correlation.feel(felt, contact, claim.here, claim.sigma, travelled_m) and alike
+            claimed = residual.claimed_m, residual.sigma_m
+            alike = correlation.feel(felt, contact, *claimed, travelled_m) and alike
         return strikes, alike

@@ -6,8 +6,7 @@ Biometrika 41, 1954).
 """
 
 from enum import Enum
-from math import exp
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -42,88 +41,45 @@ class Strike(Enum):
     CONTRADICTED = "contradicted"
 
 
-class Claim(NamedTuple):
-    """Claim of a preview about one wheel, m: expected height here, with its lowest and highest nearby.
-
-    sigma, height_sigma: standard deviations of position and height here. up, down: greatest expected rise and
-    fall in the next `LATE_M`, at least zero.
-    """
-
-    here: float
-    low: float
-    high: float
-    sigma: float
-    height_sigma: float
-    up: float
-    down: float
+_STRIKES = tuple(Strike)
+_CONSISTENT, _UNANNOUNCED, _CONTRADICTED = range(3)
 
 
 class Residual:
-    """Test of one wheel's preview; `feel` once a period. claim: what the last preview said."""
+    """Test of one wheel's preview; `feel` once a period.
 
-    claim: Claim
+    claimed_m, sigma_m: expected height and standard deviation of the position here, of the last preview.
+    """
+
+    claimed_m: float
+    sigma_m: float
 
     def __init__(self, wheel: int, settings: GateSettings):
-        self._wheel, self._settings = wheel, settings
-        self._levels: tuple[float, float] | None = None
-        self._rough = SMOOTH_M
-        self._unannounced, self._contradicted, self._late = 0.0, 0.0, False
+        self._wheel = wheel
+        tolerances = settings.reach_m, settings.widest_m, settings.height_m, settings.gain
+        self._tolerances = np.array([*tolerances, settings.least_gain, settings.strike_m])
+        self._levels = np.full(2, np.nan)  # of felt and claimed heights; NaN before the first contact
+        self._rough = np.array([SMOOTH_M])
+        self._sums = np.zeros(3)  # unannounced, contradicted; whether what was unannounced comes late
 
     def feel(self, felt_m: float, contact: bool, preview: RoadPreview, travelled_m: float) -> Strike:
         """Add the road height measured now, `travelled_m` after the last one; ignored while in the air."""
-        self.claim = self._claim(preview)
-        fade = exp(-travelled_m / FORGET_M)
-        self._unannounced *= fade
-        self._contradicted *= fade
-        if contact:
-            self._compare(felt_m, travelled_m)
-        limit = self._settings.strike_m
-        if self._contradicted > limit:
-            return Strike.CONTRADICTED
-        if self._unannounced > limit:
-            return Strike.CONTRADICTED if self._late else Strike.UNANNOUNCED
-        return Strike.CONSISTENT
-
-    def _compare(self, felt_m: float, travelled_m: float) -> None:
-        claimed, low, high, *_ = self.claim
-        felt_level, claimed_level = self._levels or (felt_m, claimed)
-        height, low, high = felt_m - felt_level, low - claimed_level, high - claimed_level
-        size = max(-low, high)
-        plain = size < PLAIN_M
-        tolerated = self._settings.height_m + (ROUGHS_PLAIN if plain else ROUGHS_CLAIMED) * self._rough
-        least, most = self._gains(size)
-        above = height - max(least * high, most * high) - tolerated
-        below = min(least * low, most * low) - tolerated - height
-        if plain:
-            self._unannounced += max(above, below, 0.0)
-            self._late = self._follows(height)
-            self._learn_roughness(abs(claimed - claimed_level - height), travelled_m)
-        else:
-            self._contradicted += max(above, below, 0.0)
-        share = min(1.0, travelled_m / LEVEL_M)
-        self._levels = felt_level + share * height, claimed_level + share * (claimed - claimed_level)
-
-    def _claim(self, preview: RoadPreview) -> Claim:
-        settings, wheel = self._settings, self._wheel
-        rows = preview.existence[wheel], preview.height_m[wheel]
-        sigmas = preview.position_sigma_m[wheel], preview.height_sigma_m[wheel]
-        return Claim(*_told(preview.distance_m, *rows, *sigmas, settings.reach_m, settings.widest_m))
-
-    def _gains(self, size_m: float) -> tuple[float, float]:
-        """Smallest and largest tolerated ratio of measured to previewed height."""
-        doubt = self._settings.gain + 2.0 * self.claim.height_sigma / max(size_m, _LEAST_SIZE_M)
-        return max(self._settings.least_gain, 1.0 - doubt), 1.0 + doubt
-
-    def _follows(self, height_m: float) -> bool:
-        """Whether an obstacle like the one measured is previewed close ahead."""
-        greatest = self.claim.up if height_m > 0.0 else self.claim.down
-        return height_m != 0.0 and greatest > LATE_SHARE * abs(height_m)
-
-    def _learn_roughness(self, error_m: float, travelled_m: float) -> None:
-        """Update the roughness; an obstacle counts no more than twice the present value."""
-        share = min(1.0, travelled_m / ROUGH_M)
-        usual = min(max(error_m, SMOOTH_M), 2.0 * self._rough)
-        self._rough += share * (usual - self._rough)
+        strike, self.claimed_m, self.sigma_m = _feel(
+            felt_m,
+            contact,
+            travelled_m,
+            self._wheel,
+            preview.distance_m,
+            preview.existence,
+            preview.height_m,
+            preview.position_sigma_m,
+            preview.height_sigma_m,
+            self._tolerances,
+            self._levels,
+            self._rough,
+            self._sums,
+        )
+        return _STRIKES[strike]
 
 
 @njit
@@ -149,24 +105,81 @@ def claims(distances: Any, grid: Any, existence: Any, height: Any) -> tuple[floa
 
 
 @njit
-def _told(
+def _feel(
+    felt_m: float,
+    contact: bool,
+    travelled_m: float,
+    wheel: int,
     grid: Any,
     existence: Any,
     height: Any,
     position_sigma: Any,
     height_sigma: Any,
-    reach_m: float,
-    widest_m: float,
-) -> tuple[float, float, float, float, float, float, float]:
-    """The numbers of a `Claim`; the place is tolerated within `reach_m` and its sigma, and `widest_m`."""
-    sigma = interpolated(0.0, grid, position_sigma)
+    tolerances: Any,
+    levels: Any,
+    rough: Any,
+    sums: Any,
+) -> tuple[int, float, float]:
+    """Index of the strike, then expected height and sigma of the position at distance zero.
+
+    tolerances: of `GateSettings`. levels, rough, sums: see `Residual`; they change. A place is tolerated
+    within its reach and sigma, and the widest.
+    """
+    reach_m, widest_m, tolerated_m, gain, least_gain, limit_m = tolerances
+    sigma = interpolated(0.0, grid, position_sigma[wheel])
     reach = min(np.hypot(reach_m, sigma), widest_m)
     distances = np.empty(len(_SAMPLES))
     for i in range(len(distances)):
         distances[i] = reach * _SAMPLES[i]
-    here, low, high = claims(distances, grid, existence, height)
-    up, down = 0.0, 0.0
+    here, low, high = claims(distances, grid, existence[wheel], height[wheel])
+    fade = np.exp(-travelled_m / FORGET_M)
+    sums[0] *= fade
+    sums[1] *= fade
+    if contact:
+        if np.isnan(levels[0]):
+            levels[0], levels[1] = felt_m, here
+        rise, low, high = felt_m - levels[0], low - levels[1], high - levels[1]
+        size = max(-low, high)
+        plain = size < PLAIN_M
+        tolerated_m += (ROUGHS_PLAIN if plain else ROUGHS_CLAIMED) * rough[0]
+        doubt = gain + 2.0 * interpolated(0.0, grid, height_sigma[wheel]) / max(size, _LEAST_SIZE_M)
+        beyond = _beyond(rise, low, high, max(least_gain, 1.0 - doubt), 1.0 + doubt) - tolerated_m
+        if plain:
+            sums[0] += max(beyond, 0.0)
+            sums[2] = _follows(rise, grid, existence[wheel], height[wheel])
+            _learn_roughness(abs(here - levels[1] - rise), travelled_m, rough)
+        else:
+            sums[1] += max(beyond, 0.0)
+        share = min(1.0, travelled_m / LEVEL_M)
+        levels[0] += share * rise
+        levels[1] += share * (here - levels[1])
+    if sums[1] > limit_m:
+        return _CONTRADICTED, here, sigma
+    if sums[0] > limit_m:
+        return _CONTRADICTED if sums[2] else _UNANNOUNCED, here, sigma
+    return _CONSISTENT, here, sigma
+
+
+@njit
+def _beyond(rise: float, low: float, high: float, least: float, most: float) -> float:
+    """How far a height is above or below the claimed ones, times the least or the greatest gain."""
+    return max(rise - max(least * high, most * high), min(least * low, most * low) - rise)
+
+
+@njit
+def _follows(rise: float, grid: Any, existence: Any, height: Any) -> bool:
+    """Whether an obstacle like the one measured is previewed close ahead."""
+    greatest = 0.0
     for i in range(len(grid)):
         if 0.0 < grid[i] < LATE_M:
-            up, down = max(up, existence[i] * height[i]), max(down, -existence[i] * height[i])
-    return here, low, high, sigma, interpolated(0.0, grid, height_sigma), up, down
+            expected = existence[i] * height[i]
+            greatest = max(greatest, expected if rise > 0.0 else -expected)
+    return rise != 0.0 and greatest > LATE_SHARE * abs(rise)
+
+
+@njit
+def _learn_roughness(error_m: float, travelled_m: float, rough: Any) -> None:
+    """Update the roughness; an obstacle counts no more than twice the present value."""
+    share = min(1.0, travelled_m / ROUGH_M)
+    usual = min(max(error_m, SMOOTH_M), 2.0 * rough[0])
+    rough[0] += share * (usual - rough[0])

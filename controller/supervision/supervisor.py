@@ -147,23 +147,28 @@ def preview_problem(
         return "preview of another car"
     if preview.age_s > settings.stale_s or abs(estimate.time_s - preview.time_s) > 0.5 * period_s:
         return "stale preview"
-    level_m = (preview.height_here_m - estimate.road_height).tolist()
-    if max(map(abs, level_m)) > MAX_LEVEL_M or relief_m(preview) > settings.highest_m:
+    heights = preview.distance_m, preview.height_m, preview.height_here_m
+    if _is_absurd(*heights, estimate.road_height, settings.highest_m):
         return "absurd preview"
     return None
 
 
-def relief_m(preview: RoadPreview) -> float:
-    """Relief of a preview, m: the greatest departure from its own straight lines, or rise within a metre.
-
-    The grade of a preview says nothing of its soundness: a road ahead may climb.
-    """
-    return float(_relief(preview.distance_m, preview.height_m))
+@njit
+def _is_absurd(distance: Any, heights: Any, here: Any, road: Any, highest_m: float) -> bool:
+    """Whether finite heights, or those under the wheels, are farther from one another than roads are."""
+    for wheel in range(len(here)):
+        if abs(here[wheel] - road[wheel]) > MAX_LEVEL_M:
+            return True
+    return bool(relief_m(distance, heights) > highest_m)
 
 
 @njit(fastmath={"reassoc", "nnan"})
-def _relief(distance: Any, heights: Any) -> float:
-    """The relief of finite heights; sums in any order and comparisons are taken several at once."""
+def relief_m(distance: Any, heights: Any) -> float:
+    """Relief of finite heights, m: the greatest departure from their own straight lines, or rise in a metre.
+
+    The grade of a preview says nothing of its soundness: a road ahead may climb. Sums in any order and
+    comparisons are taken several at once.
+    """
     n, middle, spread, relief = len(distance), 0.0, 0.0, 0.0
     metre = max(1, int(1.0 / (distance[1] - distance[0]) + 0.5))
     for i in range(n):

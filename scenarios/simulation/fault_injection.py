@@ -45,6 +45,8 @@ class Faults:
 
     def late(self, time_s: float) -> bool:
         """Whether the present controller answer comes too late."""
+        if not self._faults:
+            return False
         risks = [f.probability for f in self._faults if isinstance(f, LateAnswers) and _active(f, time_s)]
         return any(self._rng.random() < risk for risk in risks)
 

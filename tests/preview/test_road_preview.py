@@ -210,3 +210,17 @@ def test_arrays_whose_type_is_equal_but_another_object_are_not_converted(monkeyp
     assert rows.dtype is not np.dtype(float)
     monkeypatch.setattr(RoadPreview, "_check", lambda self: pytest.fail("the slow check was taken"))
     assert RoadPreview(0.0, grid, rows, rows, rows, rows).wheels == 2
+
+
+def test_only_an_exact_preview_of_what_is_there_is_certain() -> None:
+    """As the checked constructor finds, and as the one for exact previews takes for granted."""
+    true = oracle_preview([wheel_profile(ROAD, 0.75)], [18.0])
+    same = RoadPreview.exact(0.0, true.distance_m, true.height_m, true.height_here_m)
+    assert true.is_certain
+    assert same.is_certain
+    assert same.is_exact
+    for name in ("position_sigma_m", "height_sigma_m", "existence"):
+        np.testing.assert_array_equal(getattr(same, name), getattr(true, name))
+    assert not flat_preview(1).is_certain
+    assert not replace(true, height_sigma_m=np.full_like(true.height_m, 0.01)).is_certain
+    assert not replace(true, existence=np.full_like(true.height_m, 0.99)).is_certain

@@ -114,13 +114,10 @@ class Measurement:
     @classmethod
     def of_channels(cls, time_s: float, channels: Array) -> "Measurement":
         """Return the measurement with these channels."""
-        rows, measurement = channel_layout(len(channels) // 3 - 1), cls.__new__(cls)
+        measurement = cls.__new__(cls)
         pitch_rate, speed, roll_rate = channels[PITCH_RATE:].tolist()
-        measurement.__dict__.update(  # as `__init__` and the property, which take twice as long
+        measurement.__dict__.update(  # the wheels' rows are taken when they are first read
             time_s=time_s,
-            body_acc=channels[rows.body_acc],
-            wheel_acc=channels[rows.wheel_acc],
-            rattle_m=channels[rows.rattle],
             pitch_rate=pitch_rate,
             speed_m_s=speed,
             roll_rate=roll_rate,
@@ -128,7 +125,17 @@ class Measurement:
         )
         return measurement
 
+    def __getattr__(self, name: str) -> Any:
+        channels = self.__dict__.get("_channels")
+        if channels is None or name not in _ROWS:
+            raise AttributeError(f"{type(self).__name__} has no {name}")
+        rows = getattr(channel_layout(len(channels) // 3 - 1), _ROWS[name])
+        value = self.__dict__[name] = channels[rows]
+        return value
 
+
+_ROWS = {"body_acc": "body_acc", "wheel_acc": "wheel_acc", "rattle_m": "rattle"}
+"""Field of `ChannelLayout` for each array of a measurement."""
 _DRAWN = 100
 """Readings whose noise is drawn at once."""
 PITCH_RATE, SPEED, ROLL_RATE = -3, -2, -1

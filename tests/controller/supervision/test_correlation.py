@@ -80,3 +80,13 @@ def test_heights_more_than_twice_the_lag_apart_are_not_compared(apart_m: float, 
         wave = 0.006 * np.sin(2 * np.pi * x / 1.13)
         test.feel(-wave, True, wave, 0.0, apart_m)
     assert test.alike != compared
+
+
+def test_a_slow_car_is_judged_like_a_fast_one() -> None:
+    """1500 heights within the distance of a difference, on waves felt as previewed, then the other way."""
+    test, step_m = Correlation(MEMORY_M, 0.4), 0.2 / 1500.0
+    for x in np.arange(0.0, 6.0, step_m):
+        wave = 0.006 * np.sin(2 * np.pi * x / WAVE_M)
+        test.feel(wave if x < 2.0 else -wave, True, wave, 0.0, step_m)
+        assert test.alike or x > 2.0
+    assert not test.alike
