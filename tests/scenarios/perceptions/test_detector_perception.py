@@ -10,6 +10,7 @@ import foreride.scenarios.perceptions.camera as eyes
 from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 from foreride.scenarios.cases import Case
+from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perceptions.detector_perception import BoxSource
 from foreride.scenarios.perceptions.interface import Exposure
@@ -86,3 +87,22 @@ def test_ctrl_c_is_no_failed_look(monkeypatch: pytest.MonkeyPatch) -> None:
     spoil(monkeypatch, interrupt, 3)
     with pytest.raises(KeyboardInterrupt):
         drive()
+
+
+def test_without_a_detector_a_look_is_of_the_state_at_its_exposure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is made when its boxes are due, `camera.latency_s` later, when the car is elsewhere."""
+    true_eye, seen = eyes.true_box_source, []
+
+    def recorded(*given: object) -> BoxSource:
+        inner = true_eye(*given)  # type: ignore[arg-type]
+
+        def look(tick: int, state: VehicleState, first_row: int) -> Exposure:
+            seen.append((tick, float(state.time_s)))
+            return inner(tick, state, first_row)
+
+        return look
+
+    monkeypatch.setattr(eyes, "true_box_source", recorded)
+    drive()
+    assert len(seen) > 10
+    assert [time_s for _, time_s in seen] == pytest.approx([tick / TICKS_PER_SECOND for tick, _ in seen])
