@@ -8,6 +8,8 @@ from foreride.files.jit import njit
 
 _SHORT, _NEAR = 4, 8
 """Points of a grid that is searched from its start, and cells about the guess that are searched first."""
+FIRST = np.int64(0)
+"""Guess of a first search. For a plain 0, a type of its own, Numba would compile the search once more."""
 
 
 @njit
@@ -60,7 +62,7 @@ def between(x0: float, x1: float, y0: float, y1: float, value: float) -> float:
 @njit
 def interpolated(value: float, grid: Any, heights: Any) -> float:
     """Height at one value, constant beyond both ends."""
-    j = cell(grid, value, 0)
+    j = cell(grid, value, FIRST)
     if j < 0:
         return float(heights[0])
     if j >= len(grid) - 1:
@@ -71,7 +73,7 @@ def interpolated(value: float, grid: Any, heights: Any) -> float:
 @njit
 def interpolate(values: Any, grid: Any, heights: Any, out: Any) -> None:
     """Write the heights at ascending values, or any others, into `out`; constant beyond both ends."""
-    last, j = len(grid) - 1, 0
+    last, j = len(grid) - 1, FIRST
     for i in range(len(values)):
         j = cell(grid, values[i], j)
         if j < 0:
@@ -85,7 +87,7 @@ def interpolate(values: Any, grid: Any, heights: Any, out: Any) -> None:
 @njit
 def interpolate_rows(values: Any, grid: Any, rows: Any, out: Any) -> None:
     """`interpolate` for each row of heights (rows, n) into `out` (rows, values)."""
-    last, j = len(grid) - 1, 0
+    last, j = len(grid) - 1, FIRST
     for i in range(len(values)):
         j = cell(grid, values[i], j)
         for row in range(len(rows)):

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from foreride.files.jit import njit
-from foreride.preview.road_preview import RoadPreview, constant_rows
+from foreride.preview.road_preview import RoadPreview
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.track import Track
 from foreride.preview.wheel_shapes import mixture, wheel_shapes
@@ -34,7 +34,7 @@ def compose(
     shape, background_m = (len(axle_x_m), len(distance_m)), settings.background_sigma_m
     confirmed = [track for track in tracks if track.confirmed]
     if not confirmed:
-        flat, sigma = constant_rows(shape, 0.0), constant_rows(shape, background_m)
+        flat, sigma = np.zeros(shape), np.full(shape, background_m)
         rows, here_m = (flat, flat, sigma, flat), flat[:, 0]
         return RoadPreview.unchecked(
             time_s, distance_m, *rows, age_s=age_s, is_exact=False, is_empty=True, height_here_m=here_m

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.road_ahead.wheelbase_preview import CONTACT_SIGMA_M
-from foreride.files.interpolation import between, cell
+from foreride.files.interpolation import FIRST, between, cell
 from foreride.files.jit import njit
 
 
@@ -23,9 +23,9 @@ def fuse(
     which is not known beyond its end. Heights of observer and preview differ by a constant: it is taken where
     the leader last touched the road, so that measured and previewed road join there.
     """
-    known = min(cell(grid, distance[-1], 0) + 1, len(grid))
+    known = min(cell(grid, distance[-1], FIRST) + 1, len(grid))
     heights, sigmas, exists = np.empty(known), np.empty(known), np.empty(known)
-    join, touched, last, j = -1, False, len(distance) - 1, 0
+    join, touched, last, j = -1, False, len(distance) - 1, FIRST
     for i in range(known):
         j = cell(distance, grid[i], j)
         if 0 <= j < last:

@@ -86,7 +86,7 @@ def _place(
     """Write the roads (roads, n) of a wheel where its matched preview expects them."""
     sigmas_early, known_m, unknown_m, blend_m = settings
     n = len(grid)
-    road, nearer, places = np.empty(n), np.zeros(n), np.empty(n)
+    road, nearer, places, placed = np.empty(n), np.zeros(n), np.empty(n), np.empty(n)
     for k in range(len(roads)):
         for i in range(n):
             if kind == 0:
@@ -98,11 +98,12 @@ def _place(
             else:
                 road[i] = heights[i] * _HYPOTHESES[k, 1]
                 nearer[i] = _HYPOTHESES[k, 0] * sigma_ratio * sigma[i]
-        move(grid, road, nearer, roads[k])
+        move(grid, road, nearer, placed)
         if earlier_m != 0.0:
             for i in range(n):
-                road[i], places[i] = roads[k, i], grid[i] + earlier_m
-            interpolate(places, grid, road, roads[k])
+                road[i], places[i] = placed[i], grid[i] + earlier_m
+            interpolate(places, grid, road, placed)
+        copy_vector(placed, roads[k])
 
 
 @njit

@@ -124,7 +124,9 @@ def _record(
 
     Returns the first point that some wheel has yet to pass. heights, sigmas: (wheels, n), zero before.
     """
-    positions_m[end], heights_m[:, end], contacts[:, end] = travelled_m, road_m, contact
+    positions_m[end] = travelled_m
+    for wheel in range(len(road_m)):
+        heights_m[wheel, end], contacts[wheel, end] = road_m[wheel], contact[wheel]
     passed_m = travelled_m - grid[-1] - BEHIND_M
     while end - first > 0 and positions_m[first + 1] < passed_m:
         first += 1

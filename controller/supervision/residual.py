@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from foreride.controller.settings import GateSettings
-from foreride.files.interpolation import between, cell, interpolated
+from foreride.files.interpolation import FIRST, between, cell, interpolated
 from foreride.files.jit import njit
 from foreride.preview.road_preview import RoadPreview
 
@@ -85,7 +85,7 @@ class Residual:
 @njit
 def expected_at(value: float, grid: Any, existence: Any, height: Any) -> float:
     """Expected height at one distance: that of the grid, existence times height, interpolated."""
-    last, j = len(grid) - 1, cell(grid, value, 0)
+    last, j = len(grid) - 1, cell(grid, value, FIRST)
     if j < 0:
         return float(existence[0] * height[0])
     if j >= last:

@@ -1,6 +1,7 @@
 """Side view of the car on the road, to scale except for enlarged vertical motion."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -62,9 +63,14 @@ def _body(
     return view.column(x), view.row(z)
 
 
+@cache
+def _sky(view: View) -> np.ndarray:
+    return np.full((view.height_px, view.width_px, 3), SKY, np.uint8)
+
+
 def draw(run: Run, tick: int, view: View, colour: Colour) -> np.ndarray:
     """Draw the car of `run` at `tick` as an RGB image (height_px, width_px, 3)."""
-    image = np.full((view.height_px, view.width_px, 3), SKY, np.uint8)
+    image = _sky(view).copy()
     signals, vehicle = run.signals, run.case.scenario.vehicle.parameters
     x = float(signals["x_m"][tick])
     forward = np.linspace(-0.42, 0.62, 400) * view.span_m

@@ -34,7 +34,7 @@ CODECS = {".webm": "VP80", ".mp4": "vp09"}
 """Codec of a film by the suffix of its file."""
 _HEADER, _CAMERA = 60, (560, 336)
 _SIDE = View(WIDTH - _CAMERA[0], _CAMERA[1] // 2)
-_PAPER: Colour = (255, 255, 255)
+_PAPER = 255
 _FAINT: Colour = (92, 100, 109)
 
 
@@ -54,7 +54,7 @@ def video_frames(passive: Run, preview: Run, slow_motion: float = SLOW_MOTION) -
     traces = Traces(groups, window, (WIDTH, HEIGHT - top))
     look_ticks = np.array([look.tick for look in preview.looks])
     for tick in np.arange(*window, TICKS_PER_SECOND / (FPS * slow_motion)).astype(int):
-        canvas = np.full((HEIGHT, WIDTH, 3), _PAPER, np.uint8)
+        canvas = np.full((HEIGHT, WIDTH, 3), _PAPER, np.uint8)  # of one number, which is quick
         seen = max(int(np.searchsorted(look_ticks, tick, side="right")) - 1, 0)
         canvas[_HEADER:top, : _CAMERA[0]] = _camera(preview, seen)
         for row, group in enumerate(groups):
