@@ -102,6 +102,9 @@ def to_go(
     """
     np.dot(end_cost, transition, weighted)
     np.dot(transition.T, weighted, cost)
+    for i in range(len(slope)):
+        for j in range(len(slope)):
+            cost[i, j] += own_cost[i, j]
     after = weighted[0]
     for i in range(len(slope)):
         after[i] = end_slope[i]
@@ -110,4 +113,3 @@ def to_go(
     for i in range(len(slope)):
         for j in range(len(slope)):
             slope[j] += transition[i, j] * after[i]
-            cost[i, j] += own_cost[i, j]
