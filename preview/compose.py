@@ -35,7 +35,7 @@ def compose(
     confirmed = [track for track in tracks if track.confirmed]
     if not confirmed:
         flat, sigma = np.zeros(shape), np.full(shape, background_m)
-        rows, here_m = (flat, flat, sigma, flat), flat[:, 0]
+        rows, here_m = (flat, flat, sigma, flat), np.zeros(len(axle_x_m))
         return RoadPreview.unchecked(
             time_s, distance_m, *rows, age_s=age_s, is_exact=False, is_empty=True, height_here_m=here_m
         )

@@ -16,7 +16,7 @@ from foreride.preview.geometry.cross_ratio import marks_of
 from foreride.preview.height.height_measurement import HeightGauge
 from foreride.preview.prior_drives.memory_file import Memory
 from foreride.preview.prior_drives.recall import expectations, recall, remember
-from foreride.preview.road_preview import RoadPreview, distance_grid
+from foreride.preview.road_preview import RoadPreview, flat_preview
 from foreride.preview.settings import Settings
 from foreride.preview.tracking.object_state import LENGTH, X
 from foreride.preview.tracking.observation import rectify_frame
@@ -63,10 +63,10 @@ class Estimator:
         self.camera, self.mount = camera, mount
         self.axle_x_m, self.wheel_y_m = axle_x_m, wheel_y_m
         self.settings = (Settings() if settings is None else settings).calibrated(calibration)
-        self.distance_m = distance_grid() if distance_m is None else distance_m
         facts = VehicleFacts.typical(len(axle_x_m)) if facts is None else facts
         self._tyre = facts.tyre
         self.motion = EgoMotion(axle_x_m, self.settings, x_m, wheel_y_m, facts)
+        self.distance_m = flat_preview(len(axle_x_m), distance_m=distance_m).distance_m  # checked there
         uses_marks = self.settings.distance == "cross_ratio"
         marks = marks_of(camera, mount) if uses_marks else None
         self.tracker = Tracker(self.settings, camera.focal_px, marks, calibration)

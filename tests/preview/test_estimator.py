@@ -264,3 +264,9 @@ def test_before_the_first_frame_nothing_is_known():
 def test_wheels_and_axles_must_agree():
     with pytest.raises(InputError, match="wheel_y_m"):
         Estimator(Camera(), CameraMount(), AXLES_M, (0.75,))
+
+
+def test_refuses_a_grid_that_does_not_ascend_in_equal_steps():
+    for distance_m in ([0.0, 1.0, 3.0], [2.0, 1.0, 0.0]):
+        with pytest.raises(InputError, match="distance_m must ascend in equal steps"):
+            Estimator(Camera(), CameraMount(), AXLES_M, WHEEL_Y_M, distance_m=np.array(distance_m))
