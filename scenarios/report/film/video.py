@@ -5,7 +5,8 @@ The film is VP8 in WebM or VP9 in MP4, which Chromium and Firefox play, by the e
 """
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -81,12 +82,27 @@ def write_video(
             if not writer.isOpened():
                 raise InputError(f"{path}: cannot be written as a film")
             for passive, preview in pairs:
-                for picture in video_frames(passive, preview, slow_motion):
-                    reduced = cv2.resize(picture, FILM_SIZE, interpolation=cv2.INTER_AREA)
-                    writer.write(cv2.cvtColor(reduced, cv2.COLOR_RGB2BGR))
+                _encode(video_frames(passive, preview, slow_motion), writer)
                 advance()
         finally:
             writer.release()
+
+
+def _encode(pictures: Iterable[np.ndarray], writer: cv2.VideoWriter) -> None:
+    """Write the pictures, each while the next one is drawn."""
+
+    def write(picture: np.ndarray) -> None:
+        reduced = cv2.resize(picture, FILM_SIZE, interpolation=cv2.INTER_AREA)
+        writer.write(cv2.cvtColor(reduced, cv2.COLOR_RGB2BGR))
+
+    with ThreadPoolExecutor(1) as encoder:
+        last: Future[None] | None = None
+        for picture in pictures:
+            if last is not None:
+                last.result()
+            last = encoder.submit(write, picture)
+        if last is not None:
+            last.result()
 
 
 @contextmanager
