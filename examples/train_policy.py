@@ -112,7 +112,7 @@ def train(minutes: float, processes: int, out: Path, seed: int) -> None:
             return time.monotonic() - self.started < 60.0 * minutes
 
         def _on_rollout_start(self) -> None:
-            costs = [-episode["r"] for episode in self.model.ep_info_buffer]
+            costs = [-episode["r"] for episode in self.model.ep_info_buffer or ()]
             spent = (time.monotonic() - self.started) / 60.0
             if costs:
                 print(f"{spent:5.1f} min, {self.num_timesteps} steps: J {np.mean(costs):.3f}", flush=True)
@@ -136,7 +136,7 @@ def train(minutes: float, processes: int, out: Path, seed: int) -> None:
         seed=seed,
         device="cpu",
     )
-    imitate(model, drives.normalize_obs(seen), done)
+    imitate(model, np.asarray(drives.normalize_obs(seen)), done)
     save(model, drives, out)
     model.learn(10_000_000, callback=Clock())
     save(model, drives, out)

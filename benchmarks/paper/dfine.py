@@ -94,7 +94,7 @@ def _pretrained(folder: Path) -> nn.Module:
     if kind != DFineConfig.model_type:
         raise InputError(f"{config_file}: model_type must be {DFineConfig.model_type}, got {shown(kind)}")
     try:
-        model, found = DFineForObjectDetection.from_pretrained(
+        loaded: Any = DFineForObjectDetection.from_pretrained(
             folder,
             id2label=names,
             label2id={name: number for number, name in names.items()},
@@ -104,9 +104,10 @@ def _pretrained(folder: Path) -> nn.Module:
         )
     except (OSError, ValueError, RuntimeError) as error:
         raise InputError(f"{folder}: not weights that transformers can read: {error}") from None
-    if missing := sorted(found["missing_keys"]):
+    model, told = loaded
+    if missing := sorted(told["missing_keys"]):
         raise InputError(f"{folder}: lacks {len(missing)} tensors of the network, first {missing[0]}")
-    return model
+    return model  # type: ignore[no-any-return]
 
 
 def train(
