@@ -6,7 +6,7 @@ from foreride.files.reading.numbers import within
 from foreride.files.writing.atomic import write_text
 from foreride.scenarios.cases import cases
 from foreride.scenarios.commands.console import console, suggest
-from foreride.scenarios.commands.options import add_output_options, simulate_all
+from foreride.scenarios.commands.options import add_output_options, simulated
 from foreride.scenarios.commands.outputs import runs_folder
 from foreride.scenarios.commands.tables import add_table_options, publish
 from foreride.scenarios.definition.loading import load
@@ -18,6 +18,8 @@ from foreride.scenarios.simulation.simulate import Run
 
 SCENARIOS = ("bump_8x40_30", "hump_flat_30", "pothole_60x8_40")
 CONTROLLERS = ("passive", "skyhook", "mpc_reactive", "mpc_preview")
+JOBS = 2
+"""Drives at a time: on a first run, what one compiles the other need not, and figures are drawn meanwhile."""
 
 
 def configure(command: argparse.ArgumentParser) -> None:
@@ -34,16 +36,15 @@ def execute(arguments: argparse.Namespace) -> int:
     within("--seed", arguments.seed, 0, 2**32 - 1)
     selected = cases([load(name) for name in SCENARIOS], CONTROLLERS, ["camera"], [arguments.seed])
     out = runs_folder(arguments.out or runs_folder(None) / "demo", selected)
-    runs = simulate_all(selected, keep_images=True)
-    for run in runs:
+    figures, runs = ComparisonFigures(out), []
+    for run in simulated(selected, keep_images=True, jobs=JOBS):
         write(run, out / folder_name(run.case))
+        figures.add(run)
+        runs.append(run)
     rows = [row(run) for run in runs]
     document = publish(arguments, selected, rows, "Half car, noisy sensors, 20 Hz camera, 50 ms latency")
     planned = [folder_name(case) for case in selected]
     write_text(out / COMPARISON, to_json(document | {"planned": planned}) + "\n")
-    figures = ComparisonFigures(out)
-    for run in runs:
-        figures.add(run)
     outputs = [f"{figures.finish(rows, document['baseline']).name}/", COMPARISON]
     if not arguments.no_film:
         with console.status("writing the film"):
