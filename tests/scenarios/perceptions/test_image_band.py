@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -56,9 +55,9 @@ def test_the_band_begins_on_the_grid_of_the_network(overrides: list[str], row: i
 def test_a_pitch_that_lifts_the_horizon_to_the_edge_of_the_band_shows_the_whole_image() -> None:
     band, level = band_of(), EgoState(1.0, 5.0, 0.0, 0.0, 10.0)
     assert band.at(None) == band.at(level) == 128
-    assert band.at(replace(level, pitch_rad=np.deg2rad(1.4))) == 128
-    assert band.at(replace(level, pitch_rad=np.deg2rad(1.6))) == 0
-    assert band.at(replace(level, pitch_rad=np.deg2rad(-5.0))) == 128
+    assert band.at(level._replace(pitch_rad=np.deg2rad(1.4))) == 128
+    assert band.at(level._replace(pitch_rad=np.deg2rad(1.6))) == 0
+    assert band.at(level._replace(pitch_rad=np.deg2rad(-5.0))) == 128
 
 
 def test_rows_that_are_not_looked_at_are_black_in_a_copy() -> None:
