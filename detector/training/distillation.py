@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import binary_cross_entropy_with_logits, kl_div
+from torch.nn.functional import binary_cross_entropy_with_logits
 
 from foreride.detector.network.heads import Predictions, decode
 from foreride.detector.network.iou import ciou
 from foreride.detector.network.models import Network
 from foreride.detector.training.assigner import GroundTruth, assign
+from foreride.detector.training.channel_distance import channel_distance
 
 
 @dataclass(frozen=True)
@@ -30,33 +31,16 @@ class DistillationWeights:
 
 
 class FeatureAdapter(nn.Module):
-    """Feature adapter: the student's neck maps in the teacher's channels (1×1 convolution, plain norm)."""
+    """Feature adapter: the student's neck maps in the teacher's channels (1×1 convolution)."""
 
     def __init__(self, student: tuple[int, ...], teacher: tuple[int, ...]):
         super().__init__()
         self.fits = nn.ModuleList(nn.Conv2d(s, t, 1) for s, t in zip(student, teacher, strict=True))
-        self.norms = nn.ModuleList(nn.BatchNorm2d(t, affine=False) for t in teacher)
-        self.teacher_norms = nn.ModuleList(nn.BatchNorm2d(t, affine=False) for t in teacher)
 
     def forward(self, student: list[Tensor], teacher: list[Tensor], temperature: float = 1.0) -> Tensor:
-        """Mean CWD distance over the maps."""
-        pairs = zip(self.fits, self.norms, self.teacher_norms, student, teacher, strict=True)
-        losses = [
-            cwd(norm(project(s)), teacher_norm(t), temperature) for project, norm, teacher_norm, s, t in pairs
-        ]
-        return torch.stack(losses).mean()
-
-
-def cwd(student: Tensor, teacher: Tensor, temperature: float = 1.0) -> Tensor:
-    """Channel-wise distillation loss τ²/(B·C) Σ KL(softmax(teacher/τ) ‖ softmax(student/τ)) over positions.
-
-    student, teacher: (B, C, H, W).
-    """
-    student_logits, teacher_logits = (x.float().flatten(2) / temperature for x in (student, teacher))
-    total = kl_div(
-        student_logits.log_softmax(2), teacher_logits.log_softmax(2), reduction="sum", log_target=True
-    )
-    return total * temperature**2 / (student.shape[0] * student.shape[1])
+        """Mean channel-wise distance (CWD) over the maps."""
+        pairs = zip(self.fits, student, teacher, strict=True)
+        return torch.stack([channel_distance(fit(s), t, temperature) for fit, s, t in pairs]).mean()
 
 
 def bckd(
@@ -111,10 +95,13 @@ class Distillation:
         """Weighted terms (2,), logits and features, of the student's predictions for the images."""
         with torch.no_grad():
             teacher = self.teacher(images)
-        box, label = bckd(predictions, teacher, truths, points, stride)
-        student_maps, teacher_maps = ([self.maps[b] for b in side] for side in zip(*self.pairs, strict=True))
-        logits = self.weights.logits * (self.weights.box * box + label)
-        features = self.weights.features * self.aligned(student_maps, teacher_maps, self.weights.temperature)
+        weights, logits, features = self.weights, points.new_zeros(()), points.new_zeros(())
+        if weights.logits:
+            box, label = bckd(predictions, teacher, truths, points, stride)
+            logits = weights.logits * (weights.box * box + label)
+        if weights.features:
+            maps = ([self.maps[b] for b in side] for side in zip(*self.pairs, strict=True))
+            features = weights.features * self.aligned(*maps, weights.temperature)
         return torch.stack((logits, features))
 
 

@@ -15,7 +15,7 @@ from foreride.detector.network.heads import Predictions, anchor_points
 from foreride.detector.network.models import build
 from foreride.detector.training.assigner import GroundTruth
 from foreride.detector.training.batches import make_batch
-from foreride.detector.training.distillation import FeatureAdapter, bckd, cwd
+from foreride.detector.training.distillation import Distillation, DistillationWeights, FeatureAdapter, bckd
 from foreride.detector.training.schedule import parse_stages
 from foreride.detector.training.trainer import Settings, Trainer
 from tests.detector.roads import write
@@ -29,22 +29,6 @@ def saying(class_logits: torch.Tensor, box_logits: torch.Tensor) -> Predictions:
     branch = torch.nn.Conv2d(64, 64, 1, bias=False)
     branch.weight.data = torch.eye(64)[..., None, None]
     return Predictions(class_logits, [box_logits], [branch])
-
-
-def test_channel_distance_is_the_divergence_of_the_positions() -> None:
-    # two positions: teacher softmax(ln 3, 0) = 3/4, 1/4; student 1/2, 1/2
-    teacher = torch.tensor([math.log(3.0), 0.0]).reshape(1, 1, 1, 2)
-    student = torch.zeros(1, 1, 1, 2)
-    by_hand = 0.75 * math.log(1.5) + 0.25 * math.log(0.5)
-    assert cwd(student, teacher).item() == pytest.approx(by_hand, abs=1e-6)
-    # at temperature 2 the teacher says sqrt(3) : 1, and the distance is scaled by 4
-    p = 3**0.5 / (3**0.5 + 1)
-    soft = 4 * (p * math.log(2 * p) + (1 - p) * math.log(2 * (1 - p)))
-    assert cwd(student, teacher, 2.0).item() == pytest.approx(soft, abs=1e-6)
-    # the mean over images and channels, whatever a channel's level
-    assert cwd(student.expand(2, 5, 1, 2), teacher.expand(2, 5, 1, 2) + 7).item() == pytest.approx(
-        by_hand, abs=1e-6
-    )
 
 
 def test_class_term_of_the_logits_by_hand() -> None:
@@ -82,6 +66,18 @@ def test_maps_of_other_widths_are_aligned() -> None:
     loss.backward()
     assert loss.item() > 0
     assert all(p.grad is not None for p in aligned.parameters())
+
+
+@pytest.mark.parametrize(("logits", "features"), [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)])
+def test_a_term_of_weight_zero_is_left_out(logits: float, features: float) -> None:
+    torch.manual_seed(1)
+    student, images = build("sbp-yolo"), torch.rand(1, 3, 96, 128)
+    told = Distillation(student, build("sbp-yolo-s"), DistillationWeights(logits, features))
+    terms = told(images, student(images), NONE, POINTS, STRIDE)
+    terms.sum().backward()
+    assert [term > 0 for term in terms] == [logits > 0, features > 0]
+    assert all((p.grad is None) == (features == 0) for p in told.aligned.parameters())
+    assert any(p.grad is not None for p in student.parameters())
 
 
 def test_a_teacher_is_learnt_from_and_stays_as_it_is(tmp_path: Path) -> None:
