@@ -56,19 +56,26 @@ class ClassPrior:
     """Priors of a class that its templates share.
 
     edge_sigma_px: standard deviation of the bottom-edge bias, beyond errors that shift the boxes of all
-    classes alike. real_probability: that a repeatedly detected object is real.
+    classes alike. real_probability: that a repeatedly detected object is real. confirm_existence,
+    near_confirm_existence: existence above which a track is confirmed, far away and near. A far object will
+    be seen better, so more is asked of it; on the last metres flat crossings lose their existence, and small
+    potholes gain theirs.
     """
 
     edge_sigma_px: float
     real_probability: float
+    confirm_existence: float
+    near_confirm_existence: float
 
 
 _PRIORS = {
-    "speed_bump": ClassPrior(0.3, 0.99),
-    "pothole": ClassPrior(0.5, 0.97),  # stains and patches look like holes
+    "speed_bump": ClassPrior(0.3, 0.99, 0.96, 0.88),
+    "pothole": ClassPrior(0.5, 0.97, 0.94, 0.8),  # stains and patches look like holes
 }
 EDGE_SIGMA_PX = tuple(_PRIORS[name].edge_sigma_px for name in CLASS_NAMES)
 REAL_PROBABILITY = tuple(_PRIORS[name].real_probability for name in CLASS_NAMES)
+CONFIRM_EXISTENCE = tuple(_PRIORS[name].confirm_existence for name in CLASS_NAMES)
+NEAR_CONFIRM_EXISTENCE = tuple(_PRIORS[name].near_confirm_existence for name in CLASS_NAMES)
 
 _BUMP, _HOLE = CLASS_NAMES.index("speed_bump"), CLASS_NAMES.index("pothole")
 BUMP = ObstacleTemplate("bump", _BUMP, 0.3, 0.45, 0.20, 0.070, 0.020, "half_sine", "half_sine_bump")

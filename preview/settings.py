@@ -10,7 +10,12 @@ from foreride.detector.calibration import DEFAULT_CALIBRATION, Bias, Calibration
 from foreride.files.errors import InputError
 from foreride.files.reading.checks import check_choice
 from foreride.files.reading.ranges import Checked
-from foreride.preview.obstacle_classes import EDGE_SIGMA_PX, REAL_PROBABILITY
+from foreride.preview.obstacle_classes import (
+    CONFIRM_EXISTENCE,
+    EDGE_SIGMA_PX,
+    NEAR_CONFIRM_EXISTENCE,
+    REAL_PROBABILITY,
+)
 from foreride.road.obstacle_classes import check_per_class
 
 Angle = Annotated[float, Interval(ge=1e-3, le=30.0), "degrees"]
@@ -63,7 +68,10 @@ class Settings(Checked):
     real_probability: tuple[Probability, ...] = REAL_PROBABILITY  # of a repeatedly detected object, by class
     score_evidence: bool = True  # use scores as evidence of realness, as calibrated with the weights
     birth_range_m: Annotated[float, Interval(ge=1.0, le=500.0), "m"] = 35.0
-    confirm_existence: Probability = 0.8
+    # Existence above which a track is confirmed, by class; the second within near_confirm_m
+    confirm_existence: tuple[Probability, ...] = CONFIRM_EXISTENCE
+    near_confirm_existence: tuple[Probability, ...] = NEAR_CONFIRM_EXISTENCE
+    near_confirm_m: Annotated[float, Interval(ge=0.0, le=500.0), "m"] = 6.0
     death_existence: Probability = 0.05
 
     # Ego motion
@@ -121,6 +129,7 @@ class Settings(Checked):
         check_choice("distance", self.distance, get_args(Distance))
         super().__post_init__()
         check_per_class(self, "top_bias_px", "bottom_bias_px", "edge_sigma_px", "real_probability")
+        check_per_class(self, "confirm_existence", "near_confirm_existence")
         if not self.gauge_near_m < self.gauge_far_m:
             raise InputError(
                 f"gauge_near_m must be < gauge_far_m ({self.gauge_far_m:g} m), got {self.gauge_near_m:g}"

@@ -21,6 +21,8 @@ _MIN_INFORMATION_RATIO = (
     0.05  # least information on a size, over that of the kind's prior, that counts as a measurement
 )
 
+_LEAST_EXISTENCE = 0.8  # of a remembered object, which an earlier drive confirmed
+
 
 def remember(calibration: Calibration, tracks: list[Track]) -> Memory:
     """Memory of a drive: the calibration and all confirmed `tracks`."""
@@ -123,5 +125,5 @@ def _track_from_memory(
         class_log_odds=LOG_ODDS_LIMIT,
     )
     track.last_seen_x_m = remembered.x_m
-    track.confirmed = track.existence > settings.confirm_existence
+    track.confirmed = remembered.existence > _LEAST_EXISTENCE
     return track

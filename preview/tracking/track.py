@@ -161,6 +161,12 @@ class Track:
         """Relative standard deviation of height or depth."""
         return relative_height_sigma(self.best)
 
+    def is_certain(self, x_m: float, settings: Settings) -> bool:
+        """True if the existence suffices to confirm the track, seen from a camera at `x_m`."""
+        near = self.start_m - x_m < settings.near_confirm_m
+        least = settings.near_confirm_existence if near else settings.confirm_existence
+        return self.existence > least[self.cls]
+
     def update_existence(self, detected: bool, settings: Settings) -> None:
         """Bayesian update of existence after a frame in which the object should have been visible."""
         p_detection, p_false = settings.detection_probability, settings.false_repeat_probability

@@ -150,7 +150,7 @@ class Tracker:
         self.refit(track)
         for edge, side in zip((track.right, track.left), self._sides(track, view, box_index), strict=True):
             edge.update(side.y_m, side.variance)
-        if not track.confirmed and track.existence > self.settings.confirm_existence:
+        if not track.confirmed and track.is_certain(view.pose.x, self.settings):
             track.confirmed = True
             self.log("confirmed", track, view.time_s)
 

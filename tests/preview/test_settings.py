@@ -43,7 +43,13 @@ def test_biases_come_from_the_detector_unless_set():
     assert Settings().edge_bias_px == Settings().calibrated(DEFAULT_CALIBRATION).edge_bias_px
 
 
-@pytest.mark.parametrize("field", ["top_bias_px", "bottom_bias_px", "edge_sigma_px", "real_probability"])
+@pytest.mark.parametrize(
+    "field",
+    [
+        "top_bias_px", "bottom_bias_px", "edge_sigma_px", "real_probability", "confirm_existence",
+        "near_confirm_existence",
+    ],
+)  # fmt: skip
 def test_values_by_class_must_be_one_per_class(field):
     with pytest.raises(InputError, match=f"^{field} must hold 2 values, of speed_bump, pothole, got 1$"):
         Settings(**{field: (0.5,)})

@@ -129,8 +129,21 @@ def rated(scores, height_px, cls=1):
 def test_what_scores_like_a_stain_is_not_believed_however_often_it_is_seen():
     """At 20 px of height the shipped detector gives holes 0.8, covers and patches 0.3."""
     hole, stain = rated([0.8] * 10, 20.0), rated([0.3] * 50, 20.0)
-    assert hole.existence > SETTINGS.confirm_existence
+    assert hole.existence > SETTINGS.confirm_existence[1]
     assert stain.existence < SETTINGS.death_existence
+
+
+@pytest.mark.parametrize(("cls", "far", "near"), [(0, 0.96, 0.88), (1, 0.94, 0.8)])
+def test_more_is_asked_of_a_far_object_than_of_a_near_one(cls, far, near):
+    for existence, ahead_m, certain in (
+        (far + 0.005, 30.0, True),
+        (far - 0.005, 30.0, False),
+        (far - 0.005, SETTINGS.near_confirm_m + 0.01, False),
+        (near + 0.005, SETTINGS.near_confirm_m - 0.01, True),
+        (near - 0.005, SETTINGS.near_confirm_m - 0.01, False),
+    ):
+        found = replace(track(), cls=cls, log_odds=float(np.log(existence / (1 - existence))))
+        assert found.is_certain(found.start_m - ahead_m, SETTINGS) == certain
 
 
 def test_scores_alone_never_make_an_object_certain():
