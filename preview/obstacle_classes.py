@@ -58,8 +58,8 @@ class ClassPrior:
     edge_sigma_px: standard deviation of the bottom-edge bias, beyond errors that shift the boxes of all
     classes alike. real_probability: that a repeatedly detected object is real. confirm_existence,
     near_confirm_existence: existence above which a track is confirmed, far away and near. A far object will
-    be seen better, so more is asked of it; on the last metres flat crossings lose their existence, and small
-    potholes gain theirs.
+    be seen better, so more is asked of it; on the last metres many look-alikes lose their existence, and
+    small potholes gain theirs.
     """
 
     edge_sigma_px: float
