@@ -15,7 +15,6 @@ _FUNCTIONS = {
     "detector: graph": ["detector.runtime:Detector.candidates"],
     "detector: decode": ["detector.runtime:Detector.__call__"],
     "detector: NMS": ["detector.nms:select"],
-    "detector: edges": ["detector.edge_refinement:refine"],
     "preview: true boxes": [
         "road.render.outline_boxes:Outlines.boxes",
         "detector.box_errors:degrade",

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from foreride.detector.backends import CPU, Run, open_network, open_session, require
 from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration, read_calibration
 from foreride.detector.detections import CLASS_NAMES, Detections
-from foreride.detector.edge_refinement import refine
 from foreride.detector.fastest_backend import FASTEST, fastest_backend
 from foreride.detector.nms import NMS_IOU, select
 from foreride.files.errors import InputError, shown
@@ -81,9 +80,8 @@ class Detector:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
         An image whose sides are multiples of 32 and >= 64 is used as it is; any other is scaled so that its
-        longer side has the training width, and padded. Top and bottom edges of wide bumps are refined in the
-        image. first_row: rows above are not read; rounded down by `band_row`. Raises InputError for another
-        kind of array.
+        longer side has the training width, and padded. first_row: rows above are not read; rounded down by
+        `band_row`. Raises InputError for another kind of array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
@@ -95,7 +93,6 @@ class Detector:
         boxes, scores = self.candidates(letterbox(band, transform))
         detections = select(boxes / transform.scale, scores, self.confidence, self.iou)
         detections.boxes.clip(0, (width, height - first_row) * 2, out=detections.boxes)
-        detections = refine(band, detections)
         detections.boxes[:, 1::2] += first_row
         return detections
 
