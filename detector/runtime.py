@@ -29,6 +29,7 @@ MAX_BOX_PX = 1e6
 MODEL_LIMIT = 512 << 20
 """Maximum size of a model file: 512 MiB."""
 MIN_SIDE_PX = 64  # smaller images have fewer anchor points than the network returns candidates
+UNSCALED_PX = 640  # objects in larger images would be larger than in training
 PADDING_GREY = 114
 KEPT_SIZES = 3  # number of image sizes with a cached session
 
@@ -79,9 +80,10 @@ class Detector:
     def __call__(self, image: NDArray[np.uint8], first_row: int = 0) -> Detections:
         """Detections in an RGB image (H, W, 3) uint8, in its pixels.
 
-        An image whose sides are multiples of 32 and >= 64 is used as it is; any other is scaled so that its
-        longer side has the training width, and padded. first_row: rows above are not read; rounded down by
-        `band_row`. Raises InputError for another kind of array.
+        An image whose sides are multiples of 32, >= 64 and at most 640 (or the training width, if greater) is
+        used as it is; any other is scaled so that its longer side has the training width, and padded.
+        first_row: rows above are not read; rounded down by `band_row`. Raises InputError for another kind of
+        array.
         """
         if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8 or min(image.shape) < 1:
             raise InputError(f"image must be (H, W, 3) uint8 RGB, got {image.shape} {image.dtype}")
@@ -155,7 +157,8 @@ class Detector:
 
 def letterbox_for(width: int, height: int, longest: int) -> Letterbox:
     """Letterbox transform for an image of that size."""
-    if width % STRIDE == 0 and height % STRIDE == 0 and min(width, height) >= MIN_SIDE_PX:
+    fits = min(width, height) >= MIN_SIDE_PX and max(width, height) <= max(longest, UNSCALED_PX)
+    if fits and width % STRIDE == 0 and height % STRIDE == 0:
         return Letterbox(1.0, width, height)
     scale = longest / max(width, height)
     return Letterbox(scale, _up(width * scale), _up(height * scale))

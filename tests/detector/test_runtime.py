@@ -5,17 +5,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from foreride.detector.runtime import KEPT_SIZES, WEIGHTS, Detector, letterbox, letterbox_for
+from foreride.detector.runtime import KEPT_SIZES, WEIGHTS, Detector, Letterbox, letterbox, letterbox_for
 from foreride.files.errors import InputError
 
 
 def test_images_that_fit_go_in_unchanged() -> None:
     image = np.random.default_rng(0).integers(0, 256, (64, 96, 3), dtype=np.uint8)
-    assert np.array_equal(letterbox(image, letterbox_for(96, 64, 640)), image)
+    for longest in (320, 640):
+        assert np.array_equal(letterbox(image, letterbox_for(96, 64, longest)), image)
+        assert letterbox_for(640, 384, longest) == Letterbox(1.0, 640, 384)
 
 
-@pytest.mark.parametrize(("width", "height"), [(960, 600), (460, 460), (100, 400)])
+@pytest.mark.parametrize(
+    ("width", "height"), [(960, 600), (460, 460), (100, 400), (1280, 960), (2560, 1440), (4608, 3456)]
+)
 def test_other_images_are_scaled_to_the_training_width_and_padded(width: int, height: int) -> None:
+    """Photographs, too, whose sides happen to be multiples of 32."""
     fit = letterbox_for(width, height, 640)
     assert fit.scale == 640 / max(width, height)
     canvas = letterbox(np.zeros((height, width, 3), np.uint8), fit)
