@@ -1,10 +1,10 @@
 """Detector calibration: edge bias and score curve of each obstacle class, which belong to one set of weights.
 
 Weights carry them in their metadata (`calibration`, JSON). The defaults are those of the shipped weights.
-Edge bias of bumps: measured on drives toward `bump_8x40_30` and `hump_flat_30` (seeds 0 and 1, from 15 m on),
-with rows refined by `detector.edge_refinement`; of potholes: medians over rendered validation images. Score
-curves: measured on rendered drives (class B road; day, dusk, rain; plain, and with bumps, humps and
-potholes); the medians of the scores of real objects and of others are about equidistant from `even_score`.
+Edge bias of bumps: measured on rendered drives from seed 2000 on, by `foreride perception --calibration`;
+of potholes: medians over rendered validation images. Score curves: measured on rendered drives (class B road;
+day, dusk, rain; plain, and with bumps, humps and potholes); the medians of the scores of real objects and of
+others are about equidistant from `even_score`.
 """
 
 import json
@@ -61,7 +61,7 @@ Calibration = tuple[ClassCalibration, ...]
 """One entry per class, in the order of `CLASS_NAMES`."""
 
 _DEFAULTS = {
-    "speed_bump": ClassCalibration(0.2, -0.15, (0.17, 0.21, 0.32, 0.39, 0.42, 0.45), 10.0, 0.9),
+    "speed_bump": ClassCalibration(-0.35, 0.42, (0.17, 0.21, 0.32, 0.39, 0.42, 0.45), 10.0, 0.9),
     "pothole": ClassCalibration(0.1, 0.1, (0.28, 0.45, 0.53, 0.57, 0.57, 0.57), 20.0, 0.5),
 }
 DEFAULT_CALIBRATION: Calibration = tuple(_DEFAULTS[name] for name in CLASS_NAMES)
