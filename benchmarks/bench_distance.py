@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from foreride.detector.box_errors import BoxErrors, degrade  # noqa: E402
+from foreride.detector.box_errors import SIMULATED_CALIBRATION, BoxErrors, degrade  # noqa: E402
 from foreride.detector.calibration import edge_bias  # noqa: E402
 from foreride.detector.detections import exact  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
@@ -58,7 +58,10 @@ def errors(seed: int, roughness: str | None, braking_m_s2: float) -> list[list[f
     plant, sensors = Plant(car), Sensors(2, rng)
     plant.reset([wheel_profile(road, WHEEL_Y_M)] * 2, START_M, _motion(speed, braking_m_s2))
     size_px = camera.width_px, camera.height_px
-    estimator = Estimator(camera, nominal, car.axle_x_m, (WHEEL_Y_M,) * 2, x_m=START_M)
+    wheels_y_m = (WHEEL_Y_M,) * 2
+    estimator = Estimator(
+        camera, nominal, car.axle_x_m, wheels_y_m, x_m=START_M, calibration=SIMULATED_CALIBRATION
+    )
     marks, passive = marks_of(camera, nominal), np.array(car.damping_passive_ns_m)
     rows: list[list[float]] = []
     for tick in range(0, 100_000, 5):

@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from foreride.detector.box_errors import BoxErrors, degrade  # noqa: E402
+from foreride.detector.box_errors import SIMULATED_CALIBRATION, BoxErrors, degrade  # noqa: E402
 from foreride.detector.detections import Detections, exact  # noqa: E402
 from foreride.files.writing.atomic import write_text  # noqa: E402
 from foreride.preview.estimator import Estimator  # noqa: E402
@@ -80,7 +80,15 @@ def approach(
         pitch_deg=mount.pitch_deg + 0.2 * rng.standard_normal(),
     )
     size_px = camera.width_px, camera.height_px
-    estimator = Estimator(camera, mount, car.axle_x_m, (WHEEL_Y_M,) * 2, settings, x_m=START_M)
+    estimator = Estimator(
+        camera,
+        mount,
+        car.axle_x_m,
+        (WHEEL_Y_M,) * 2,
+        settings,
+        x_m=START_M,
+        calibration=SIMULATED_CALIBRATION,
+    )
     waiting: list[tuple[int, Detections]] = []
     cost = []
     passive = np.array(car.damping_passive_ns_m)

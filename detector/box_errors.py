@@ -1,15 +1,22 @@
 """Error model of a detector: detections made from true boxes, with noise, bias, misses and false boxes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 from annotated_types import Interval
 
-from foreride.detector.calibration import DEFAULT_CALIBRATION, Bias, edge_bias
+from foreride.detector.calibration import DEFAULT_CALIBRATION, Bias, Calibration, edge_bias
 from foreride.detector.detections import Detections
 from foreride.files.reading.ranges import Checked
 from foreride.road.obstacle_classes import CLASS_NAMES, check_per_class
+
+TOP_BIAS_PX, BOTTOM_BIAS_PX = (0.2, 0.1), (-0.15, 0.1)
+SIMULATED_CALIBRATION: Calibration = tuple(
+    replace(one, top_bias_px=top, bottom_bias_px=bottom)
+    for one, top, bottom in zip(DEFAULT_CALIBRATION, TOP_BIAS_PX, BOTTOM_BIAS_PX, strict=True)
+)
+"""Calibration of simulated boxes: they stay as they are when weights are trained anew."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +31,8 @@ class BoxErrors(Checked):
 
     pixel_sigma: Annotated[float, Interval(ge=0.0, le=100.0), "px"] = 1.0
     # As the estimator assumes by default
-    bottom_bias_px: tuple[Bias, ...] = tuple(one.bottom_bias_px for one in DEFAULT_CALIBRATION)
-    top_bias_px: tuple[Bias, ...] = tuple(one.top_bias_px for one in DEFAULT_CALIBRATION)
+    bottom_bias_px: tuple[Bias, ...] = BOTTOM_BIAS_PX
+    top_bias_px: tuple[Bias, ...] = TOP_BIAS_PX
     miss_probability: Annotated[float, Interval(ge=0.0, lt=1.0), "1"] = 0.15
     false_per_frame: Annotated[float, Interval(ge=0.0, le=100.0), "boxes"] = 0.0
     range_m: Annotated[float, Interval(ge=0.1, le=500.0), "m"] = 30.0

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from foreride.detector.box_errors import degrade
-from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration
+from foreride.detector.box_errors import SIMULATED_CALIBRATION, degrade
+from foreride.detector.calibration import Calibration
 from foreride.detector.detections import exact, no_detections
 from foreride.preview.estimator import Estimator
 from foreride.preview.height.stereo import second_pose
@@ -58,16 +58,15 @@ def _with_estimator(
 ) -> DetectorPerception:
     """Perception from the exposures of `eye` by the scenario's estimator."""
     scenario, setup = drive.scenario, drive.scenario.camera
-    estimator = build_estimator(
-        scenario, detection.detector.calibration if detection else DEFAULT_CALIBRATION
-    )
+    calibration = detection.detector.calibration if detection else SIMULATED_CALIBRATION
+    estimator = build_estimator(scenario, calibration)
     correct = track_corrector(scenario.road.features, scenario.told)
     return DetectorPerception(
         eye, estimator, setup.rate_hz, setup.latency_s, drive.keep_images, correct, detection
     )
 
 
-def build_estimator(scenario: Scenario, calibration: Calibration = DEFAULT_CALIBRATION) -> Estimator:
+def build_estimator(scenario: Scenario, calibration: Calibration) -> Estimator:
     """Build the estimator of a scenario's car and camera, for boxes of a detector of this calibration."""
     car, setup = scenario.vehicle.parameters, scenario.camera
     return Estimator(

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from foreride.detector.box_errors import BoxErrors, degrade
+from foreride.detector.box_errors import SIMULATED_CALIBRATION, BoxErrors, degrade
+from foreride.detector.calibration import DEFAULT_CALIBRATION
 from foreride.detector.detections import Detections
 from foreride.files.errors import InputError
 
@@ -50,3 +51,9 @@ def test_edges_cut_by_the_image_stay_cut():
 def test_refuses_impossible_errors(field, value):
     with pytest.raises(InputError, match=field):
         BoxErrors(**{field: value})
+
+
+def test_the_default_bias_is_that_of_the_simulated_calibration() -> None:
+    assert BoxErrors().top_bias_px == tuple(one.top_bias_px for one in SIMULATED_CALIBRATION)
+    assert BoxErrors().bottom_bias_px == tuple(one.bottom_bias_px for one in SIMULATED_CALIBRATION)
+    assert len(SIMULATED_CALIBRATION) == len(DEFAULT_CALIBRATION)

@@ -13,7 +13,7 @@ from foreride.scenarios.cases import Case
 from foreride.scenarios.definition.clock import TICKS_PER_SECOND
 from foreride.scenarios.definition.loading import load
 from foreride.scenarios.perceptions.detector_perception import BoxSource
-from foreride.scenarios.perceptions.interface import Exposure
+from foreride.scenarios.perceptions.interface import Drive, Exposure
 from foreride.scenarios.simulation.simulate import Run, simulate
 from foreride.vehicle.state import VehicleState
 
@@ -106,3 +106,14 @@ def test_without_a_detector_a_look_is_of_the_state_at_its_exposure(monkeypatch: 
     drive()
     assert len(seen) > 10
     assert [time_s for _, time_s in seen] == pytest.approx([tick / TICKS_PER_SECOND for tick, _ in seen])
+
+
+def test_the_estimator_takes_off_the_default_bias_of_simulated_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also when the shipped weights have another one."""
+    build, given = eyes.build_estimator, []
+    monkeypatch.setattr(eyes, "build_estimator", lambda *told: given.append(told[1]) or build(*told))
+    scenario = load("bump_8x40_30")
+    eyes.build_boxes(Drive(scenario, (), 0))
+    ((bump, pothole),) = given
+    assert (bump.top_bias_px, pothole.top_bias_px) == scenario.boxes.top_bias_px
+    assert (bump.bottom_bias_px, pothole.bottom_bias_px) == scenario.boxes.bottom_bias_px
