@@ -44,7 +44,12 @@ def parser(description: str | None) -> argparse.ArgumentParser:
     p.add_argument("--init", type=weights_file, metavar="FILE", help="weights to start from, or `shipped`")
     p.add_argument("--resume", action="store_true", help="continue from the checkpoint in --out")
     p.add_argument("--device", default="auto", help="auto, cpu or cuda")
-    p.add_argument("--precision", choices=("bf16", "fp32"), default="bf16")
+    p.add_argument(
+        "--precision",
+        choices=("auto", "bf16", "fp32"),
+        default="auto",
+        help="auto: bf16 if the device has instructions for it, else fp32",
+    )
     p.add_argument("--threads", type=int, default=2, help="threads of torch on a CPU")
     p.add_argument("--memory-mib", type=float, default=2048, help="for decoded images; others are read again")
     p.add_argument("--workers", type=int, default=1, help="threads that prepare batches")

@@ -32,6 +32,7 @@ from foreride.detector.training.loop import LoopSettings, train
 from foreride.detector.training.losses import LossWeights
 from foreride.detector.training.mixture import Mixture
 from foreride.detector.training.options import parser
+from foreride.detector.training.precision import fastest_precision
 from foreride.detector.training.schedule import parse_stages
 from foreride.detector.training.trainer import Settings, Trainer
 from foreride.files.command_line import notify
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _settings(args: argparse.Namespace) -> Settings:
+def _settings(args: argparse.Namespace, device: str) -> Settings:
     for name in ("batch", "threads", "workers", "validate_every"):
         if getattr(args, name) < 1:
             raise InputError(f"--{name.replace('_', '-')} must be >= 1, got {getattr(args, name)}")
@@ -73,7 +74,7 @@ def _settings(args: argparse.Namespace) -> Settings:
         args.rate,
         decay=args.decay,
         seed=args.seed,
-        precision=args.precision,
+        precision=fastest_precision(device) if args.precision == "auto" else args.precision,
         loss=LossWeights(nwd_alpha=args.nwd_alpha, nwd_scale=args.nwd_scale, edge=args.edge_weight),
         distillation=DistillationWeights(args.distil_logits, args.distil_features),
         augmentation=Augmentation(args.mosaic, args.weather, args.litter, args.plain_last, args.zoom),
@@ -152,8 +153,8 @@ def _device(requested: str) -> str:
 
 def run(args: argparse.Namespace) -> None:
     """Train as specified by the command line. Raises InputError."""
-    settings = _settings(args)
     device = _device(args.device)
+    settings = _settings(args, device)
     on_device = _device_views(args, device)
     checkpoint = args.out / "checkpoint.pt"
     if checkpoint.exists() and not args.resume:
@@ -175,7 +176,8 @@ def run(args: argparse.Namespace) -> None:
     }
     write_text(args.out / "config.json", json.dumps(config, indent=1) + "\n")
     print(
-        f"{len(training)} training, {len(validation)} validation images; {args.stages} on {device}",
+        f"{len(training)} training, {len(validation)} validation images; {args.stages} on {device} "
+        f"in {settings.precision}",
         flush=True,
     )
     how = LoopSettings(validate_every=args.validate_every, patience=args.patience)
