@@ -26,13 +26,13 @@ from foreride.detector.network.checkpoint import save_weights
 from foreride.detector.training.batches import Batch, batches
 from foreride.detector.training.device.arrivals import Arrivals
 from foreride.detector.training.device.feed import DeviceAugmentation, DeviceFeed
+from foreride.detector.training.device.precision import fastest_precision
 from foreride.detector.training.distillation import DistillationWeights
 from foreride.detector.training.image_store import CachedDataset, load_cached_dataset
 from foreride.detector.training.loop import LoopSettings, train
 from foreride.detector.training.losses import LossWeights
 from foreride.detector.training.mixture import Mixture
 from foreride.detector.training.options import parser
-from foreride.detector.training.precision import fastest_precision
 from foreride.detector.training.schedule import parse_stages
 from foreride.detector.training.trainer import Settings, Trainer
 from foreride.files.command_line import notify

@@ -1,1 +1,1 @@
-"""Training views made on the device that trains: images in its memory, cropped and lit as batches."""
+"""Device side of a training: its precision, and views of images in its memory, cropped and lit as batches."""

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("torch")
 import torch
 
-from foreride.detector.training.precision import BF16_INSTRUCTIONS, fastest_precision
+from foreride.detector.training.device.precision import BF16_INSTRUCTIONS, fastest_precision
 from foreride.detector.training.train import main
 from tests.detector.roads import write
 
