@@ -15,6 +15,7 @@ from foreride.detector.calibration import DEFAULT_CALIBRATION, Calibration, read
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.fastest_backend import FASTEST, fastest_backend
 from foreride.detector.nms import NMS_IOU, select
+from foreride.detector.views import COUNTS, VIEWS, View, fused
 from foreride.files.errors import InputError, shown
 from foreride.files.own_code import say_once
 from foreride.files.reading.numbers import parse_integer
@@ -50,6 +51,7 @@ class Detector:
     threads: threads of the runtime. backend: a name in `backends.BACKENDS`, or `fastest` for the fastest one
     on this machine (`detector.fastest_backend`), whose name is then in the attribute `backend`
     confidence, iou: least score kept, and overlap above which the lower-scoring box of a class is dropped
+    views: of every image, 1, 2 or 4 (`detector.views`); each takes as long as the first
     Raises InputError if the file is absent, broken or of another kind, or the backend is not installed.
     """
 
@@ -60,13 +62,16 @@ class Detector:
         confidence: float = 0.2,
         iou: float = NMS_IOU,
         backend: str = CPU,
+        views: int = 1,
     ):
         for name, value in (("confidence", confidence), ("iou", iou)):
             if not 0 < value <= 1:
                 raise InputError(f"{name} must be > 0 and <= 1, got {value}")
         if threads < 1:
             raise InputError(f"threads must be >= 1, got {threads}")
-        self.path = Path(weights or WEIGHTS)
+        if views not in COUNTS:
+            raise InputError(f"views must be one of {', '.join(map(str, COUNTS))}, got {views}")
+        self.path, self.views = Path(weights or WEIGHTS), VIEWS[:views]
         self.confidence, self.iou, self.threads = confidence, iou, threads
         self.metadata = read_metadata(self.path)
         self.longest = int(self.metadata["width"])
@@ -92,11 +97,18 @@ class Detector:
         transform = letterbox_for(width, height, self.longest)
         transform = replace(transform, height=transform.height - round(first_row * transform.scale))
         band = image[first_row:]
-        boxes, scores = self.candidates(letterbox(band, transform))
-        detections = select(boxes / transform.scale, scores, self.confidence, self.iou)
+        seen = [self._seen(band, transform, view) for view in self.views]
+        detections = seen[0] if len(seen) == 1 else fused(seen, self.confidence, self.iou)
         detections.boxes.clip(0, (width, height - first_row) * 2, out=detections.boxes)
         detections.boxes[:, 1::2] += first_row
         return detections
+
+    def _seen(self, image: NDArray[np.uint8], transform: Letterbox, view: View) -> Detections:
+        """Detections of one view in pixels of the image, weaker ones too where there are more views."""
+        turned = image[:, ::-1] if view.mirrored else image
+        boxes, scores = self.candidates(view.of(letterbox(turned, transform)))
+        boxes = view.back(boxes, image.shape[1] * transform.scale) / transform.scale
+        return select(boxes, scores, self.confidence / len(self.views), self.iou)
 
     def band_row(self, width: int, height: int, row: int) -> int:
         """Last row <= `row` above which an image can be left out, the network's grid being kept.

@@ -29,6 +29,7 @@ from foreride.detector.evaluation.plots import write_precision_recall
 from foreride.detector.evaluation.summary import report
 from foreride.detector.nms import MIN_CONFIDENCE
 from foreride.detector.runtime import Detector
+from foreride.detector.views import COUNTS, VIEWS_HELP
 from foreride.files.command_line import Parser, notify, output_path
 from foreride.files.errors import InputError
 from foreride.files.progress import Progress
@@ -123,6 +124,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--degrade", choices=EFFECTS, help="degradation applied to every image")
     p.add_argument("--strength", type=float, default=0.5, help="strength of --degrade, 0..1")
     p.add_argument("--threads", type=int, default=1)
+    p.add_argument("--views", type=int, default=1, choices=COUNTS, help=VIEWS_HELP)
     p.add_argument("--ignore-masks", action="store_true", help="count detections outside lane/ masks, too")
     p.add_argument("--skip-bad", action="store_true", help="leave out unusable files")
     return p
@@ -143,13 +145,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         degradation = unchanged
         if args.degrade:
             degradation = partial(degraded, effect=args.degrade, strength=args.strength)
-        detect = Detector(args.weights, args.threads, MIN_CONFIDENCE)
+        detect = Detector(args.weights, args.threads, MIN_CONFIDENCE, views=args.views)
         judged = match_folder(args.data, detect, args.skip_bad, not args.ignore_masks, degradation)
         summary = summary_of(args.data, judged, args.confidence)
         summary |= {
             "weights": shared_name(detect.path),
             "data": shared_name(args.data),
             "metadata": detect.metadata,
+            "views": args.views,
         }
         summary |= {"degrade": args.degrade, "strength": args.strength} if args.degrade else {}
         if args.json:

@@ -20,6 +20,7 @@ from foreride.detector.data.yolo_folder import SUFFIXES
 from foreride.detector.detections import CLASS_NAMES, Detections
 from foreride.detector.evaluation.unlabelled import FilmAlbum, Picture, SheetAlbum
 from foreride.detector.runtime import Detector
+from foreride.detector.views import COUNTS, VIEWS_HELP
 from foreride.files.command_line import Parser, notify
 from foreride.files.errors import InputError
 from foreride.files.progress import Progress
@@ -58,6 +59,7 @@ def parser() -> Parser:
     p.add_argument("--confidence", type=float, default=0.25, help="least score of a box shown (default 0.25)")
     p.add_argument("--camera", type=Path, metavar="FILE", help="YAML file with the block camera, for ranges")
     p.add_argument("--threads", type=int, default=1)
+    p.add_argument("--views", type=int, default=1, choices=COUNTS, help=VIEWS_HELP)
     return p
 
 
@@ -66,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = parser().parse_args(arguments)
     try:
         within("--threads", args.threads, 1, 1024)
-        detect = Detector(args.weights, args.threads, args.confidence)
+        detect = Detector(args.weights, args.threads, args.confidence, views=args.views)
         camera = None if args.camera is None else strict.read(CameraFile, args.camera).camera
         rows = show(args.source, args.out, detect, camera)
     except InputError as error:

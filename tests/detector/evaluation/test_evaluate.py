@@ -19,6 +19,8 @@ from foreride.detector.evaluation.evaluate import (
     summary_of,
     write_folder,
 )
+from foreride.detector.nms import MIN_CONFIDENCE
+from foreride.detector.runtime import Detector
 from foreride.files.errors import InputError
 from tests.detector.roads import write
 
@@ -121,6 +123,16 @@ def test_command_writes_the_numbers(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "nowhere: no folder images/" in capsys.readouterr().err
     assert main(["--data", str(folder), "--confidence", "1.5"]) == 2
     assert "--confidence must be > 0 and <= 1, got 1.5" in capsys.readouterr().err
+
+
+def test_command_evaluates_several_views(tmp_path: Path) -> None:
+    """The numbers are those of such a detector, and tell how many views there were."""
+    folder, told = write(tmp_path / "data", 2), tmp_path / "out.json"
+    assert main(["--data", str(folder), "--views", "4", "--json", str(told)]) == 0
+    numbers = json.loads(told.read_text())
+    expected = evaluate(folder, Detector(confidence=MIN_CONFIDENCE, views=4), 0.25)
+    assert numbers["views"] == 4
+    assert {key: numbers[key] for key in expected} == json.loads(json.dumps(expected))
 
 
 def test_folder_receives_numbers_curves_and_sheets(tmp_path: Path) -> None:

@@ -70,6 +70,18 @@ def test_ranges_hold_for_a_larger_image_of_the_same_shape(tmp_path: Path, weight
     assert distances[1] == pytest.approx(distances[0], abs=0.01)
 
 
+def test_two_views_are_told_as_one(tmp_path: Path) -> None:
+    """The network sees a box in the same place of the mirrored image; the mean of both is in the middle."""
+    boxes, scores = (
+        np.array([[(300.0, 240.0, 360.0, 260.0)]], np.float32),
+        np.array([[[0.9, 0.0]]], np.float32),
+    )
+    options = ["--weights", str(networks.write(tmp_path / "n.onnx", boxes, scores)), "--views", "2"]
+    assert main([str(image(tmp_path / "a.png")), *options, "--out", str(tmp_path / "out")]) == 0
+    ((box,),) = [row["boxes"] for row in rows(tmp_path / "out")]
+    assert (box["box_px"], box["score"]) == ([290.0, 240.0, 350.0, 260.0], pytest.approx(0.9))
+
+
 def test_without_a_camera_no_range_is_told(tmp_path: Path, weights: Path) -> None:
     image(tmp_path / "one.png")
     assert main([str(tmp_path / "one.png"), "--out", str(tmp_path / "out"), "--weights", str(weights)]) == 0
