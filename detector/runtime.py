@@ -105,8 +105,7 @@ class Detector:
 
     def _seen(self, image: NDArray[np.uint8], transform: Letterbox, view: View) -> Detections:
         """Detections of one view in pixels of the image, weaker ones too where there are more views."""
-        turned = image[:, ::-1] if view.mirrored else image
-        boxes, scores = self.candidates(view.of(letterbox(turned, transform)))
+        boxes, scores = self.candidates(view.moved(letterbox(view.turned(image), transform)))
         boxes = view.back(boxes, image.shape[1] * transform.scale) / transform.scale
         return select(boxes, scores, self.confidence / len(self.views), self.iou)
 

@@ -26,7 +26,11 @@ class View(NamedTuple):
     right_px: int = 0
     down_px: int = 0
 
-    def of(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def turned(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Image (H, W, 3), mirrored if the view is: done before padding, which then stays at the right."""
+        return image[:, ::-1] if self.mirrored else image
+
+    def moved(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Moved image (H, W, 3) of the same size, its first column and row repeated."""
         if not (self.right_px or self.down_px):
             return image

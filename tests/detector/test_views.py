@@ -27,7 +27,7 @@ def test_a_box_in_a_view_goes_back_to_its_place_in_the_image(view: View, corner:
     """A white rectangle is looked up in the view, and its box sent back."""
     (x, y), image = corner, np.zeros((96, 128, 3), np.uint8)
     image[y : y + 6, x : x + 20] = 255
-    seen = view.of(image[:, ::-1] if view.mirrored else image)
+    seen = view.moved(view.turned(image))
     rows, columns = np.nonzero(seen[..., 0])
     box = np.array([[columns.min(), rows.min(), columns.max() + 1, rows.max() + 1]], np.float32)
     assert seen.shape == image.shape
@@ -36,7 +36,7 @@ def test_a_box_in_a_view_goes_back_to_its_place_in_the_image(view: View, corner:
 
 def test_what_a_shift_uncovers_repeats_the_edge() -> None:
     image = np.arange(4 * 5 * 3, dtype=np.uint8).reshape(4, 5, 3)
-    seen = View(False, 2, 1).of(image)
+    seen = View(False, 2, 1).moved(image)
     np.testing.assert_array_equal(seen[1:, 2:], image[:-1, :-2])
     np.testing.assert_array_equal(seen[0, 2:], image[0, :-2])
     np.testing.assert_array_equal(seen[1:, 0], image[:-1, 0])
